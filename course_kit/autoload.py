@@ -1,0 +1,45 @@
+"""Runs at the start of every Python of this environment, through `course_kit.pth`; so it does next to nothing.
+
+It makes the course's interfaces importable in any program, and has the ROS settings of the course made when
+rclpy is first imported: a plain `python server.py` in a terminal joins the same graph as the notebook.
+`COURSE_KIT_AUTOLOAD=0` turns it off.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib.abc import MetaPathFinder
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from importlib.machinery import ModuleSpec
+    from types import ModuleType
+
+
+class _BeforeRclpy(MetaPathFinder):
+    """Finds nothing; makes the settings when rclpy is about to be found."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        del path, target
+        if fullname == "rclpy":
+            sys.meta_path.remove(self)
+            from course_kit import environment
+
+            environment.apply()
+        return None
+
+
+def install() -> None:
+    """Put both finders in place."""
+    from course_kit.interfaces import finder
+
+    finder.install()
+    sys.meta_path.insert(0, _BeforeRclpy())
+
+
+if os.environ.get("COURSE_KIT_AUTOLOAD") != "0":
+    install()

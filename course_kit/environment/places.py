@@ -1,0 +1,57 @@
+"""Where things are kept: the checkout, what it generates, and what belongs to the user."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from functools import lru_cache
+from pathlib import Path
+
+import platformdirs
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+_APPLICATION = "ros2-course-kit"
+
+
+def checkout() -> Path | None:
+    """The course folder this package runs from, or None where only the package is installed."""
+    root = _PACKAGE.parent
+    return root if (root / "notebooks").is_dir() and (root / "pyproject.toml").is_file() else None
+
+
+def state_dir() -> Path:
+    """The user's state directory for the course (XDG_STATE_HOME), created on first use.
+
+    A home directory that is missing or read-only is replaced by a private folder among the temporary files,
+    so that a course on a locked-down machine works and only forgets between reboots.
+    """
+    return _state_dir(os.environ.get("XDG_STATE_HOME"), os.environ.get("HOME"))
+
+
+@lru_cache(maxsize=8)
+def _state_dir(xdg: str | None, home: str | None) -> Path:  # noqa: ARG001 - the cache is keyed by both
+    wanted = platformdirs.user_state_path(_APPLICATION, appauthor=False)
+    if _writable(wanted):
+        return wanted
+    spare = Path(tempfile.gettempdir()) / f"{_APPLICATION}-{os.getuid()}"
+    if _writable(spare) and spare.stat().st_uid == os.getuid():
+        return spare
+    return Path(tempfile.mkdtemp(prefix=f"{_APPLICATION}-"))
+
+
+def run_dir() -> Path:
+    """This checkout's folder for generated things; beside the course when that is writable."""
+    root = checkout()
+    if root is not None and _writable(root / ".course"):
+        return root / ".course"
+    elsewhere = state_dir() / "run"
+    elsewhere.mkdir(parents=True, exist_ok=True)
+    return elsewhere
+
+
+def _writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK | os.X_OK)

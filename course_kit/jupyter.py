@@ -1,0 +1,41 @@
+"""Starts JupyterLab on the course."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import TYPE_CHECKING, NoReturn
+
+from course_kit import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+FIRST_LESSON = "notebooks/01_services.ipynb"
+
+
+def run_lab(arguments: Sequence[str]) -> int:
+    """Replace this process by JupyterLab, opened on the first lesson; return 2 where there is no course folder.
+
+    The settings of the course are in its environment, so kernels and terminals all join the same ROS graph.
+    """
+    root = environment.checkout()
+    if root is None:
+        print("course-kit: the notebooks are not here. Run ./course lab in the course's folder.", file=sys.stderr)
+        return 2
+    exec_lab(root, arguments)
+
+
+def exec_lab(root: Path, arguments: Sequence[str]) -> NoReturn:
+    """Become JupyterLab."""
+    command = [
+        sys.executable,
+        "-m",
+        "jupyter",
+        "lab",
+        f"--ServerApp.root_dir={root}",
+        f"--LabApp.default_url=/lab/tree/{FIRST_LESSON}",
+        *arguments,
+    ]
+    os.execve(sys.executable, command, environment.child_environment())
