@@ -27,10 +27,17 @@ class _BeforeRclpy(MetaPathFinder):
         del path, target
         if fullname == "rclpy":
             sys.meta_path.remove(self)
-            from course_kit import environment
-
-            environment.apply()
+            _make_settings()
         return None
+
+
+def _make_settings() -> None:
+    from course_kit import environment
+
+    try:
+        environment.apply()
+    except (environment.NoDomainError, environment.SettingsError) as problem:
+        print(f"course-kit: {problem}", file=sys.stderr)
 
 
 def install() -> None:

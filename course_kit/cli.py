@@ -12,7 +12,9 @@ if TYPE_CHECKING:
 
 def build_parser() -> argparse.ArgumentParser:
     """The command line as argparse sees it."""
-    parser = argparse.ArgumentParser(prog="course-kit", description="A live course on ROS 2 services, actions and parameters.")
+    parser = argparse.ArgumentParser(
+        prog="course-kit", description="A live course on ROS 2 services, actions and parameters."
+    )
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
 
     lab = verbs.add_parser("lab", help="open the course in JupyterLab")

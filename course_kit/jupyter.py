@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 from course_kit import environment
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
-
 FIRST_LESSON = "notebooks/01_services.ipynb"
 
 
@@ -24,11 +22,6 @@ def run_lab(arguments: Sequence[str]) -> int:
     if root is None:
         print("course-kit: the notebooks are not here. Run ./course lab in the course's folder.", file=sys.stderr)
         return 2
-    exec_lab(root, arguments)
-
-
-def exec_lab(root: Path, arguments: Sequence[str]) -> NoReturn:
-    """Become JupyterLab."""
     command = [
         sys.executable,
         "-m",
@@ -38,4 +31,4 @@ def exec_lab(root: Path, arguments: Sequence[str]) -> NoReturn:
         f"--LabApp.default_url=/lab/tree/{FIRST_LESSON}",
         *arguments,
     ]
-    os.execve(sys.executable, command, environment.child_environment())
+    return os.execve(sys.executable, command, environment.child_environment())

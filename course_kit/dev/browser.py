@@ -23,7 +23,10 @@ def find_or_install() -> str | None:
         return path
     print("course: installing Chromium for the browser tests (apt-get)", file=sys.stderr)
     environ = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
-    for command in (["apt-get", "update", "-qq"], ["apt-get", "install", "-y", "-qq", "--no-install-recommends", "chromium"]):
+    for command in (
+        ["apt-get", "update", "-qq"],
+        ["apt-get", "install", "-y", "-qq", "--no-install-recommends", "chromium"],
+    ):
         done = subprocess.run(command, env=environ, stdout=subprocess.DEVNULL, check=False)
         if done.returncode:
             break

@@ -13,7 +13,13 @@ from course_kit import environment
 from course_kit.dev import browser
 
 # A cell that waits longer than this hangs; nbval's own default is 2,000 s.
-NBVAL = ["--nbval", "--nbval-current-env", "--nbval-cell-timeout=60", "--nbval-sanitize-with", "tests/nbval_sanitize.cfg"]
+NBVAL = [
+    "--nbval",
+    "--nbval-current-env",
+    "--nbval-cell-timeout=60",
+    "--nbval-sanitize-with",
+    "tests/nbval_sanitize.cfg",
+]
 
 
 def main(arguments: list[str]) -> int:

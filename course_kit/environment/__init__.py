@@ -16,9 +16,11 @@ from course_kit.environment.places import checkout, run_dir, state_dir
 __all__ = [
     "NoDomainError",
     "Settings",
+    "SettingsError",
     "apply",
     "checkout",
     "child_environment",
+    "defaults",
     "exclusive_domain",
     "run_dir",
     "state_dir",
@@ -28,6 +30,11 @@ DISCOVERY_PROFILE = Path(__file__).with_name("fast_discovery.xml")
 # Tells the kit's own choice from the user's in the environment a child process inherits.
 _CHOSEN_BY_KIT = "COURSE_KIT_DOMAIN_ID"
 _LOGS_KEPT = 40
+_HIGHEST_DOMAIN = 232  # the ports of a higher one would lie past 65535
+
+
+class SettingsError(ValueError):
+    """A value the user has set cannot be used."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +73,7 @@ def apply() -> Settings:
 
     Raises:
         NoDomainError: all ROS domains of this machine are in use.
+        SettingsError: ROS_DOMAIN_ID is no number that ROS can use.
     """
     for name, value in defaults().items():
         os.environ.setdefault(name, value)
@@ -98,9 +106,14 @@ def child_environment(**changes: str | None) -> dict[str, str]:
 
 def _domain_set_by_user(environ: os._Environ[str]) -> int | None:
     value = environ.get("ROS_DOMAIN_ID", "")
-    if value and value != environ.get(_CHOSEN_BY_KIT) and value.isdecimal():
-        return int(value)
-    return None
+    if not value or value == environ.get(_CHOSEN_BY_KIT):
+        return None
+    if not value.isdecimal() or int(value) > _HIGHEST_DOMAIN:
+        raise SettingsError(
+            f"ROS_DOMAIN_ID is set to '{value}', and ROS needs a whole number from 0 to {_HIGHEST_DOMAIN}. "
+            "Correct it, or unset it and the course chooses one."
+        )
+    return int(value)
 
 
 def _hold_domain() -> None:
@@ -114,7 +127,16 @@ def _log_folder() -> Path:
     """Where ROS writes a file per process; the oldest are removed so that the folder does not grow for ever."""
     folder = state_dir() / "log"
     folder.mkdir(parents=True, exist_ok=True)
-    files = sorted(folder.glob("*.log"), key=lambda file: file.name)
-    for old in files[:-_LOGS_KEPT]:
-        old.unlink(missing_ok=True)
+    with os.scandir(folder) as entries:
+        files = [entry for entry in entries if entry.name.endswith(".log")]
+    if len(files) > 2 * _LOGS_KEPT:
+        for old in sorted(files, key=_time_of)[:-_LOGS_KEPT]:
+            Path(old.path).unlink(missing_ok=True)
     return folder
+
+
+def _time_of(entry: os.DirEntry[str]) -> float:
+    try:
+        return entry.stat().st_mtime
+    except FileNotFoundError:  # another process has just removed it
+        return 0.0

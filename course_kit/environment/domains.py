@@ -122,7 +122,10 @@ def _owner(domain_id: int) -> str:
 
 
 def _lock(domain_id: int, mode: int) -> Lease | None:
-    descriptor = _open(str(domain_id))
+    try:
+        descriptor = _open(str(domain_id))
+    except PermissionError:  # another user's file, made by hand or under a strange umask
+        return None
     try:
         fcntl.flock(descriptor, mode | fcntl.LOCK_NB)
     except OSError:

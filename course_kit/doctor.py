@@ -1,0 +1,241 @@
+"""`course-kit doctor`: what was found on this machine, a verdict on each, and what to do about it."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import textwrap
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+VERDICTS = {"ok": "ok  ", "note": "note", "bad": "BAD "}
+_ROUND_TRIP_DEADLINE_S = 20.0
+_PLENTY_OF_SHM = 64 * 2**20  # bytes
+_SHARED_MEMORY = "/dev/shm"  # noqa: S108 - only its free space is read
+
+# A service server in a process of its own: what the doctor's client has to discover.
+_SERVER = """
+import rclpy
+from std_srvs.srv import Trigger
+rclpy.init()
+node = rclpy.create_node("doctor_server")
+def answer(request, response):
+    response.success = True
+    return response
+node.create_service(Trigger, "doctor", answer)
+try:
+    rclpy.spin(node)
+except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+    pass
+"""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line of the doctor's report. `verdict` is "ok", "note" (works, worth knowing) or "bad"."""
+
+    subject: str
+    found: str
+    verdict: str = "ok"
+    advice: str = ""
+
+
+def run() -> int:
+    """Print the findings as they come; return 0 when nothing is bad, else 1."""
+    bad = 0
+    for finding in findings():
+        bad += finding.verdict == "bad"
+        print(render(finding), flush=True)
+    print()
+    print(
+        "Everything the course needs is here." if not bad else f"{bad} of these must be mended before the course works."
+    )
+    return 1 if bad else 0
+
+
+def render(finding: Finding) -> str:
+    """A finding as text of at most 80 columns: verdict, subject, what was found, then the advice."""
+    head = f"{VERDICTS[finding.verdict]}  {finding.subject:<17} "
+    body = textwrap.wrap(finding.found, 80 - len(head)) or [""]
+    lines = [head + body[0], *(" " * len(head) + line for line in body[1:])]
+    lines += textwrap.wrap(finding.advice, 80, initial_indent="      -> ", subsequent_indent="         ")
+    return "\n".join(lines)
+
+
+def findings() -> Iterator[Finding]:
+    """All findings, the quick ones first; whatever goes wrong in one is a finding of its own."""
+    for check in (python, settings, rclpy_itself, middleware, jupyter, interfaces, shared_memory, isolation, discovery):
+        yield guarded(check)
+
+
+def guarded(check: Callable[[], Finding]) -> Finding:
+    """The finding of `check`, or a bad one that tells what went wrong."""
+    try:
+        return check()
+    except Exception as problem:  # noqa: BLE001 - a doctor must not fall ill
+        subject = check.__name__.replace("_", " ")
+        return Finding(
+            subject,
+            f"{type(problem).__name__}: {problem}",
+            "bad",
+            "Run ./course doctor again after a new set-up: delete .venv and run ./course lab.",
+        )
+
+
+def python() -> Finding:
+    """The interpreter."""
+    found = f"{platform.python_version()} in {sys.prefix}"
+    if (3, 10) <= sys.version_info[:2] < (3, 15):
+        return Finding("Python", found)
+    return Finding(
+        "Python", found, "bad", "The course needs Python 3.10 to 3.14; set COURSE_PYTHON to one and run ./course again."
+    )
+
+
+def settings() -> Finding:
+    """The private graph."""
+    try:
+        chosen = environment.apply()
+    except (environment.NoDomainError, environment.SettingsError) as problem:
+        return Finding("ROS graph", str(problem), "bad", "See the message.")
+    reach = chosen.variables["ROS_AUTOMATIC_DISCOVERY_RANGE"]
+    found = f"domain {chosen.domain_id}, chosen by {chosen.domain_chosen_by}; discovery {reach}"
+    others = {
+        name: value for name, value in chosen.variables.items() if environment.defaults().get(name, value) != value
+    }
+    if reach not in ("LOCALHOST", "OFF"):
+        advice = "Other machines can see the course's nodes. Unset ROS_AUTOMATIC_DISCOVERY_RANGE to keep them private."
+        return Finding("ROS graph", found, "note", advice)
+    if others:
+        return Finding("ROS graph", found, "note", "Your own values are used for: " + ", ".join(sorted(others)))
+    return Finding("ROS graph", found)
+
+
+def rclpy_itself() -> Finding:
+    """Where rclpy comes from."""
+    try:
+        import rclpy
+    except Exception as problem:  # noqa: BLE001 - a broken installation raises anything
+        advice = "Run ./course lab, which installs it; or source a ROS 2 Jazzy first and delete .venv."
+        return Finding("rclpy", f"cannot be imported: {problem}", "bad", advice)
+    where = os.path.dirname(rclpy.__file__)  # noqa: PTH120
+    try:
+        return Finding("rclpy", f"{importlib.metadata.version('ros-rclpy')} from PyPI wheels")
+    except importlib.metadata.PackageNotFoundError:
+        return Finding("rclpy", f"of the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {where}")
+
+
+def middleware() -> Finding:
+    """The RMW that is loaded, and whether the live interfaces can work on it."""
+    from rclpy.utilities import get_rmw_implementation_identifier
+
+    name = get_rmw_implementation_identifier()
+    if name.startswith("rmw_fastrtps"):
+        return Finding("RMW", name)
+    return Finding(
+        "RMW", name, "bad", "The course's own message types are made for Fast DDS: unset RMW_IMPLEMENTATION."
+    )
+
+
+def jupyter() -> Finding:
+    """JupyterLab and the kernel."""
+    names = ("jupyterlab", "ipykernel", "ipywidgets")
+    return Finding("Jupyter", ", ".join(f"{name} {importlib.metadata.version(name)}" for name in names))
+
+
+def interfaces() -> Finding:
+    """The course's own message types, in a Python that never imports the kit."""
+    program = (
+        "from example_interfaces.srv import AddTwoInts as T; T.__class__.__import_type_support__(); print(T.__module__)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env=environment.child_environment(),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    if done.returncode == 0:
+        return Finding("message types", "example_interfaces and course_interfaces can be imported in any program")
+    last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+    return Finding(
+        "message types", last, "bad", "Delete .venv and run ./course lab: it builds the small library they need."
+    )
+
+
+def shared_memory() -> Finding:
+    """Free space in /dev/shm."""
+    used = os.environ.get("FASTDDS_BUILTIN_TRANSPORTS") != "UDPv4"
+    try:
+        free = shutil.disk_usage(_SHARED_MEMORY).free
+    except OSError:
+        free = 0
+    need = "may use it" if used else "talk over UDP and do not need it"
+    found = f"{free / 2**20:,.0f} MB free in {_SHARED_MEMORY}; the course's nodes {need}"
+    if used and free < _PLENTY_OF_SHM:
+        return Finding("shared memory", found, "note", "Unset FASTDDS_BUILTIN_TRANSPORTS, or give /dev/shm more room.")
+    return Finding("shared memory", found)
+
+
+def discovery() -> Finding:
+    """Time until a client has found and asked a server in another process, on a domain of its own."""
+    with environment.exclusive_domain() as domain_id:
+        environ = environment.child_environment(ROS_DOMAIN_ID=str(domain_id))
+        with subprocess.Popen(
+            [sys.executable, "-c", _SERVER], env=environ, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        ) as server:
+            try:
+                seconds = _ask(domain_id)
+            finally:
+                server.terminate()
+    if seconds is None:
+        advice = "A firewall on the loopback interface, or your own Fast DDS profile, keeps the nodes apart."
+        return Finding(
+            "discovery", f"no answer from another process within {_ROUND_TRIP_DEADLINE_S:.0f} s", "bad", advice
+        )
+    return Finding("discovery", f"a server in another process answered {seconds:.2f} s after it was started")
+
+
+def _ask(domain_id: int) -> float | None:
+    """Seconds until the server answered, start of its Python included; None when it never did."""
+    import rclpy
+    from rclpy.context import Context
+    from rclpy.executors import SingleThreadedExecutor
+    from std_srvs.srv import Trigger
+
+    started = time.monotonic()
+    context = Context()
+    rclpy.init(context=context, domain_id=domain_id)
+    try:
+        node = rclpy.create_node("doctor_client", context=context)
+        executor = SingleThreadedExecutor(context=context)
+        executor.add_node(node)
+        client = node.create_client(Trigger, "doctor")
+        future = None
+        while time.monotonic() - started < _ROUND_TRIP_DEADLINE_S:
+            if future is None and client.service_is_ready():
+                future = client.call_async(Trigger.Request())
+            executor.spin_once(timeout_sec=0.02)  # returns as soon as there is anything to do
+            if future is not None and future.done():
+                return time.monotonic() - started
+        return None
+    finally:
+        context.try_shutdown()
+
+
+def isolation() -> Finding:
+    """What holds a submission back when it is graded."""
+    from course_kit.grading import isolation as measured
+
+    return Finding("grader isolation", str(measured))

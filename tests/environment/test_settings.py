@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from course_kit import environment
+from course_kit.environment import places
+
+KIT_VARIABLES = (*environment.defaults(), "ROS_DOMAIN_ID", "COURSE_KIT_DOMAIN_ID", "ROS_LOG_DIR")
+DUMP = "import json, os, rclpy; print(json.dumps(dict(os.environ)))"
+
+
+def in_fresh_process(program: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    """Run a program that never imports the kit, as in a terminal where nothing of the kit is set."""
+    environ = {name: value for name, value in os.environ.items() if name not in KIT_VARIABLES}
+    return subprocess.run(
+        [sys.executable, "-c", program], env=environ | variables, capture_output=True, text=True, timeout=60, check=True
+    )
+
+
+def dumped(**variables: str) -> dict[str, str]:
+    result: dict[str, str] = json.loads(in_fresh_process(DUMP, **variables).stdout)
+    return result
+
+
+def test_any_python_that_imports_rclpy_gets_the_settings() -> None:
+    found = dumped()
+    assert {name: found[name] for name in environment.defaults()} == environment.defaults()
+    assert 1 <= int(found["ROS_DOMAIN_ID"]) <= 101
+    assert Path(found["ROS_LOG_DIR"]).is_dir()
+
+
+def test_two_programs_of_one_checkout_meet_in_one_domain() -> None:
+    assert dumped()["ROS_DOMAIN_ID"] == dumped()["ROS_DOMAIN_ID"]
+
+
+@pytest.mark.parametrize("name", [*environment.defaults(), "ROS_DOMAIN_ID"])
+def test_a_value_the_user_has_set_wins(name: str) -> None:
+    value = "7" if name == "ROS_DOMAIN_ID" else "OFF" if name.startswith("ROS_AUTO") else "0"
+    assert dumped(**{name: value})[name] == value
+
+
+def test_a_child_inherits_the_domain_and_does_not_take_it_for_the_users(domain: int) -> None:
+    child = environment.child_environment(ROS_DOMAIN_ID=str(domain), ROS_LOG_DIR=None)
+    assert child["ROS_DOMAIN_ID"] == str(domain)
+    assert "COURSE_KIT_DOMAIN_ID" not in child
+    assert "ROS_LOG_DIR" not in child
+
+
+def test_apply_says_who_chose_the_domain(domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert environment.apply() == environment.apply()
+    assert environment.apply().domain_chosen_by == "ROS_DOMAIN_ID"
+    assert environment.apply().domain_id == domain
+    monkeypatch.delenv("ROS_DOMAIN_ID")
+    assert environment.apply().domain_chosen_by == "the course kit"
+
+
+@pytest.mark.parametrize("value", ["abc", "-1", "233", "4.5"])
+def test_an_impossible_domain_is_named_and_not_changed(value: str) -> None:
+    result = in_fresh_process("import rclpy, os; print(os.environ['ROS_DOMAIN_ID'])", ROS_DOMAIN_ID=value)
+    assert result.stdout.strip() == value
+    assert f"ROS_DOMAIN_ID is set to '{value}'" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_python_without_rclpy_is_left_alone() -> None:
+    program = (
+        "import os, sys; print('ROS_DOMAIN_ID' in os.environ, 'numpy' in sys.modules, 'rosidl_parser' in sys.modules)"
+    )
+    assert in_fresh_process(program).stdout.split() == ["False", "False", "False"]
+
+
+def test_the_autoload_can_be_turned_off() -> None:
+    assert "ROS_LOG_DIR" not in dumped(COURSE_KIT_AUTOLOAD="0")
+
+
+def test_without_a_usable_home_the_state_goes_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    monkeypatch.setenv("HOME", str(blocked))
+    monkeypatch.delenv("XDG_STATE_HOME", raising=False)
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    places._state_dir.cache_clear()
+    state = environment.state_dir()
+    assert state.is_dir()
+    assert state.is_relative_to(tmp_path)
+
+
+def test_old_log_files_are_cleared_away_and_the_newest_kept(tmp_path: Path) -> None:
+    folder = tmp_path / "ros2-course-kit" / "log"
+    folder.mkdir(parents=True)
+    for number in range(200):
+        file = folder / f"python_{number}.log"
+        file.write_text("old")
+        os.utime(file, (number, number))
+    dumped(XDG_STATE_HOME=str(tmp_path))
+    left = {file.name for file in folder.glob("python_*.log")}
+    assert "python_199.log" in left
+    assert "python_0.log" not in left
+    assert len(left) <= 80

@@ -1,0 +1,243 @@
+"""`./course` as a newcomer meets it: in a folder with a space, interrupted, moved, on the wrong machine.
+
+The installation itself is stood in for by `stand_in_uv` (tests must pass without a network); that the real one
+works is shown by the fact that this suite runs, since `./course test` had to set it up.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+BASE_PYTHON = Path(sys.executable).resolve()  # without the packages of the kit
+
+STAND_IN_UV = """#!/bin/sh
+# Stands in for uv: makes a real venv without pip, and instead of installing notes what it was asked for.
+echo "$@" >>"$STAND_IN_LOG"
+case $1 in
+  venv) for last; do :; done; exec "$STAND_IN_PYTHON" -m venv --without-pip "$last" ;;
+  pip) if [ -n "${STAND_IN_PIPE:-}" ]; then echo blocked >"$STAND_IN_PIPE"; read -r _ <"$STAND_IN_PIPE"; fi
+       exit "${STAND_IN_RESULT:-0}" ;;
+esac
+"""
+STAND_IN_CLI = "import os, sys; print('cli', os.environ['VIRTUAL_ENV'], *sys.argv[1:])\n"
+
+
+class Clone:
+    """A fresh clone in a folder with a space, with the tools its script finds on PATH."""
+
+    def __init__(self, folder: Path) -> None:
+        self.root = folder / "my course"
+        self.tools = folder / "tools"
+        self.log = folder / "log"
+        self.tools.mkdir()
+        for name in (
+            "course",
+            "pyproject.toml",
+            "hatch_build.py",
+            "course_kit/course_kit.pth",
+            "course_kit/interfaces/native/helper.c",
+        ):
+            (self.root / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(REPOSITORY / name, self.root / name)
+        (self.root / "course_kit/cli.py").write_text(STAND_IN_CLI)
+        self.tool("uv", STAND_IN_UV)
+        self.log.touch()
+
+    def tool(self, name: str, text: str) -> None:
+        (self.tools / name).write_text(text)
+        (self.tools / name).chmod(0o755)
+
+    def environ(self, **variables: str) -> dict[str, str]:
+        kept = {
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith(("ROS", "PYTHON", "COURSE", "VIRTUAL"))
+        }
+
+        return {
+            **kept,
+            "PATH": f"{self.tools}:/usr/bin:/bin",
+            "COURSE_PYTHON": str(BASE_PYTHON),
+            "STAND_IN_PYTHON": str(BASE_PYTHON),
+            "STAND_IN_LOG": str(self.log),
+            **variables,
+        }
+
+    def course(self, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [self.root / "course", *arguments],
+            cwd=self.root,
+            env=self.environ(**variables),
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+
+    def calls(self) -> list[str]:
+        return [line.split()[0] for line in self.log.read_text().splitlines()]
+
+
+@pytest.fixture
+def clone(tmp_path: Path) -> Clone:
+    return Clone(tmp_path)
+
+
+def test_first_use_sets_up_and_passes_the_command_on_and_later_uses_do_not(clone: Clone) -> None:
+    first = clone.course("grade", "temperature_service", "a file.py")
+    assert first.stdout == f"cli {clone.root}/.venv grade temperature_service a file.py\n"
+    assert "[1/2]" in first.stderr
+    assert "[2/2]" in first.stderr
+    again = clone.course("doctor")
+    assert again.stdout == f"cli {clone.root}/.venv doctor\n"
+    assert again.stderr == ""
+    assert clone.calls() == ["venv", "pip"]
+    assert "[ros]" in clone.log.read_text()
+
+
+def test_an_edited_pyproject_installs_again_and_keeps_the_environment(clone: Clone) -> None:
+    clone.course("doctor")
+    with (clone.root / "pyproject.toml").open("a") as file:
+        file.write("# edited\n")
+    clone.course("doctor")
+    assert clone.calls() == ["venv", "pip", "pip"]
+
+
+def test_a_moved_checkout_is_made_anew(clone: Clone) -> None:
+    clone.course("doctor")
+    clone.root = clone.root.rename(clone.root.with_name("moved here"))
+    assert clone.course("doctor").stdout == f"cli {clone.root}/.venv doctor\n"
+    assert clone.calls() == ["venv", "pip", "venv", "pip"]
+
+
+def test_it_works_through_a_link_and_from_another_folder(clone: Clone, tmp_path: Path) -> None:
+    clone.course("doctor")
+    link = tmp_path / "link"
+    link.symlink_to(clone.root / "course")
+    done = subprocess.run(
+        [link, "doctor"], cwd=clone.root, env=clone.environ(), capture_output=True, text=True, check=False
+    )
+    assert done.stdout == f"cli {clone.root}/.venv doctor\n"
+
+
+def test_ctrl_c_half_way_says_so_and_the_next_run_goes_on(clone: Clone, tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    started = subprocess.Popen(
+        [clone.root / "course", "doctor"],
+        cwd=clone.root,
+        env=clone.environ(STAND_IN_PIPE=str(pipe)),
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert pipe.read_text() == "blocked\n"  # the installation has begun
+    os.killpg(started.pid, signal.SIGINT)
+    _, errors = started.communicate(timeout=30)
+    assert started.returncode == 130
+    assert "stopped half-way. Run the same command again" in errors
+    assert clone.course("doctor").stdout == f"cli {clone.root}/.venv doctor\n"
+
+
+def test_a_set_up_that_was_killed_leaves_nothing_that_stops_the_next(clone: Clone, tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    started = subprocess.Popen(
+        [clone.root / "course", "doctor"],
+        cwd=clone.root,
+        env=clone.environ(STAND_IN_PIPE=str(pipe)),
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    assert pipe.read_text() == "blocked\n"
+    os.killpg(started.pid, signal.SIGKILL)
+    started.wait()
+    assert clone.course("doctor").stdout == f"cli {clone.root}/.venv doctor\n"
+
+
+def test_a_failed_installation_says_what_to_do_and_is_not_taken_for_done(clone: Clone) -> None:
+    failed = clone.course("doctor", STAND_IN_RESULT="1")
+    assert failed.returncode == 2
+    assert "the installation did not finish" in failed.stderr
+    assert clone.course("doctor").returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("tool", "text", "sentence"),
+    [
+        ("uname", '#!/bin/sh\n[ "$1" = -s ] && echo Darwin || echo arm64\n', "this is Darwin on arm64"),
+        ("uname", '#!/bin/sh\n[ "$1" = -s ] && echo Linux || echo aarch64\n', "this is Linux on aarch64"),
+        ("getconf", "#!/bin/sh\necho glibc 2.27\n", "glibc 2.28 or newer, and this is glibc 2.27"),
+        ("getconf", "#!/bin/sh\nexit 1\n", "this Linux has another C library"),
+    ],
+)
+def test_the_wrong_platform_gets_one_sentence(clone: Clone, tool: str, text: str, sentence: str) -> None:
+    clone.tool(tool, text)
+    done = clone.course("lab")
+    assert done.returncode == 2
+    assert sentence in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert "RoboStack" in done.stderr
+    assert not (clone.root / ".venv").exists()
+
+
+def test_another_ros_distribution_is_named(clone: Clone) -> None:
+    done = clone.course("lab", ROS_DISTRO="humble")
+    assert done.returncode == 2
+    assert "ROS 2 'humble' is sourced" in done.stderr
+
+
+def test_a_sourced_jazzy_is_used_instead_of_the_wheels(clone: Clone) -> None:
+    """The stand-in Python below claims to have Jazzy's rclpy and writes down what pip would install."""
+    clone.tool(
+        "stand_in_python_with_jazzy",
+        f"""#!/bin/sh
+case "$*" in
+  "-c import rclpy" | "-c import ensurepip, venv") exit 0 ;;
+  "-m venv "*) for last; do :; done
+     echo "$@" >>"$STAND_IN_LOG"; mkdir -p "$last/bin"; cp "$0" "$last/bin/python" ;;
+  "-m pip "*) echo "$@" >>"$STAND_IN_LOG" ;;
+  *) exec {BASE_PYTHON} "$@" ;;
+esac
+""",
+    )
+    done = clone.course("doctor", ROS_DISTRO="jazzy", COURSE_PYTHON=str(clone.tools / "stand_in_python_with_jazzy"))
+    assert done.returncode == 0, done.stderr
+    log = clone.log.read_text()
+    assert "--system-site-packages" in log
+    assert "numpy<2" in log
+    assert "[ros" not in log
+
+
+def test_a_python_that_does_not_fit_is_named(clone: Clone) -> None:
+    clone.tool("stand_in_old_python", "#!/bin/sh\nexit 1\n")
+    done = clone.course("lab", COURSE_PYTHON=str(clone.tools / "stand_in_old_python"))
+    assert done.returncode == 2
+    assert "not a CPython from 3.10 to 3.14" in done.stderr
+
+
+def test_a_python_without_venv_says_what_to_install(clone: Clone) -> None:
+    (clone.tools / "uv").unlink()
+    clone.tool(
+        "stand_in_python_without_venv",
+        f'#!/bin/sh\ncase "$*" in *ensurepip*) exit 1 ;; *) exec {BASE_PYTHON} "$@" ;; esac\n',
+    )
+    done = clone.course("lab", COURSE_PYTHON=str(clone.tools / "stand_in_python_without_venv"))
+    assert done.returncode == 2
+    assert "sudo apt install python3-venv" in done.stderr
+
+
+def test_without_a_command_it_shows_what_there_is(clone: Clone) -> None:
+    assert clone.course().returncode == 2
+    shown = clone.course("help")
+    assert shown.returncode == 0
+    assert "./course COMMAND" in shown.stdout
+    assert not (clone.root / ".venv").exists()
