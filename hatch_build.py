@@ -7,6 +7,7 @@ the `ziglang` wheel, which is asked for only when there is no other.
 from __future__ import annotations
 
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -34,7 +35,18 @@ def compile_helper(root: Path) -> None:
     compiler = system_compiler() or [sys.executable, "-m", "ziglang", "cc"]
     target = root / LIBRARY
     fresh = target.with_suffix(f".{os.getpid()}.tmp")
-    command = [*compiler, "-O2", "-fPIC", "-shared", "-std=c11", "-Wall", "-Wextra", "-o", str(fresh), str(root / SOURCE)]
+    command = [
+        *compiler,
+        "-O2",
+        "-fPIC",
+        "-shared",
+        "-std=c11",
+        "-Wall",
+        "-Wextra",
+        "-o",
+        str(fresh),
+        str(root / SOURCE),
+    ]
     try:
         subprocess.run(command, check=True)
         fresh.replace(target)
@@ -54,7 +66,7 @@ class CustomBuildHook(BuildHookInterface):
         root = Path(self.root)
         compile_helper(root)
         build_data["pure_python"] = False
-        build_data["tag"] = "py3-none-linux_x86_64"
+        build_data["tag"] = f"py3-none-linux_{platform.machine()}"  # C, but none of Python's ABI
         if version == "editable":
             build_data["force_include_editable"][str(root / START_UP)] = START_UP.name
         else:

@@ -12,13 +12,13 @@ import sys
 from course_kit import environment
 from course_kit.dev import browser
 
-# A cell that waits longer than this hangs; nbval's own default is 2,000 s.
 NBVAL = [
     "--nbval",
     "--nbval-current-env",
-    "--nbval-cell-timeout=60",
-    "--nbval-sanitize-with",
-    "tests/nbval_sanitize.cfg",
+    "--nbval-cell-timeout=60",  # a cell that waits longer than this hangs; nbval's own default is 2,000 s
+    "--nbval-sanitize-with=tests/nbval_sanitize.cfg",
+    "-p",
+    "course_kit.dev.nbval_plugin",
 ]
 
 
@@ -29,27 +29,25 @@ def main(arguments: list[str]) -> int:
         print("course: the tests belong to the course's folder; run ./course test there.", file=sys.stderr)
         return 2
     os.chdir(root)
-    chromium = browser.find_or_install()
-    environ = environment.child_environment(COURSE_BROWSER=chromium or None)
-    if chromium is None and not arguments and not os.environ.get("CI"):
-        print(
-            "course: no Chromium here, so the browser tests are left out (everything else runs). "
-            "Debian, Ubuntu: sudo apt install chromium",
-            file=sys.stderr,
-        )
-        arguments = ["-m", "not browser", "tests"]
-    pytest = [sys.executable, "-m", "pytest"]
-    if arguments and arguments[0] != "-m":
-        return subprocess.run([*pytest, *arguments], env=environ, check=False).returncode
-    tests = subprocess.run([*pytest, *(arguments or ["tests"])], env=environ, check=False).returncode
-    return notebooks(environ) or tests
+    environ = environment.child_environment(COURSE_BROWSER=browser.find_or_install())
+    try:
+        if arguments:
+            return pytest(arguments, environ)
+        tests = pytest(["tests"], environ)
+        return notebooks(environ) or tests
+    except KeyboardInterrupt:  # pytest, which got it too, has said so
+        return 130
+
+
+def pytest(arguments: list[str], environ: dict[str, str]) -> int:
+    """Run pytest in a process of its own."""
+    return subprocess.run([sys.executable, "-m", "pytest", *arguments], env=environ, check=False).returncode
 
 
 def notebooks(environ: dict[str, str]) -> int:
     """Run nbval, strict, over the course on a graph of its own."""
     with environment.exclusive_domain() as domain_id:
-        command = [sys.executable, "-m", "pytest", *NBVAL, "notebooks"]
-        return subprocess.run(command, env={**environ, "ROS_DOMAIN_ID": str(domain_id)}, check=False).returncode
+        return pytest([*NBVAL, "notebooks"], {**environ, "ROS_DOMAIN_ID": str(domain_id)})
 
 
 if __name__ == "__main__":

@@ -1,0 +1,54 @@
+"""Makes nbval end kernels as Jupyter does, and notice at once when one has died.
+
+nbval kills its kernels, so that nothing they registered for their end would run; and it waits the whole cell
+timeout for a kernel that is no more. Loaded with `-p course_kit.dev.nbval_plugin`.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from queue import Empty
+from typing import Any
+
+import nbval.kernel as nbval_kernel
+import nbval.plugin as nbval_plugin
+
+_POLL_S = 1.0
+
+
+class CourseKernel(nbval_kernel.RunningKernel):  # type: ignore[misc]  # nbval has no type information
+    """A kernel that is asked to end, and whose death ends the wait for it."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        # Inherited by the kernel, it would silence what its native libraries print.
+        current = os.environ.pop("PYTEST_CURRENT_TEST", None)
+        try:
+            super().__init__(*arguments, **options)
+        finally:
+            if current is not None:
+                os.environ["PYTEST_CURRENT_TEST"] = current
+
+    def await_reply(self, msg_id: str, timeout: float | None = None) -> None:
+        """Wait for the reply in short steps, looking each time whether the kernel still lives."""
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while True:
+            try:
+                return super().await_reply(msg_id, timeout=_POLL_S)
+            except Empty:  # noqa: PERF203 - a turn takes a second
+                if not self.is_alive():
+                    raise RuntimeError("The kernel has died while it ran this cell.") from None
+                if deadline is not None and time.monotonic() > deadline:
+                    raise
+
+    def stop(self) -> None:
+        """Ask the kernel to end; only one that does not is killed."""
+        self.kc.stop_channels()
+        try:
+            self.km.shutdown_kernel(now=False)
+        finally:
+            del self.km
+
+
+nbval_kernel.RunningKernel = CourseKernel
+nbval_plugin.RunningKernel = CourseKernel
