@@ -17,7 +17,7 @@ import nbval.plugin as nbval_plugin
 _POLL_S = 1.0
 
 
-class CourseKernel(nbval_kernel.RunningKernel):  # type: ignore[misc]  # nbval has no type information
+class CourseKernel(nbval_kernel.RunningKernel):  # type: ignore[misc]  # it has no types
     """A kernel that is asked to end, and whose death ends the wait for it."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
@@ -34,7 +34,8 @@ class CourseKernel(nbval_kernel.RunningKernel):  # type: ignore[misc]  # nbval h
         deadline = None if timeout is None else time.monotonic() + timeout
         while True:
             try:
-                return super().await_reply(msg_id, timeout=_POLL_S)
+                super().await_reply(msg_id, timeout=_POLL_S)
+                return
             except Empty:  # noqa: PERF203 - a turn takes a second
                 if not self.is_alive():
                     raise RuntimeError("The kernel has died while it ran this cell.") from None
