@@ -17,9 +17,8 @@ def build_parser() -> argparse.ArgumentParser:
     )
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
 
-    lab = verbs.add_parser("lab", help="open the course in JupyterLab")
-    lab.add_argument("jupyter_arguments", nargs=argparse.REMAINDER, help="passed on to jupyter lab")
-    lab.set_defaults(run=_lab)
+    lab = verbs.add_parser("lab", help="open the course in JupyterLab", epilog="Other options go to `jupyter lab`.")
+    lab.set_defaults(run=_lab, others=[])
 
     grade = verbs.add_parser("grade", help="grade a solution of an exercise")
     grade.add_argument("exercise", help="the exercise's id, e.g. temperature_service")
@@ -43,7 +42,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0 when it went well or the grade is a pass, 1 for a grade below the pass mark or a failing check of
         `doctor`, 2 when it could not be done; 130 after Ctrl-C.
     """
-    options = build_parser().parse_args(arguments)
+    parser = build_parser()
+    options, others = parser.parse_known_args(arguments)
+    if others and "others" not in options:
+        parser.error(f"unrecognized arguments: {' '.join(others)}")
+    options.others = others
     try:
         return int(options.run(options))
     except KeyboardInterrupt:
@@ -57,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _lab(options: argparse.Namespace) -> int:
     from course_kit import jupyter
 
-    return jupyter.run_lab(options.jupyter_arguments)
+    return jupyter.run_lab(options.others)
 
 
 def _doctor(options: argparse.Namespace) -> int:

@@ -1,0 +1,155 @@
+"""A learner: `./course lab` in a real Chromium, and the things one does there."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import signal
+import socket
+import subprocess
+import time
+import urllib.request
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from playwright.sync_api import Page, expect, sync_playwright
+
+from course_kit import environment
+from course_kit.dev import browser
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+REPOSITORY = Path(__file__).resolve().parent.parent.parent
+ARTIFACTS = REPOSITORY / "artifacts" / "screenshots"
+CHROMIUM_FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+PATIENCE_MS = 90_000  # against hanging only
+SETTINGS = {
+    "@jupyterlab/docmanager-extension/plugin.jupyterlab-settings": {"autosave": False},
+    "@jupyterlab/apputils-extension/notification.jupyterlab-settings": {"fetchNews": "false", "checkForUpdates": False},
+}
+
+
+class JupyterLab:
+    """Verbs of a learner in JupyterLab."""
+
+    def __init__(self, page: Page, address: str, token: str) -> None:
+        self.page, self.address, self.token = page, address, token
+
+    def open(self, notebook: str) -> None:
+        self.page.goto(f"{self.address}/lab/tree/{notebook}?token={self.token}&reset")
+        # The circle is empty and the status bar says Idle only when the kernel is connected.
+        expect(self.page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
+        expect(self.page.locator(".jp-Notebook-ExecutionIndicator[data-status='idle']")).to_be_attached()
+
+    def run_all(self) -> None:
+        self.page.get_by_role("menuitem", name="Run", exact=True).click()
+        self.page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
+        self.wait_until_run()
+
+    def wait_until_run(self) -> None:
+        """Until no cell shows the star of a cell that waits or runs, and the kernel is idle."""
+        self.page.wait_for_function(
+            """() => {
+                const prompts = [...document.querySelectorAll('.jp-CodeCell .jp-InputPrompt')].map(p => p.textContent);
+                const ran = prompts.filter(p => /\\[\\d+\\]/.test(p)).length;
+                const idle = document.querySelector(".jp-Notebook-ExecutionIndicator[data-status='idle']");
+                return ran > 0 && idle && !prompts.some(p => p.includes('*'));
+            }"""
+        )
+
+    def replace_cell_that_begins(self, start: str, text: str) -> None:
+        cell = self.page.locator(".jp-CodeCell", has_text=start).first
+        cell.scroll_into_view_if_needed()
+        cell.locator(".cm-content").click()
+        self.page.keyboard.press("Control+A")
+        self.page.keyboard.insert_text(text)
+
+    def picture(self, name: str) -> Path:
+        ARTIFACTS.mkdir(parents=True, exist_ok=True)
+        path = ARTIFACTS / f"{name}.png"
+        self.page.screenshot(path=path)
+        return path
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[tuple[str, str]]:
+    """Start `./course lab`; yields its address and token, and ends it with the Ctrl-C a learner would use."""
+    for name, values in SETTINGS.items():
+        (folder / "settings" / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / "settings" / name).write_text(json.dumps(values))
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    token = secrets.token_hex(16)
+    root = ["--allow-root"] if os.geteuid() == 0 else []
+    with environment.exclusive_domain() as domain_id, (folder / "jupyter.log").open("w") as log:
+        process = subprocess.Popen(
+            [
+                REPOSITORY / "course",
+                "lab",
+                "--no-browser",
+                f"--port={port}",
+                f"--IdentityProvider.token={token}",
+                *root,
+            ],
+            env=environment.child_environment(
+                ROS_DOMAIN_ID=str(domain_id),
+                JUPYTERLAB_SETTINGS_DIR=str(folder / "settings"),
+                JUPYTERLAB_WORKSPACES_DIR=str(folder / "workspaces"),
+                JUPYTER_RUNTIME_DIR=str(folder / "runtime"),
+            ),
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            start_new_session=True,
+        )
+        try:
+            address = f"http://127.0.0.1:{port}"
+            wait_until_up(f"{address}/api/status?token={token}", process, folder / "jupyter.log")
+            yield address, token
+        finally:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGTERM)
+            process.wait(30)
+
+
+def wait_until_up(url: str, process: subprocess.Popen[bytes], log: Path) -> None:
+    """Ask for the status until it comes, or the server has ended."""
+    deadline = time.monotonic() + PATIENCE_MS / 1000
+    while not is_up(url):
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(0.2)
+        assert process.returncode is None, f"JupyterLab ended:\n{log.read_text()}"
+        assert time.monotonic() < deadline, f"JupyterLab did not start:\n{log.read_text()}"
+
+
+def is_up(url: str) -> bool:
+    """Whether something answers there."""
+    try:
+        with urllib.request.urlopen(url, timeout=5):  # noqa: S310 - an http address of this machine
+            return True
+    except OSError:
+        return False
+
+
+@contextmanager
+def page() -> Iterator[Page]:
+    """A page of a new Chromium, that fails the test when the page's own code fails."""
+    errors: list[str] = []
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=browser.find(), args=CHROMIUM_FLAGS)
+        opened = chromium.new_page(viewport={"width": 1280, "height": 1000})
+        opened.set_default_timeout(PATIENCE_MS)
+        expect.set_options(timeout=PATIENCE_MS)
+        opened.on("pageerror", lambda error: errors.append(str(error)))
+        yield opened
+        chromium.close()
+    assert not errors
