@@ -1,0 +1,145 @@
+"""The lab's own hidden node, with a client for each service and a publisher for each topic it has used."""
+
+from __future__ import annotations
+
+import os
+from collections import OrderedDict
+from typing import TYPE_CHECKING, Any
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+
+from course_kit.lab.errors import LabError
+from course_kit.lab.messages import type_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.lab.spinner import Spinner
+    from course_kit.lab.tapping import Tapping
+
+_KEPT = 32  # clients and publishers; the one unused for longest goes first
+
+
+class OtherTypeError(LabError):
+    """A name is in use in this lab with another type."""
+
+
+class Clients:
+    """What the lab speaks through.
+
+    Args:
+        spinner: runs the node.
+        tapping: told that these clients are the lab's.
+        alias: the node's name in recordings.
+    """
+
+    def __init__(self, spinner: Spinner, tapping: Tapping, alias: str) -> None:
+        self._spinner = spinner
+        self._tapping = tapping
+        self._alias = alias
+        self._clients: OrderedDict[tuple[Any, str], Any] = OrderedDict()
+        self._publishers: OrderedDict[tuple[Any, str], Any] = OrderedDict()
+        self.known_node: Any = None
+
+    @property
+    def node(self) -> Any:
+        """The node, made on first use. The underscore in its name hides it from `ros2 node list`."""
+        if self.known_node is None:
+            node = Node(
+                f"_lab_{os.getpid()}",
+                context=self._spinner.context,
+                use_global_arguments=False,
+                enable_rosout=False,
+                start_parameter_services=False,
+            )
+            self._tapping.aliases[node.get_fully_qualified_name()] = self._alias
+            self._spinner.executor.add_node(node)
+            self.known_node = node
+        return self.known_node
+
+    def client(self, service_type: Any, service: str) -> Any:
+        """The client for a service; one of the same name and another type is replaced."""
+
+        def make() -> Any:
+            client = self.node.create_client(service_type, service, callback_group=ReentrantCallbackGroup())
+            self._tapping.direct.add(client)
+            return client
+
+        return self._use(self._clients, (service_type, service), make, self._drop_client)
+
+    def publisher(self, message_type: Any, topic: str) -> Any:
+        """The publisher for a topic; one of the same name and another type is replaced."""
+
+        def make() -> Any:
+            return self.node.create_publisher(message_type, topic, 10)
+
+        return self._use(self._publishers, (message_type, topic), make, self._drop_publisher)
+
+    def forget(self, channels: set[str]) -> None:
+        """Let go of these services and topics, so that they can come back with another type."""
+        for key in [key for key, client in self._clients.items() if client.service_name in channels]:
+            self._drop_client(self._clients.pop(key))
+        for key in [key for key, publisher in self._publishers.items() if publisher.topic_name in channels]:
+            self._drop_publisher(self._publishers.pop(key))
+
+    def destroy(self) -> None:
+        """Destroy the node and all that is on it."""
+        self._clients.clear()
+        self._publishers.clear()
+        self._tapping.direct.clear()
+        if self.known_node is not None:
+            self._spinner.executor.remove_node(self.known_node)
+            self.known_node.destroy_node()
+            self.known_node = None
+
+    def _use(
+        self,
+        cache: OrderedDict[tuple[Any, str], Any],
+        key: tuple[Any, str],
+        make: Callable[[], Any],
+        drop: Callable[[Any], None],
+    ) -> Any:
+        found = cache.get(key)
+        if found is not None:
+            cache.move_to_end(key)
+            return found
+        for other in [other for other in cache if other[1] == key[1]]:  # the type was defined again
+            drop(cache.pop(other))
+        cache[key] = entity = _named(make, key)
+        if len(cache) > _KEPT:
+            drop(cache.popitem(last=False)[1])
+        return entity
+
+    def _drop_client(self, client: Any) -> None:
+        self._tapping.direct.discard(client)
+        self._spinner.run_between_callbacks(lambda: self.node.destroy_client(client), 1.0)
+
+    def _drop_publisher(self, publisher: Any) -> None:
+        self._spinner.run_between_callbacks(lambda: self.node.destroy_publisher(publisher), 1.0)
+
+
+def incompatible(error: BaseException) -> bool:
+    """Whether rclpy refused an endpoint because this process uses its name with another type already.
+
+    Fast DDS keeps one type for each topic name in a participant, and a lab has one participant.
+    """
+    return "incompatible type" in str(error)
+
+
+def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
+    interface, name = key
+    if not isinstance(name, str):
+        raise LabError(f"The name comes first and is a string: {name!r} is not. The type comes second.")
+    try:
+        return make()
+    except (InvalidServiceNameException, InvalidTopicNameException) as error:
+        raise LabError(f"{name!r} is not a ROS name: {str(error).splitlines()[0]}.") from error
+    except rclpy_implementation.RCLError as error:
+        if not incompatible(error):
+            raise
+        raise OtherTypeError(f"{name} is in use with another type than {type_name(interface)}.") from error
+    except AttributeError as error:  # what rclpy says of a class that is no interface
+        raise LabError(f"{type_name(interface)} cannot be used on {name}: {error}") from error

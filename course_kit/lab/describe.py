@@ -1,0 +1,83 @@
+"""A node in words: its name, its class, and what it offers; the same each time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from course_kit.lab.graph import is_of_every_node
+from course_kit.lab.messages import type_name
+
+_OF_ROS = frozenset({"/parameter_events", "/rosout", "/clock"})
+
+
+def describe_node(node: Any) -> str:
+    """One line for the node and one for each service, action and topic it has made."""
+    lines = [f"{display_name(node.get_fully_qualified_name())} ({type(node).__name__})"]
+    lines += sorted(_services(node)) + sorted(_actions(node)) + sorted(_topics(node))
+    return "\n    ".join(lines)
+
+
+def display_name(full_name: str) -> str:
+    """A node's name as a learner writes it: without the slash of the root namespace."""
+    return full_name[1:] if full_name.count("/") == 1 else full_name
+
+
+def channels_of(node: Any) -> set[str]:
+    """The full names of the services and topics a node uses."""
+    services = {one.service_name for kind in (node.services, node.clients) for one in kind}
+    return services | {one.topic_name for kind in (node.publishers, node.subscriptions) for one in kind}
+
+
+def is_alive(node: Any) -> bool:
+    """Whether a node has not been destroyed."""
+    from rclpy.exceptions import InvalidHandle
+
+    try:
+        with node.handle:
+            return True
+    except (InvalidHandle, AttributeError):
+        return False
+
+
+def _services(node: Any) -> set[str]:
+    serves = {
+        f"serves {service.service_name} [{type_name(service.srv_type)}]"
+        for service in node.services
+        if not is_of_every_node(service.service_name)
+    }
+    calls = {f"calls {client.service_name} [{type_name(client.srv_type)}]" for client in node.clients}
+    return serves | calls
+
+
+def _actions(node: Any) -> set[str]:
+    from rclpy.action import ActionClient, ActionServer
+
+    verbs = ((ActionServer, "runs the action"), (ActionClient, "sends goals to"))
+    return {
+        f"{verb} {node.resolve_topic_name(_action_name(waitable))} [{type_name(waitable._action_type)}]"  # noqa: SLF001
+        for waitable in node.waitables
+        for kind, verb in verbs
+        if isinstance(waitable, kind)
+    }
+
+
+def _action_name(waitable: Any) -> str:
+    from rclpy.action import ActionClient
+
+    if isinstance(waitable, ActionClient):
+        return str(waitable._action_name)  # noqa: SLF001
+    return str(getattr(waitable, "_kit_action_name", "(action)"))
+
+
+def _topics(node: Any) -> set[str]:
+    sends = {
+        f"publishes {publisher.topic_name} [{type_name(publisher.msg_type)}]"
+        for publisher in node.publishers
+        if publisher.topic_name not in _OF_ROS
+    }
+    takes = {
+        f"listens to {subscription.topic_name} [{type_name(subscription.msg_type)}]"
+        for subscription in node.subscriptions
+        if subscription.topic_name not in _OF_ROS
+    }
+    return sends | takes

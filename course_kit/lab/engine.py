@@ -1,0 +1,233 @@
+"""The running half of a lab: made when ROS is first needed, ended once.
+
+It puts the parts together: the spinner and its nodes, the guards on rclpy's functions, the client side of calls,
+and what to say when a callback fails.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import rclpy.utilities
+
+from course_kit.lab import bridge, graph, guards
+from course_kit.lab.clients import Clients, OtherTypeError
+from course_kit.lab.describe import display_name, is_alive
+from course_kit.lab.errors import DeadlockError, ServiceFailedError, ServiceNotFoundError
+from course_kit.lab.live_nodes import Nodes
+from course_kit.lab.messages import type_name
+from course_kit.lab.patches import Patches
+from course_kit.lab.report import Crash, examine, where_is
+from course_kit.lab.spinner import Spinner
+from course_kit.lab.tapping import Tapping
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.lab.events import Taps
+    from course_kit.lab.executor import Turn
+    from course_kit.lab.output import Output
+
+LAB_NAME = "lab"
+_REPEATS = 3  # times the same error of the same callback is shown in a row
+
+
+class Engine:
+    """Everything of a lab that needs rclpy.
+
+    Args:
+        taps: told what crosses.
+        output: takes what callbacks say.
+        ros_arguments: for rclpy.init; None for the program's own command line.
+        locate: the name a file of the learner's has for the learner.
+        notebook: whether someone reads along, and wants to be told that `rclpy.init()` was not needed.
+    """
+
+    def __init__(
+        self,
+        taps: Taps,
+        output: Output,
+        ros_arguments: list[str] | None,
+        locate: Callable[[str], str | None],
+        *,
+        notebook: bool,
+    ) -> None:
+        self.output = output
+        self._locate = locate
+        self._notebook = notebook
+        self._patches = Patches()
+        self._last_crash: tuple[Crash | None, int] = (None, 0)
+        self._tapping = Tapping(taps)
+        self.spinner = Spinner(ros_arguments, self._tapping, self)
+        self.nodes = Nodes(self.spinner, self._forget)
+        self.clients = Clients(self.spinner, self._tapping, LAB_NAME)
+        self._install()
+
+    def _install(self) -> None:
+        guards.install(self._patches, self)
+        self.nodes.watch(self._patches)
+        self._tapping.tap_sending(self._patches)
+        bridge.install(self._patches, lambda future: guards.check_await(self, future), self.settle)
+        # Nodes that pass no context, and rclpy.ok(), use the default one.
+        self._patches.set(rclpy.utilities, "g_default_context", self.spinner.context)
+
+    def close(self) -> bool:
+        """End everything; False if a callback could not be ended."""
+        try:
+            return self.spinner.close(self._destroy_nodes)
+        finally:
+            self._patches.undo()
+
+    def _destroy_nodes(self) -> None:
+        self.nodes.destroy_all()
+        self.clients.destroy()
+
+    # What calls ask (calls.Surroundings)
+
+    @property
+    def node(self) -> Any:
+        """The lab's own, hidden node."""
+        return self.clients.node
+
+    @property
+    def own_names(self) -> frozenset[str]:
+        """The fully qualified names of the lab's own nodes."""
+        return frozenset({self.clients.node.get_fully_qualified_name()})
+
+    def client(self, service_type: Any, service: str) -> Any:
+        """The lab's client for a service."""
+        try:
+            return self.clients.client(service_type, service)
+        except OtherTypeError:
+            full = self.node.resolve_service_name(service)
+            wanted = type_name(service_type)
+            raise ServiceNotFoundError(graph.no_service(self.node, full, wanted, 0.0, self.own_names)) from None
+
+    def destroy_subscription(self, subscription: Any) -> None:
+        """Destroy a subscription of the lab's node."""
+        self.spinner.run_between_callbacks(lambda: self.node.destroy_subscription(subscription), 1.0)
+
+    def why_no_answer(self, service: str) -> str:
+        """What is known about a server that does not answer."""
+        turn = self.spinner.executor.turn
+        if turn is not None and turn.entity is not None:
+            name = getattr(getattr(turn.entity, "callback", None), "__name__", "a callback")
+            frame = sys._current_frames().get(self.spinner.thread_id)  # noqa: SLF001 - the documented way to look
+            at = where_is(frame, self._locate)
+            where = f" ({at[0]}: {at[1]})" if at else ""
+            owner = turn.node.get_name() if turn.node is not None else "a node"
+            return (
+                f"{owner} is still in {name}{where}, for {time.monotonic() - turn.since:.0f} s by now; "
+                "while a callback runs, no other does."
+            )
+        for live in self.nodes:
+            if any(one.service_name == service for one in live.node.services):
+                return (
+                    f"{live.node.get_name()} took the request and its callback has not finished: it awaits something."
+                )
+        return (
+            "Its server runs outside this notebook; its callback may still be running, or have raised an exception, "
+            "or have returned nothing. Look at the server's own output."
+        )
+
+    def settle(self) -> None:
+        """Show what callbacks have printed, unless this is a callback."""
+        if not self.spinner.is_current_thread():
+            self.output.drain()
+
+    # What the guards ask (guards.Guarded)
+
+    def in_callback(self) -> bool:
+        """Whether the caller is inside a callback of the lab."""
+        return self.spinner.is_current_thread()
+
+    def turn(self) -> Turn | None:
+        """The callback that is running."""
+        return self.spinner.executor.turn
+
+    def is_live(self, node: Any) -> bool:
+        """Whether a node is one that the lab spins."""
+        return node in self.nodes
+
+    def is_own_executor(self, executor: Any) -> bool:
+        """Whether an executor is the lab's."""
+        return executor is self.spinner.executor
+
+    def note(self, text: str) -> None:
+        """Tell the learner something in the notebook; a program is left alone."""
+        if self._notebook:
+            self.output.put(text + "\n")
+            self.settle()
+
+    def stop_soon(self, node: Any) -> None:
+        """Stop a node when its callback has ended."""
+        self.nodes.stop_soon(node)
+
+    def wait_for_turn(self, timeout: float) -> None:
+        """Return when a callback has run, or after `timeout` seconds."""
+        turned = self.spinner.executor.turned
+        turned.clear()
+        turned.wait(timeout)
+
+    # What the executor reports (executor.FailureListener)
+
+    def callback_crashed(self, error: BaseException, turn: Turn) -> None:
+        """Say what went wrong in a callback, in three lines; the same error over and over is said three times."""
+        node = turn.node
+        if node is self.clients.known_node:
+            node = None
+        crash = examine(error, turn.entity, node, self._locate)
+        if node is not None and not is_alive(node):
+            return  # the rest of a node that was stopped in the middle
+        before, times = self._last_crash
+        times = times + 1 if crash == before else 1
+        self._last_crash = (crash, times)
+        if times > _REPEATS:
+            return
+        ending = _consequence(error, turn)
+        if times == _REPEATS:
+            ending += " (It happens again and again; this is the last time it is shown.)"
+        self.output.put(crash.text(ending), "stderr")
+
+    def request_failed(self, service: Any, request: Any, sequence: int, error: Exception) -> None:
+        """Give the one who waits for this answer an error, if it is a client in this lab."""
+        crash = examine(error, service, None, self._locate)
+        owner = display_name(self._tapping.where(service)[0])
+        place = f" ({crash.place}: {crash.source})" if crash.place else ""
+        text = f"{owner} did not answer: {crash.callback or 'its callback'} failed{place}. {crash.error}"
+        waiting = [
+            client._pending_requests[sequence]  # noqa: SLF001
+            for client in self._all_clients()
+            if client.service_name == service.service_name and sequence in client._pending_requests  # noqa: SLF001
+        ]
+        del request
+        if len(waiting) == 1:  # two clients may have used the same number; then each waits for its timeout
+            waiting[0].set_exception(ServiceFailedError(text))
+            waiting[0].exception()  # marks it as seen: a caller that lost interest is no news
+
+    def _all_clients(self) -> list[Any]:
+        nodes = [one for live in self.nodes for one in (live.node, *live.helpers)]
+        if self.clients.known_node is not None:
+            nodes.append(self.clients.known_node)
+        return [client for node in nodes for client in list(node.clients)]
+
+    def _forget(self, nodes: list[Any]) -> None:
+        """Nodes are about to be destroyed."""
+        self._last_crash = (None, 0)
+        channels: set[str] = set()
+        for node in nodes:
+            with contextlib.suppress(Exception):  # one that is destroyed already has none
+                channels |= {service.service_name for service in node.services}
+                channels |= {subscription.topic_name for subscription in node.subscriptions}
+        self.clients.forget(channels)
+
+
+def _consequence(error: BaseException, turn: Turn) -> str:
+    if isinstance(error, DeadlockError):
+        return "Nothing hangs: the lab stopped this callback. In a program of its own it would wait for ever."
+    if turn.entity is not None and hasattr(turn.entity, "send_response"):
+        return "The caller gets no answer. In a program of its own this would end the server; here it lives on."
+    return "The node lives on, and so do the others."

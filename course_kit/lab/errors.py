@@ -1,0 +1,38 @@
+"""The lab's errors: each says what happened, why, and what to do now.
+
+In a notebook they show as their message alone; a traceback through our code would hide the one line that matters.
+"""
+
+from __future__ import annotations
+
+
+class LabError(RuntimeError):
+    """Something the lab was asked for cannot be done; the message says why and what to do."""
+
+    def _render_traceback_(self) -> list[str]:
+        """IPython's hook for exceptions that print themselves (see IPython.core.interactiveshell)."""
+        return [f"{type(self).__name__}: {self}"]
+
+
+class ServiceNotFoundError(LabError):
+    """No server offers a service of this name and type."""
+
+
+class FieldError(LabError):
+    """A message field was given by a wrong name or with a value of the wrong type."""
+
+
+class NoAnswerError(LabError, TimeoutError):
+    """Nothing came back within the time given."""
+
+
+class ServiceFailedError(LabError):
+    """The service's callback raised, or returned something that is not a response."""
+
+
+class DeadlockError(LabError):
+    """A callback was about to wait for something only the thread it runs on could do."""
+
+
+class ScriptError(LabError):
+    """A script could not be started, or is not there to be stopped."""

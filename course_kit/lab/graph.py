@@ -1,0 +1,85 @@
+"""What the ROS graph shows, and what a missing or different name on it tells the learner."""
+
+from __future__ import annotations
+
+import difflib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+# Every node has these; they are nobody's answer to a misspelt name.
+_OF_EVERY_NODE = frozenset(
+    {
+        "describe_parameters",
+        "get_parameter_types",
+        "get_parameters",
+        "get_type_description",
+        "list_parameters",
+        "set_parameters",
+        "set_parameters_atomically",
+    }
+)
+
+
+def served(node: Any, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
+    """Services that have a server on the graph, with their types; those of the nodes `except_by` are left out.
+
+    `Node.get_service_names_and_types` lists clients' names as well, so the nodes are asked one by one.
+    """
+    found: dict[str, list[str]] = {}
+    for name, namespace in set(node.get_node_names_and_namespaces()):
+        if full_name(name, namespace) in except_by:
+            continue
+        for service, types in _of_node(node, name, namespace):
+            if not is_of_every_node(service):
+                found.setdefault(service, []).extend(kind for kind in types if kind not in found.get(service, []))
+    return found
+
+
+def is_of_every_node(service: str) -> bool:
+    """Whether a service is one that each node has, such as /talker/get_parameters."""
+    return service.rpartition("/")[2] in _OF_EVERY_NODE
+
+
+def full_name(name: str, namespace: str) -> str:
+    """A node's fully qualified name."""
+    return f"{namespace.rstrip('/')}/{name}"
+
+
+def nearest(wanted: str, names: Iterable[str]) -> str | None:
+    """The name most like the wanted one: the same last part in another namespace, or a spelling near it."""
+    candidates = sorted(names)
+    last = wanted.rpartition("/")[2]
+    for name in candidates:
+        if name.rpartition("/")[2] == last:
+            return name
+    near = difflib.get_close_matches(wanted, candidates, n=1, cutoff=0.5)
+    return near[0] if near else None
+
+
+def no_service(node: Any, service: str, wanted_type: str, waited: float, except_by: frozenset[str]) -> str:
+    """Why no server of this name and type was found, and what to do."""
+    services = served(node, except_by)
+    types = services.get(service)
+    if types and wanted_type not in types:
+        return (
+            f"{service} has the type {' and '.join(sorted(types))}, and was called as {wanted_type}. "
+            "Client and server must use the same type."
+        )
+    message = f"No node serves {service} (waited {waited:g} s). "
+    near = nearest(service, services)
+    if near:
+        return message + f"The nearest name on the graph is {near} [{', '.join(sorted(services[near]))}]."
+    if services:
+        return message + f"On the graph: {', '.join(sorted(services)[:5])}."
+    return message + "No service at all is on the graph: has its server been started?"
+
+
+def _of_node(node: Any, name: str, namespace: str) -> list[tuple[str, list[str]]]:
+    from rclpy.node import NodeNameNonExistentError
+
+    try:
+        return list(node.get_service_names_and_types_by_node(name, namespace))
+    except NodeNameNonExistentError:  # it has gone meanwhile
+        return []

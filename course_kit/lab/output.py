@@ -1,0 +1,85 @@
+"""What callbacks print and log, in order, for whoever shows it.
+
+Callbacks run on the lab's thread, and a notebook files a thread's output under whatever cell happens to run. So
+the lab's thread puts its lines into one queue, and the notebook's main thread empties it: before it prints
+something itself, when a call returns, and at the end of a cell. In a plain program lines are written at once.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections import deque
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+Stream = Literal["stdout", "stderr"]
+_KEPT = 10_000  # lines, should nobody empty the queue for long
+
+
+class Output:
+    """The queue between callbacks and the notebook.
+
+    Attributes:
+        queued: whether lines wait for `drain`; otherwise they are written as they come.
+        pumps: called first by `drain`: they put what has arrived from elsewhere.
+        on_put: called when a line has been put.
+    """
+
+    def __init__(self) -> None:
+        self.queued = False
+        self.pumps: list[Callable[[], None]] = []
+        self.on_put: Callable[[], None] = lambda: None
+        self._lines: deque[tuple[Stream, str]] = deque()
+        self._lost = 0
+        self._draining = threading.Lock()
+        self._news = threading.Event()
+
+    def put(self, text: str, stream: Stream = "stdout") -> None:
+        """Queue text, or write it where nothing is queued."""
+        if not self.queued:
+            self._write(stream, text)
+            return
+        if len(self._lines) >= _KEPT:
+            self._lost += 1
+            return
+        self._lines.append((stream, text))
+        self._news.set()
+        self.on_put()
+
+    def poke(self) -> None:
+        """Wake whoever is in `wait`."""
+        self._news.set()
+
+    def wait(self, timeout: float) -> None:
+        """Return when something was put, or after `timeout` seconds."""
+        self._news.wait(timeout)
+
+    def drain(self) -> None:
+        """Write everything queued, on the calling thread."""
+        if not self._draining.acquire(blocking=False):  # another thread is at it, or we are called by our own print
+            return
+        try:
+            self._news.clear()
+            for pump in self.pumps:
+                pump()
+            while self._lines:
+                stream, text = self._lines.popleft()
+                while self._lines and self._lines[0][0] == stream:
+                    text += self._lines.popleft()[1]
+                self._write(stream, text)
+            if self._lost:
+                lost, self._lost = self._lost, 0
+                self._write("stdout", f"... {lost} more lines left out\n")
+        finally:
+            self._draining.release()
+
+    @staticmethod
+    def _write(stream: Stream, text: str) -> None:
+        if stream == "stderr":
+            sys.stdout.flush()  # the two are shown in the order they were written in only if flushed in turn
+        target = getattr(sys, stream)
+        target.write(text)
+        target.flush()

@@ -1,0 +1,64 @@
+"""Plain copies of messages: small, bounded, and safe to keep or to send to another process.
+
+A learner may change a message after sending it, and an image has megabytes; so what is recorded is a copy that
+keeps the first few elements of anything long.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+ELEMENTS = 8  # of a sequence
+CHARACTERS = 120  # of a string
+FIELDS = 12  # of a message
+DEPTH = 4  # of messages inside messages
+_PLAIN = frozenset({int, float, bool, type(None)})
+
+
+def snapshot(value: object) -> Any:
+    """Copy a message into numbers, strings, lists and dicts.
+
+    Returns:
+        For a message a dict of its fields; for a sequence a list of at most `ELEMENTS` elements, followed by
+        "+N more" when there are more; a shortened string for anything else.
+    """
+    return _copy(value, DEPTH)
+
+
+def _copy(value: object, depth: int) -> Any:
+    kind = type(value)
+    if kind in _PLAIN:
+        return value
+    if kind is str:
+        return _shorten(value)  # type: ignore[arg-type]
+    names = getattr(value, "_fields_and_field_types", None)  # every rosidl message has it, and nothing else
+    if names is not None:
+        if depth == 0:
+            return {"...": "..."}
+        copied = {name: _copy(getattr(value, name), depth - 1) for name in list(names)[:FIELDS]}
+        if len(names) > FIELDS:
+            copied["..."] = f"+{len(names) - FIELDS} more"
+        return copied
+    if isinstance(value, dict):
+        return {str(name): _copy(part, depth - 1) for name, part in list(value.items())[:FIELDS]}
+    return _copy_other(value, depth)
+
+
+def _copy_other(value: object, depth: int) -> Any:
+    if isinstance(value, str):
+        return _shorten(value)
+    if hasattr(value, "__len__") and hasattr(value, "__getitem__"):
+        length = len(value)
+        head = [_copy(_as_python(element), depth) for element in value[:ELEMENTS]]
+        return [*head, f"+{length - ELEMENTS} more"] if length > ELEMENTS else head
+    return _shorten(str(_as_python(value)))
+
+
+def _as_python(element: object) -> object:
+    """A numpy number as Python's own; ROS arrays of fixed size are numpy arrays."""
+    item = getattr(element, "item", None)
+    return item() if callable(item) else element
+
+
+def _shorten(text: str) -> str:
+    return text if len(text) <= CHARACTERS else text[: CHARACTERS - 3] + "..."

@@ -1,0 +1,96 @@
+"""Publishing and receiving from a notebook, in two small verbs."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from typing import TYPE_CHECKING, Any
+
+from course_kit.lab.errors import FieldError, NoAnswerError
+from course_kit.lab.messages import build, is_message_type, type_name
+
+if TYPE_CHECKING:
+    from course_kit.lab.calls import Surroundings
+
+_MATCHING = 1.0  # seconds a new publisher waits for the subscriptions that are on the graph
+_POLL = 0.005
+_DEPTH = 10
+
+
+def require_message_type(message_type: Any) -> None:
+    """Raise FieldError unless this is a message's class."""
+    if not is_message_type(message_type):
+        raise FieldError(f"{getattr(message_type, '__name__', message_type)!r} is not a message type.")
+
+
+def message_of(message_type: Any, message: Any, fields: dict[str, Any]) -> Any:
+    """The message to publish: a ready one, or one made of fields."""
+    require_message_type(message_type)
+    if message is None:
+        return build(message_type, fields, f"a {type_name(message_type)}")
+    if fields or not isinstance(message, message_type):
+        raise FieldError(f"Pass either a {type_name(message_type)} or its fields as keywords.")
+    return message
+
+
+def wait_for_subscriptions(node: Any, publisher: Any) -> None:
+    """Wait until a publisher is connected to the subscriptions that are there, so that none misses the first message.
+
+    At most one second: a subscription of another type or quality of service never connects.
+    """
+    deadline = time.monotonic() + _MATCHING
+    pause = threading.Event()  # the graph has no event to wait for in rclpy: look often, with a deadline
+    while publisher.get_subscription_count() < node.count_subscribers(publisher.topic_name):
+        if time.monotonic() > deadline:
+            return
+        pause.wait(_POLL)
+
+
+async def next_messages(lab: Surroundings, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:
+    """Subscribe, and return the next messages once there are `count`.
+
+    Raises:
+        NoAnswerError: fewer came within `timeout` seconds; says who publishes what on that topic.
+    """
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+    require_message_type(message_type)
+    loop = asyncio.get_running_loop()
+    complete = loop.create_future()
+    received: list[Any] = []
+
+    def finish() -> None:
+        if not complete.done():
+            complete.set_result(None)
+
+    def keep(message: Any) -> None:
+        if len(received) < count:
+            received.append(message)
+            if len(received) == count:
+                loop.call_soon_threadsafe(finish)
+
+    profile = QoSProfile(depth=max(_DEPTH, count), reliability=ReliabilityPolicy.BEST_AVAILABLE)
+    subscription = lab.node.create_subscription(message_type, topic, keep, profile)
+    try:
+        await asyncio.wait_for(complete, timeout)
+    except (TimeoutError, asyncio.TimeoutError):  # two types until Python 3.11
+        came = f"{len(received)} of {count} messages" if received else "No message"
+        text = f"{came} came on {subscription.topic_name} within {timeout:g} s."
+        raise NoAnswerError(f"{text} {_why_none(lab.node, subscription)}") from None
+    finally:
+        lab.destroy_subscription(subscription)
+        lab.settle()
+    return received
+
+
+def _why_none(node: Any, subscription: Any) -> str:
+    publishers = node.get_publishers_info_by_topic(subscription.topic_name)
+    if not publishers:
+        return "No node publishes it."
+    types = sorted({publisher.topic_type for publisher in publishers})
+    wanted = type_name(subscription.msg_type)
+    if types != [wanted]:
+        return f"It is published as {', '.join(types)}, and was asked for as {wanted}."
+    names = sorted({publisher.node_name for publisher in publishers})
+    return f"{', '.join(names)} has a publisher for it and may not have published."
