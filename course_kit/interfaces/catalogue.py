@@ -1,0 +1,64 @@
+"""Interfaces that are really installed, as the ament index lists them, with their text.
+
+The index is a folder of plain files (see "ament_index" among the ROS 2 packages), so it is read here without
+importing anything: one file a package, one line an interface.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+KINDS = ("msg", "srv", "action")
+_INDEX = os.path.join("share", "ament_index", "resource_index", "rosidl_interfaces")  # noqa: PTH118 - light at start
+
+
+def prefixes() -> list[str]:
+    """The folders ROS packages are installed below: those of a sourced ROS 2, and this Python's own."""
+    sourced = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    return list(dict.fromkeys(folder for folder in (*sourced, sys.prefix) if folder))
+
+
+def installed_packages() -> set[str]:
+    """The packages that install interfaces."""
+    found: set[str] = set()
+    for prefix in prefixes():
+        with suppress(OSError):
+            found.update(os.listdir(os.path.join(prefix, _INDEX)))  # noqa: PTH118, PTH208
+    return found
+
+
+def installed_types(package: str) -> set[str]:
+    """The full names of a package's interfaces, such as "std_srvs/srv/SetBool"."""
+    return {f"{package}/{stem}" for stem in _listed(package)}
+
+
+def installed_text(package: str, kind: str, name: str) -> str | None:
+    """The definition of an installed interface, None when there is no such."""
+    for prefix in prefixes():
+        path = os.path.join(prefix, "share", package, kind, f"{name}.{kind}")  # noqa: PTH118
+        try:
+            with open(path, encoding="utf-8") as file:  # noqa: PTH123
+                return file.read()
+        except OSError:
+            continue
+    return None
+
+
+def _listed(package: str) -> Iterator[str]:
+    for prefix in prefixes():
+        try:
+            with open(os.path.join(prefix, _INDEX, package), encoding="utf-8") as file:  # noqa: PTH118, PTH123
+                lines = file.read().split()
+        except OSError:
+            continue
+        for line in lines:
+            stem, _, ending = line.rpartition(".")
+            if ending in KINDS:
+                yield stem
+        return  # the first prefix that has the package hides the others, as with ament

@@ -1,0 +1,12 @@
+"""Messages to bytes and back: plain CDR as Fast DDS writes it, by Python code generated for each class.
+
+It works for every class that follows rosidl_generator_py, compiled ones included, and needs only their SLOT_TYPES;
+so a compiled message inside a live one is part of the same generated code. The wire format is that of the OMG's
+"DDS for Extremely Lightweight" family: XCDR1 is written; XCDR1 and XCDR2, in both byte orders, are read.
+"""
+
+from course_kit.interfaces.codec.decoder import make_decoder
+from course_kit.interfaces.codec.encoder import make_encoder
+from course_kit.interfaces.codec.program import validation_program
+
+__all__ = ["make_decoder", "make_encoder", "validation_program"]

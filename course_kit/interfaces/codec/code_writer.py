@@ -1,0 +1,106 @@
+"""Common ground of encoder and decoder: lines of code, and what is known about alignment at each point.
+
+CDR aligns a value to its size, counted from behind the 4-byte header. Between values of variable size the exact
+position is unknown, yet often known modulo 4 or 8; so padding is mostly settled while the code is generated.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+HEADER_SIZE = 4  # encapsulation: byte order and options
+
+
+class CodeWriter:
+    """Writes the body of one function, batching fixed-size values into single struct calls."""
+
+    def __init__(self, max_align: int = 8) -> None:
+        self.lines: list[str] = []
+        self.names: dict[str, Any] = {}  # constants the generated code refers to
+        self._indent = 1
+        self._variables = 0
+        self._max_align = max_align
+        # The position is known to be `remainder` modulo `modulus`.
+        self.modulus, self.remainder = 8, 0
+        self.formats: list[str] = []
+        self.arguments: list[str] = []
+
+    def variable(self, prefix: str) -> str:
+        """A name not used before."""
+        self._variables += 1
+        return f"{prefix}{self._variables}"
+
+    def emit(self, line: str) -> None:
+        """Add a line at the present indentation."""
+        self.lines.append("    " * self._indent + line)
+
+    def constant(self, prefix: str, value: object) -> str:
+        """A name for an object in the generated code; the same object gets the same name."""
+        for name, known in self.names.items():
+            if known is value:
+                return name
+        name = f"{prefix}{len(self.names)}"
+        self.names[name] = value
+        return name
+
+    def put(self, code: str, size: int, align: int, argument: str) -> None:
+        """Add a value of fixed size to the present batch."""
+        align = min(align, self._max_align)
+        if self.modulus >= align:
+            padding = -self.remainder % align
+            if padding:
+                self.formats.append(f"{padding}x")
+                self._advance(padding)
+        else:
+            self.flush()
+            self.align_at_run_time(align)
+            self.modulus, self.remainder = align, 0
+        self.formats.append(code)
+        self.arguments.append(argument)
+        self._advance(size)
+
+    def settle(self, modulus: int) -> None:
+        """From here on the position is known to be a multiple of `modulus` (at most 4: the header counts)."""
+        self.modulus, self.remainder = modulus, 0
+
+    def repeat(self, body: Callable[[], None]) -> None:
+        """Write the body of a loop so that it is right in its every round, whatever it does to the alignment."""
+        self.flush()
+        entry = known = (self.modulus, self.remainder)
+        while True:
+            before = (self.lines, self._variables, dict(self.names))
+            self.lines = []
+            self.modulus, self.remainder = known
+            self._indent += 1
+            body()
+            self.flush()
+            self._indent -= 1
+            leaving = _common(known, (self.modulus, self.remainder))
+            if leaving == known:
+                self.lines = before[0] + self.lines
+                self.modulus, self.remainder = _common(entry, leaving)
+                return
+            self.lines, self._variables, self.names = before
+            known = leaving
+
+    def flush(self) -> None:
+        """Write out the present batch."""
+        raise NotImplementedError
+
+    def align_at_run_time(self, align: int) -> None:
+        """Write code that aligns a position unknown until then."""
+        raise NotImplementedError
+
+    def _advance(self, size: int) -> None:
+        self.remainder = (self.remainder + size) % self.modulus
+
+
+def _common(a: tuple[int, int], b: tuple[int, int]) -> tuple[int, int]:
+    """What two states of knowledge about the position have in common."""
+    modulus = min(a[0], b[0])
+    while modulus > 1 and a[1] % modulus != b[1] % modulus:
+        modulus //= 2
+    return modulus, a[1] % modulus

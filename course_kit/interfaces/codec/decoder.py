@@ -1,0 +1,207 @@
+"""Generates `decode(payload) -> message` for a message class."""
+
+from __future__ import annotations
+
+import array
+import struct
+from typing import TYPE_CHECKING, Any, Literal
+
+from numpy import dtype as numpy_dtype
+from numpy import frombuffer
+
+from course_kit.interfaces.codec import runtime
+from course_kit.interfaces.codec.code_writer import HEADER_SIZE, CodeWriter
+from course_kit.interfaces.field_checks import checks_by_default
+from course_kit.interfaces.message_fields import message_fields
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.interfaces.field_types import FieldType, Primitive
+    from course_kit.interfaces.message_fields import MessageField
+
+ByteOrder = Literal["<", ">"]
+
+# The second byte of a payload: byte order, and whether 8-byte values are aligned to 4 (XCDR2) or 8.
+_ENCODINGS: dict[int, tuple[ByteOrder, int]] = {0: (">", 8), 1: ("<", 8), 6: (">", 4), 7: ("<", 4)}
+_USUAL = 1
+
+
+class Decoder(CodeWriter):
+    """Writes code that reads bytes `u` from offset `o` on; `end` is the payload's length."""
+
+    def __init__(self, byte_order: ByteOrder = "<", max_align: int = 8) -> None:
+        super().__init__(max_align)
+        self._order = byte_order
+        self._after: list[str] = []  # lines that need the values of the present batch
+
+    def source(self, cls: type[Any]) -> str:
+        """The function's source."""
+        result = self._message(cls)
+        self.flush()
+        self.emit(f"return {result}")
+        head = "def decode(u):\n    o, end = 4, len(u)\n"
+        if (self._order, self._max_align) == _ENCODINGS[_USUAL]:
+            head += f"    if u[1] != {_USUAL}: return decode_unusual(u)\n"
+        return head + "\n".join(self.lines) + "\n"
+
+    def flush(self) -> None:
+        """Write out the present batch."""
+        if self.formats:
+            batch = struct.Struct(self._order + "".join(self.formats))
+            unpack = self.constant("unpack", batch.unpack_from)
+            self.emit(f"{', '.join(self.arguments)}, = {unpack}(u, o)")
+            self.emit(f"o += {batch.size}")
+            self.formats, self.arguments = [], []
+        for line in self._after:
+            self.emit(line)
+        self._after = []
+
+    def align_at_run_time(self, align: int) -> None:
+        """Skip padding; the header is 4 bytes long and does not count."""
+        self.emit(f"o += (4 - o) & {align - 1}")
+
+    def _message(self, cls: type[Any]) -> str:
+        result = self.variable("m")
+        fields = message_fields(cls)
+        if not fields:
+            self.put("B", 1, 1, "_")
+        values = [(field.name, self._field(field)) for field in fields]
+        # Fields are set behind the properties: what came over the wire needs no check.
+        self._after.append(f"{result} = new({self.constant('cls', cls)})")
+        if "_check_fields" in cls.__slots__:
+            self._after.append(f"{result}._check_fields = checks")
+        self._after += [f"{result}._{name} = {value}" for name, value in values]
+        return result
+
+    def _field(self, field: MessageField) -> str:
+        kind = field.type
+        if kind.container == "array":
+            return self._array(field)
+        if kind.container == "sequence":
+            return self._sequence(field)
+        if field.nested is not None:
+            return self._message(field.nested)
+        if kind.primitive is None:
+            return self._string(kind)
+        value = self.variable("v")
+        self.put(kind.primitive.format, kind.primitive.size, kind.primitive.size, value)
+        return value
+
+    def _string(self, kind: FieldType) -> str:
+        value, length = self.variable("s"), self.variable("n")
+        wide = kind.base == "wstring"
+        self.put("I", 4, 4, length)
+        self.flush()
+        self.emit(f"e = o + 4 * {length}" if wide else f"e = o + {length}")
+        self.emit("if e > end: truncated()")
+        if wide:
+            units = f"struct_unpack('{self._order}%dI' % {length}, u, o)"
+            self.emit(f"{value} = struct_pack('<%dH' % {length}, *{units}).decode('utf-16-le', 'surrogatepass')")
+        else:
+            self.emit(f"{value} = u[o:e].partition(NUL)[0].decode('utf-8', 'replace')")
+        self.emit("o = e")
+        self.settle(4 if wide else 1)
+        return value
+
+    def _array(self, field: MessageField) -> str:
+        primitive, count = field.type.primitive, field.type.size
+        values = self.variable("a")
+        if primitive is None:
+            self._each(field, values, str(count))
+            return values
+        size = count * primitive.size
+        self.put(f"{size}s", size, primitive.size, values)
+        if primitive.array_code:
+            wire = self.constant("dtype", numpy_dtype(primitive.numpy).newbyteorder(self._order))
+            native = self.constant("dtype", numpy_dtype(primitive.numpy))
+            self._after.append(f"{values} = from_buffer({values}, {wire}).astype({native})")
+        else:
+            self._after.append(f"{values} = {_elements(primitive, values, f'range({count})', values)}")
+        return values
+
+    def _sequence(self, field: MessageField) -> str:
+        length, values, bound = self.variable("n"), self.variable("q"), field.type.size
+        self.put("I", 4, 4, length)
+        self.flush()
+        if bound:
+            self.emit(f"if {length} > {bound}: too_long({length}, {bound})")
+        if field.type.primitive:
+            self._primitives(field.type.primitive, length, values)
+        else:
+            self._each(field, values, length)
+        return values
+
+    def _primitives(self, primitive: Primitive, length: str, values: str) -> None:
+        if min(primitive.size, self._max_align) > HEADER_SIZE:  # an empty sequence is not padded
+            self.emit(f"if {length}: o += (4 - o) & 7")
+        self.emit(f"e = o + {length} * {primitive.size}")
+        self.emit("if e > end: truncated()")
+        if primitive.array_code:
+            self.emit(f"{values} = array('{primitive.array_code}'); {values}.frombytes(memoryview(u)[o:e])")
+            if self._order == ">" and primitive.size > 1:
+                self.emit(f"{values}.byteswap()")
+        else:
+            self.emit(f"{values} = {_elements(primitive, 'u', 'range(o, e)', 'u[o:e]')}")
+        self.emit("o = e")
+        self.settle(min(primitive.size, 4))
+
+    def _each(self, field: MessageField, values: str, count: str) -> None:
+        self.flush()
+        self.emit(f"{values} = []")
+        self.emit(f"for _ in range({count}):")
+
+        def body() -> None:
+            value = self._field(field._replace(type=field.type.element))
+            self.flush()
+            self.emit(f"{values}.append({value})")
+
+        self.repeat(body)
+
+
+def _elements(primitive: Primitive, data: str, positions: str, slice_: str) -> str:
+    """Code for a list of bytes objects of length 1, or of booleans."""
+    if primitive.idl == "octet":
+        return f"[{data}[i:i + 1] for i in {positions}]"
+    return f"[i != 0 for i in {slice_}]"
+
+
+def make_decoder(cls: type[Any]) -> Callable[[bytes], Any]:
+    """Make the function that turns a CDR payload, header included, into a message of `cls`.
+
+    The function raises ValueError or struct.error for a malformed payload. It does not look at what the native
+    helper has looked at before: booleans other than 0 and 1.
+    """
+    unusual: dict[int, Callable[[bytes], Any]] = {}
+
+    def decode_unusual(payload: bytes) -> Any:
+        if len(payload) < HEADER_SIZE:
+            runtime.truncated()
+        encoding = payload[1]
+        if payload[0] or encoding not in _ENCODINGS:
+            raise ValueError(f"unknown encapsulation {payload[:2].hex()} of a serialized message")
+        if encoding not in unusual:
+            unusual[encoding] = _compile(Decoder(*_ENCODINGS[encoding]), cls)
+        return unusual[encoding](payload)
+
+    return _compile(Decoder(*_ENCODINGS[_USUAL]), cls, decode_unusual=decode_unusual)
+
+
+def _compile(writer: Decoder, cls: type[Any], **extra: object) -> Callable[[bytes], Any]:
+    source = writer.source(cls)
+    namespace: dict[str, Any] = {
+        **writer.names,
+        "array": array.array,
+        "struct_pack": struct.pack,
+        "struct_unpack": struct.unpack_from,
+        "NUL": b"\0",
+        "from_buffer": frombuffer,
+        "new": object.__new__,
+        "checks": checks_by_default(),
+        "too_long": runtime.too_long,
+        "truncated": runtime.truncated,
+        **extra,
+    }
+    exec(compile(source, f"<CDR decoder of {cls.__module__}.{cls.__name__}>", "exec"), namespace)  # noqa: S102
+    decode: Callable[[bytes], Any] = namespace["decode"]
+    return decode

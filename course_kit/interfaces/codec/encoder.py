@@ -1,0 +1,187 @@
+"""Generates `encode(message) -> bytes` for a message class."""
+
+from __future__ import annotations
+
+import array
+import reprlib
+import struct
+from typing import TYPE_CHECKING, Any
+
+from numpy import dtype as numpy_dtype
+
+from course_kit.interfaces.codec import runtime
+from course_kit.interfaces.codec.code_writer import HEADER_SIZE, CodeWriter
+from course_kit.interfaces.field_checks import field_check
+from course_kit.interfaces.message_fields import message_fields
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.interfaces.field_types import FieldType, Primitive
+    from course_kit.interfaces.message_fields import MessageField
+
+# The header announces little-endian XCDR1: two bytes 0 and 1, two of options.
+_HEADER_FORMAT, _HEADER_VALUE = "I", "256"
+
+
+class Encoder(CodeWriter):
+    """Writes code that appends a message's fields to a bytearray `b`."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._indent = 2
+        self.formats, self.arguments = [_HEADER_FORMAT], [_HEADER_VALUE]
+        self._started = False
+
+    def source(self, cls: type[Any]) -> str:
+        """The function's source."""
+        self._message(cls, "message")
+        if self._started:
+            self.flush()
+            self.emit("return bytes(b)")
+        else:  # every value is of fixed size: one struct call makes the whole payload
+            pack = self.constant("pack", struct.Struct("<" + "".join(self.formats)).pack)
+            self.emit(f"return {pack}({', '.join(self.arguments)})")
+        body = "\n".join(self.lines)
+        return (
+            f"def encode(message):\n    try:\n{body}\n"
+            "    except Exception as error:\n        raise explained(message, error) from None\n"
+        )
+
+    def flush(self) -> None:
+        """Write out the present batch."""
+        if not self.formats:
+            return
+        pack = self.constant("pack", struct.Struct("<" + "".join(self.formats)).pack)
+        call = f"{pack}({', '.join(self.arguments)})"
+        self.emit(f"b += {call}" if self._started else f"b = bytearray({call})")
+        self._started = True
+        self.formats, self.arguments = [], []
+
+    def align_at_run_time(self, align: int) -> None:
+        """Pad; the header is 4 bytes long and does not count."""
+        self.emit(f"b += PADDING[(4 - len(b)) & {align - 1}]")
+
+    def _message(self, cls: type[Any], value: str) -> None:
+        fields = message_fields(cls)
+        if not fields:
+            self.put("B", 1, 1, "0")
+        for field in fields:
+            self._field(field, f"{value}._{field.name}")
+
+    def _field(self, field: MessageField, value: str) -> None:
+        kind = field.type
+        if kind.container == "array":
+            self._array(field, value)
+        elif kind.container == "sequence":
+            self._sequence(field, value)
+        elif kind.is_string:
+            self._string(kind, value)
+        elif field.nested is not None:
+            message = self.variable("m")
+            self.emit(f"{message} = {value}")
+            self._message(field.nested, message)
+        elif kind.primitive:
+            self.put(kind.primitive.format, kind.primitive.size, kind.primitive.size, value)
+
+    def _string(self, kind: FieldType, value: str) -> None:
+        data = self.variable("s")
+        if kind.base == "wstring":
+            self.emit(f"{data} = {value}.encode('utf-16-le')")
+            self.put("I", 4, 4, f"len({data}) // 2")
+            self.flush()
+            self.emit(f"b += struct_pack('<%dI' % (len({data}) // 2), *memoryview({data}).cast('H'))")
+            self.settle(4)
+            return
+        self.emit(f"{data} = encode_string({value})")
+        self.put("I", 4, 4, f"len({data}) + 1")
+        self.flush()
+        self.emit(f"b += {data}; b += NUL")
+        self.settle(1)
+
+    def _array(self, field: MessageField, value: str) -> None:
+        primitive, count = field.type.primitive, field.type.size
+        if primitive is None:
+            self._each(field, f"exactly({value}, {count})")
+        elif primitive.idl == "octet":
+            self.put(f"{count}s", count, 1, f"encode_octets({value}, {count})")
+        elif primitive.idl == "boolean":
+            self.put(f"{count}?", count, 1, f"*{value}")
+        else:
+            dtype = self.constant("dtype", numpy_dtype(primitive.numpy).newbyteorder("<"))
+            size = count * primitive.size
+            self.put(f"{size}s", size, primitive.size, f"encode_fixed({value}, {dtype}, {count})")
+
+    def _sequence(self, field: MessageField, value: str) -> None:
+        values, bound = self.variable("v"), field.type.size
+        self.emit(f"{values} = {value}")
+        if bound:
+            self.emit(f"if len({values}) > {bound}: too_long(len({values}), {bound})")
+        self.put("I", 4, 4, f"len({values})")
+        if field.type.primitive:
+            self.flush()
+            self._primitives(field.type.primitive, values)
+        else:
+            self._each(field, values)
+
+    def _primitives(self, primitive: Primitive, values: str) -> None:
+        if primitive.idl == "octet":
+            self.emit(f"b += encode_octets({values}, len({values}))")
+        elif primitive.idl == "boolean":
+            self.emit(f"b += struct_pack('%d?' % len({values}), *{values})")
+        else:
+            if primitive.size > HEADER_SIZE:  # an empty sequence is not padded
+                self.emit(f"if len({values}): b += PADDING[(4 - len(b)) & 7]")
+            code = primitive.array_code
+            as_is = f"{values}.__class__ is array and {values}.typecode == '{code}'"
+            self.emit(f"b += {values} if {as_is} else array('{code}', {values})")
+        self.settle(min(primitive.size, 4))
+
+    def _each(self, field: MessageField, values: str) -> None:
+        self.flush()
+        value = self.variable("x")
+        self.emit(f"for {value} in {values}:")
+        self.repeat(lambda: self._field(field._replace(type=field.type.element), value))
+
+
+def make_encoder(cls: type[Any]) -> Callable[[Any], bytes]:
+    """Make the function that turns a message of `cls` into its CDR payload, header included.
+
+    The function raises TypeError naming the field whose value does not fit, however it got there.
+    """
+    writer = Encoder()
+    source = writer.source(cls)
+    namespace: dict[str, Any] = {
+        **writer.names,
+        "array": array.array,
+        "struct_pack": struct.pack,
+        "NUL": b"\0",
+        "PADDING": runtime.PADDING,
+        "encode_string": runtime.encode_string,
+        "encode_octets": runtime.encode_octets,
+        "encode_fixed": runtime.encode_fixed,
+        "exactly": runtime.exactly,
+        "explained": explained,
+        "too_long": runtime.too_long,
+    }
+    exec(compile(source, f"<CDR encoder of {cls.__module__}.{cls.__name__}>", "exec"), namespace)  # noqa: S102
+    encode: Callable[[Any], bytes] = namespace["encode"]
+    return encode
+
+
+def explained(message: Any, error: Exception) -> Exception:
+    """The error that names the field which could not be encoded; the given one if no field is at fault."""
+    for field in message_fields(type(message)):
+        value = getattr(message, f"_{field.name}", None)
+        try:
+            field_check(field)(value)
+        except (AssertionError, TypeError) as reason:
+            held = f"{reason}, and holds {reprlib.repr(value)}"
+            return TypeError(f"{type(message).__name__} cannot be sent: {held[0].lower()}{held[1:]}.")
+        if field.nested is None or value is None:
+            continue
+        for nested in value if field.type.container else (value,):
+            found = explained(nested, error)
+            if found is not error:
+                return found
+    return error

@@ -1,0 +1,51 @@
+"""Functions the generated encoders and decoders call."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+PADDING = [bytes(count) for count in range(8)]
+
+
+def too_long(length: int, bound: int) -> NoReturn:
+    """Refuse a sequence beyond its bound."""
+    raise ValueError(f"a sequence of {length} elements exceeds its bound of {bound}")
+
+
+def truncated() -> NoReturn:
+    """Refuse a payload that ends too early."""
+    raise ValueError("the serialized message is truncated")
+
+
+def encode_string(value: str) -> bytes:
+    """UTF-8 up to the first NUL, where a C string ends."""
+    data = value.encode()
+    return data[: data.index(0)] if 0 in data else data
+
+
+def encode_octets(values: Sequence[bytes], count: int) -> bytes:
+    """A list of one-byte objects as bytes."""
+    data = b"".join(values)
+    if len(data) != count or len(values) != count:
+        raise ValueError(f"expected {count} bytes objects of length 1 each")
+    return data
+
+
+def encode_fixed(values: Any, dtype: np.dtype[Any], count: int) -> bytes:
+    """A fixed array of numbers."""
+    array = np.asarray(values, dtype)
+    if array.size != count:
+        raise ValueError(f"the array must have {count} elements, not {array.size}")
+    return array.tobytes()
+
+
+def exactly(values: Sequence[Any], count: int) -> Sequence[Any]:
+    """The values themselves, if there are `count` of them."""
+    if len(values) != count:
+        raise ValueError(f"the array must have {count} elements, not {len(values)}")
+    return values

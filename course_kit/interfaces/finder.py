@@ -1,0 +1,141 @@
+"""Makes live interfaces importable: `from my_interfaces.srv import PersonInfo`, in any Python of the environment.
+
+The finder stands last on `sys.meta_path`, so a package that is really installed wins. It is put there at the start of
+every interpreter and must cost next to nothing: even `typing` and `importlib.abc` are left to those who need them.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+
+from course_kit.interfaces import sources
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
+    from course_kit.interfaces.definition import TypeName
+    from course_kit.interfaces.library import Built, Library
+
+_PACKAGE, _KIND, _MODULE = 1, 2, 3  # parts of the name: my_interfaces . srv . _person_info
+
+
+class LiveFinder:
+    """Finds the packages of live interfaces; a meta path finder and loader (see "The import system").
+
+    It also holds the one library of live types of this process.
+    """
+
+    def __init__(self) -> None:
+        self._library: Library | None = None
+        self._searching = False
+
+    @property
+    def library(self) -> Library:
+        """The live types of this process."""
+        if self._library is None:
+            from course_kit.interfaces.library import Library
+
+            self._library = Library(lambda name: sources.find_text(*name))
+        return self._library
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Find a package of live interfaces, its msg, srv or action, or the module of one of them."""
+        del path, target
+        if self._searching:  # looking for folders imports modules, which come by here if they do not exist
+            return None
+        self._searching = True
+        try:
+            depth = fullname.count(".") + 1
+            if depth > _MODULE or not self._has(fullname.split("."), depth):
+                return None
+        finally:
+            self._searching = False
+        return ModuleSpec(fullname, self, origin="live interfaces", is_package=depth < _MODULE)  # type: ignore[arg-type]
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        """Make the module object; those with types in them look a type up when it is asked for."""
+        depth = spec.name.count(".") + 1
+        return None if depth == _PACKAGE else _TypesModule(spec.name, self)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Nothing to run: types are made when they are asked for."""
+
+    def find(self, module: str, name: str) -> Any:
+        """The class `name` of a module such as "my_interfaces.srv" or "my_interfaces.srv._person_info"."""
+        package, kind, *_ = module.split(".")
+        built = self._built(package, kind, name)
+        return None if built is None else built.find(name)
+
+    def names(self, module: str) -> set[str]:
+        """The interfaces a module such as "my_interfaces.srv" offers."""
+        package, kind, *rest = module.split(".")
+        return set() if rest else self._names(package, kind)
+
+    def _built(self, package: str, kind: str, name: str) -> Built | None:
+        from course_kit.interfaces.definition import TypeName
+
+        interface = name.removeprefix("Metaclass_").partition("_")[0]
+        return self.library.get(TypeName(package, kind, interface))
+
+    def _has(self, parts: list[str], depth: int) -> bool:
+        package = parts[0]
+        if depth == _PACKAGE:
+            return sources.has_package(package) or any(name.package == package for name in self._made())
+        kind = parts[1]
+        if kind not in sources.KINDS:
+            return False
+        if depth == _KIND:
+            return sources.has_kind(package, kind) or bool(self._names(package, kind))
+        from course_kit.interfaces.definition import module_name
+
+        return parts[2] in {module_name(name) for name in self._names(package, kind)}
+
+    def _names(self, package: str, kind: str) -> set[str]:
+        """On disk or, where that could not be written, in this process only."""
+        return sources.names(package, kind) | {made.name for made in self._made() if made[:2] == (package, kind)}
+
+    def _made(self) -> list[TypeName]:
+        return [] if self._library is None else self._library.names()
+
+
+class _TypesModule(ModuleType):
+    """A module whose types are made when first asked for, and anew once they are defined anew."""
+
+    def __init__(self, name: str, finder: LiveFinder) -> None:
+        super().__init__(name)
+        self.__dict__["_finder"] = finder
+
+    def __getattr__(self, name: str) -> Any:
+        finder: LiveFinder = self.__dict__["_finder"]
+        if name == "__all__":
+            return sorted(finder.names(self.__name__))
+        found = None if name.startswith("__") or not name[:1].isupper() else finder.find(self.__name__, name)
+        if found is None:
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}", name=name, obj=self)
+        return found
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self.__dict__["_finder"].names(self.__name__)})
+
+
+def install() -> None:
+    """Put the finder last on `sys.meta_path`; calling it again changes nothing."""
+    if not any(isinstance(finder, LiveFinder) for finder in sys.meta_path):
+        sys.meta_path.append(LiveFinder())
+
+
+def installed() -> LiveFinder:
+    """The finder of this process, put in place if it is not."""
+    install()
+    return next(finder for finder in sys.meta_path if isinstance(finder, LiveFinder))
+
+
+def is_live(module: ModuleType) -> bool:
+    """Whether a module is one of live interfaces."""
+    return isinstance(getattr(module.__spec__, "loader", None), LiveFinder)

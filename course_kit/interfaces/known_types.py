@@ -1,0 +1,108 @@
+"""Every interface that can be used here, live or compiled: listing them, and finding one by its name."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from course_kit.interfaces import catalogue, hints, sources
+from course_kit.interfaces.errors import InterfaceNotFoundError
+
+_PARTS_SHORT, _PARTS_FULL = 2, 3
+
+
+def packages() -> list[str]:
+    """The packages that have interfaces, sorted."""
+    return sorted(catalogue.installed_packages() | sources.live_packages())
+
+
+def types(package: str | None = None, kind: str | None = None) -> list[str]:
+    """Full names such as "std_srvs/srv/SetBool", sorted.
+
+    Args:
+        package: only those of this package.
+        kind: only "msg", "srv" or "action".
+
+    Raises:
+        InterfaceNotFoundError: no such package has interfaces.
+    """
+    known = packages()
+    if package is not None and package not in known:
+        reason = f"No package {package!r} with interfaces is installed or defined."
+        raise InterfaceNotFoundError(package, hints.nearest(package, known), reason)
+    found = {name for each in ([package] if package else known) for name in _types_of(each)}
+    return sorted(name for name in found if kind in (None, name.split("/")[1]))
+
+
+def get_type(type_name: str) -> type[Any]:
+    """The class of an interface, compiled or live.
+
+    Args:
+        type_name: "std_srvs/srv/SetBool", or "std_srvs/SetBool" where that is unambiguous.
+
+    Raises:
+        InterfaceNotFoundError: there is no such interface; the error names the nearest.
+        InterfaceDefinitionError: it is defined, and its definition is not valid.
+    """
+    package, kind, name = full_name(type_name).split("/")
+    try:
+        cls: type[Any] = getattr(importlib.import_module(f"{package}.{kind}"), name)
+    except (ImportError, AttributeError) as error:
+        reason = f"The interface {type_name!r} is listed as installed but cannot be imported: {error}."
+        raise InterfaceNotFoundError(type_name, None, reason) from error
+    return cls
+
+
+def text_of(type_name: str) -> str:
+    """The text of an interface's definition, compiled types included.
+
+    Raises:
+        InterfaceNotFoundError: there is no such interface.
+    """
+    name = full_name(type_name)
+    package, kind, base = name.split("/")
+    text = None
+    if package not in catalogue.installed_packages():
+        text = sources.find_text(package, kind, base)
+    text = text if text is not None else catalogue.installed_text(package, kind, base)
+    if text is None:
+        raise InterfaceNotFoundError(type_name, None, f"The definition of {name!r} is not installed with it.")
+    return text
+
+
+def full_name(type_name: str) -> str:
+    """The full name of an existing interface given by its full or two-part name.
+
+    Raises:
+        InterfaceNotFoundError: there is none, or there are several.
+    """
+    parts = type_name.strip().split("/")
+    if len(parts) not in (_PARTS_SHORT, _PARTS_FULL) or not all(parts):
+        reason = f"{type_name!r} is not an interface name: expected package/srv/Name, such as std_srvs/srv/SetBool."
+        raise InterfaceNotFoundError(type_name, hints.nearest(type_name, types()), reason)
+    fitting = [name for name in _types_of(parts[0]) if _fits(name.split("/"), parts)]
+    if len(fitting) > 1:
+        choice = " or ".join(repr(name) for name in sorted(fitting))
+        raise InterfaceNotFoundError(type_name, None, f"{type_name!r} could be {choice}: use the full name.")
+    if not fitting:
+        raise InterfaceNotFoundError(type_name, _nearest(parts))
+    return fitting[0]
+
+
+def _fits(name: list[str], wanted: list[str]) -> bool:
+    return name == wanted or (len(wanted) == _PARTS_SHORT and [name[0], name[2]] == wanted)
+
+
+def _nearest(parts: list[str]) -> str | None:
+    """The most similar full name: same name in another folder or package first."""
+    known = types()
+    same = [name for name in known if name.split("/")[2].lower() == parts[-1].lower()]
+    return hints.nearest("/".join(parts), same) or hints.nearest("/".join(parts), known) or next(iter(same), None)
+
+
+def _types_of(package: str) -> set[str]:
+    """An installed package hides a live one of the same name, as it does on import."""
+    installed = catalogue.installed_types(package)
+    if installed:
+        return installed
+    return {f"{package}/{kind}/{name}" for kind in sources.KINDS for name in sources.names(package, kind)}

@@ -1,0 +1,182 @@
+"""The live types of this process: made from their texts when first wanted, made anew when defined anew."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any
+
+from course_kit.interfaces import hints
+from course_kit.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition, TypeName
+from course_kit.interfaces.errors import InterfaceDefinitionError
+from course_kit.interfaces.message_class import make_message_class
+from course_kit.interfaces.message_fields import message_class
+from course_kit.interfaces.parser import parse
+from course_kit.interfaces.service_class import make_action_class, make_service_class
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from course_kit.interfaces.definition import Definition, Field
+
+
+class Built:
+    """The classes one definition has led to.
+
+    Attributes:
+        text: the definition's text.
+        module: name of the Python module the classes belong to, within its package: "_person_info".
+        classes: by the names they have in that module; the interface itself has its own name.
+        nested: full names of the messages of other definitions in it.
+    """
+
+    def __init__(self, text: str, definition: Definition, nested: dict[str, type[Any]]) -> None:
+        self.text, self.module, self.nested = text, definition.module, nested
+        self.classes: dict[str, type[Any]] = {}
+
+    def find(self, name: str) -> Any:
+        """A class or its metaclass by the name it has in its module, None if there is none."""
+        cls = self.classes.get(name.removeprefix("Metaclass_"))
+        return type(cls) if cls is not None and name.startswith("Metaclass_") else cls
+
+
+class Library:
+    """Makes and keeps live types.
+
+    Args:
+        find_text: gives the text of a live interface, or None.
+    """
+
+    def __init__(self, find_text: Callable[[TypeName], str | None]) -> None:
+        self._find_text = find_text
+        self._built: dict[TypeName, Built] = {}
+        self._being_built: list[TypeName] = []
+        self._lock = threading.RLock()
+
+    def get(self, name: TypeName) -> Built | None:
+        """The live type of that name, made if need be; None if there is no text for it.
+
+        Raises:
+            InterfaceDefinitionError: its text, or that of a message in it, is not valid.
+        """
+        with self._lock:
+            if name in self._being_built:
+                raise InterfaceDefinitionError(str(name), 0, "", "A message cannot contain itself, directly or not.")
+            if name not in self._built:
+                text = self._find_text(name)
+                if text is None:
+                    return None
+                self._built[name] = self._build(name, text)
+            return self._built[name]
+
+    def define(self, name: TypeName, text: str) -> Built:
+        """Make a type from a text given now; the types that contain it are made anew when next wanted.
+
+        Classes made before go on working for whoever holds them.
+        """
+        with self._lock:
+            known = self._built.get(name)
+            if known is not None and known.text == text:
+                return known
+            built = self._build(name, text)  # first, so that an invalid text changes nothing
+            self._forget(name)
+            self._built[name] = built
+            return built
+
+    def names(self) -> list[TypeName]:
+        """The types that have been made."""
+        return list(self._built)
+
+    def _forget(self, name: TypeName) -> None:
+        """Drop a type and, one after another, those that contain it."""
+        self._built.pop(name, None)
+        for other in [other for other, built in self._built.items() if str(name) in built.nested]:
+            self._forget(other)
+
+    def _build(self, name: TypeName, text: str) -> Built:
+        definition = parse(str(name), text)
+        self._being_built.append(name)
+        try:
+            nested = {field.type.base: self._nested(name, field) for field in _nested_fields(definition)}
+        finally:
+            self._being_built.pop()
+        return _build_classes(Built(text, definition, nested), definition)
+
+    def _nested(self, owner: TypeName, field: Field) -> type[Any]:
+        """The class of a field's messages, live or compiled."""
+        package, _, name = field.type.base.split("/")
+        try:
+            return message_class(field.type.base)
+        except (ImportError, AttributeError):
+            from course_kit.interfaces.known_types import types
+
+            known = [full.replace("/msg/", "/") for full in types(kind="msg")]
+            wanted = f"{package}/{name}"
+            similar = next((full for full in known if full.endswith(f"/{name}")), None) or hints.nearest(wanted, known)
+            hint = f" Did you mean {similar}?" if similar else f" E{hints.TYPE_EXAMPLES[1:]}"
+            expected = f"There is no message {wanted}.{hint}"
+            raise InterfaceDefinitionError(str(owner), field.line.number, field.line.text, expected) from None
+
+
+def _parts(definition: Definition) -> tuple[MessageDefinition, ...]:
+    if isinstance(definition, ServiceDefinition):
+        return definition.request, definition.response
+    if isinstance(definition, ActionDefinition):
+        return definition.goal, definition.result, definition.feedback
+    return (definition,)
+
+
+def _nested_fields(definition: Definition) -> Iterator[Field]:
+    for part in _parts(definition):
+        yield from (field for field in part.fields if field.type.is_nested)
+
+
+def _build_classes(built: Built, definition: Definition) -> Built:
+    if isinstance(definition, MessageDefinition):
+        _add_message(built, definition, built.text)
+    elif isinstance(definition, ServiceDefinition):
+        _add_message(built, definition.request)
+        _add_message(built, definition.response)
+        _add_service(built, definition, built.text)
+    else:
+        _add_action(built, definition)
+    return built
+
+
+def _add_message(built: Built, definition: MessageDefinition, text: str | None = None) -> type[Any]:
+    """Make the class of a message whose nested messages are those of the definition, its own parts, or ROS's."""
+    nested = {}
+    for field in definition.fields:
+        if field.type.is_nested:
+            own = built.classes.get(field.type.base.rpartition("/")[2]) if _is_part(field.type.base) else None
+            nested[field.type.base] = own or built.nested.get(field.type.base) or message_class(field.type.base)
+    cls = make_message_class(definition, nested, text)
+    built.classes[definition.name.name] = cls
+    return cls
+
+
+def _is_part(full_name: str) -> bool:
+    return full_name.split("/")[1] != "msg"
+
+
+def _add_service(built: Built, definition: ServiceDefinition, text: str | None = None) -> type[Any]:
+    for part in (definition.request, definition.response, definition.event):
+        if part.name.name not in built.classes:
+            _add_message(built, part)
+    request, response, event = (
+        built.classes[part.name.name] for part in (definition.request, definition.response, definition.event)
+    )
+    cls = make_service_class(definition, request, response, event, text)
+    built.classes[definition.name.name] = cls
+    return cls
+
+
+def _add_action(built: Built, definition: ActionDefinition) -> None:
+    parts = {
+        "Goal": _add_message(built, definition.goal),
+        "Result": _add_message(built, definition.result),
+        "Feedback": _add_message(built, definition.feedback),
+        "SendGoalService": _add_service(built, definition.send_goal),
+        "GetResultService": _add_service(built, definition.get_result),
+        "FeedbackMessage": _add_message(built, definition.feedback_message),
+    }
+    built.classes[definition.name.name] = make_action_class(definition, parts, built.text)

@@ -1,0 +1,231 @@
+"""Message classes with the behaviour of those rosidl_generator_py makes."""
+
+from __future__ import annotations
+
+import array
+from copy import copy
+from typing import TYPE_CHECKING, Any
+
+from course_kit.interfaces.field_checks import checks_by_default, field_check
+from course_kit.interfaces.field_types import FieldType, to_slot_type
+from course_kit.interfaces.live_record import LiveRecord, class_of, source_of
+from course_kit.interfaces.message_fields import MessageField, default_text, message_fields
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from course_kit.interfaces.definition import Field, MessageDefinition
+
+_CHECK_SLOT = "_check_fields"
+_CAPSULES = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE", "_TYPE_SUPPORT")
+
+
+def make_message_class(
+    definition: MessageDefinition, nested: Mapping[str, type[Any]], text: str | None = None
+) -> type[Any]:
+    """Make the class of a message, or of a part of a service or an action.
+
+    Args:
+        definition: what the message holds.
+        nested: the classes of the messages it contains, by full name.
+        text: the definition's text when it is a .msg file of its own.
+    """
+    fields = tuple(
+        MessageField(field.name, field.type, nested.get(field.type.base), default_text(field.default))
+        for field in definition.fields
+    )
+    defaults = {field.name: field.default for field in definition.fields if field.default is not None}
+    values = {constant.name: _python_value(constant.type, constant.value) for constant in definition.constants}
+    name = definition.name.name
+    module = f"{definition.name.package}.{definition.name.kind}.{definition.module}"
+    metaclass = type(
+        f"Metaclass_{name}",
+        (type,),
+        {
+            "__module__": module,
+            "__doc__": f"Metaclass of message '{name}'.",
+            "__import_type_support__": classmethod(_import_type_support),
+            **dict.fromkeys(_CAPSULES),
+            **{key: _constant(value) for key, value in values.items()},
+            **{
+                f"{field.name.upper()}__DEFAULT": _default(field)
+                for field in definition.fields
+                if field.name in defaults
+            },
+        },
+    )
+    body: dict[str, Any] = {
+        "__module__": module,
+        "__doc__": _documentation(name, list(values)),
+        "__slots__": [*(f"_{field.name}" for field in fields), _CHECK_SLOT],
+        "_fields_and_field_types": {field.name: str(field.type) for field in fields},
+        "SLOT_TYPES": tuple(to_slot_type(field.type) for field in fields),
+        "__init__": _initialiser([(field, _initial_value(field, defaults.get(field.name))) for field in fields]),
+        "__repr__": _repr,
+        "__eq__": _equality(fields),
+        "__hash__": None,
+        "get_fields_and_field_types": classmethod(_get_fields_and_field_types),
+        **values,
+        **{
+            f"{field.name.upper()}__DEFAULT": _python_value(field.type, field.default)
+            for field in definition.fields
+            if field.name in defaults
+        },
+        **{field.name: _property(field) for field in fields},
+    }
+    cls: type[Any] = metaclass(name, (), body)
+    LiveRecord(source_of(definition.name.kind, text), fields).attach(cls)
+    return cls
+
+
+def _import_type_support(metaclass: Any) -> None:
+    from course_kit.interfaces.type_support import add_message_support
+
+    add_message_support(class_of(metaclass))
+
+
+def _get_fields_and_field_types(cls: Any) -> dict[str, str]:
+    names: dict[str, str] = copy(cls._fields_and_field_types)
+    return names
+
+
+def _documentation(name: str, constants: Sequence[str]) -> str:
+    if not constants:
+        return f"Message class '{name}'."
+    lines = "\n".join(f"      {constant}" for constant in constants)
+    return f"\n    Message class '{name}'.\n\n    Constants:\n{lines}\n    "
+
+
+def _constant(value: object) -> property:
+    return property(lambda _: value)
+
+
+def _default(field: Field) -> property:
+    return property(lambda _: _python_value(field.type, field.default))
+
+
+def _initialiser(initial: Sequence[tuple[MessageField, Callable[[], Any]]]) -> Callable[..., None]:
+    slots = [(field.name, f"_{field.name}", make) for field, make in initial]
+    number_lists = {
+        field.name: field.type.primitive.array_code
+        for field, _ in initial
+        if field.type.is_numeric_container and field.type.container == "sequence" and field.type.primitive
+    }
+    known = {*(name for name, _, _ in slots), _CHECK_SLOT[1:]}
+    checked = checks_by_default()
+
+    def __init__(self: Any, **kwargs: Any) -> None:  # noqa: N807
+        self._check_fields = kwargs.get("check_fields", checked)
+        if self._check_fields and not kwargs.keys() <= known:
+            unknown = ", ".join(sorted(kwargs.keys() - known))
+            raise AssertionError(f"Invalid arguments passed to constructor: {unknown}")
+        for name, slot, make in slots:
+            if name not in kwargs:
+                setattr(self, slot, make())
+            elif name in number_lists:
+                setattr(self, name, array.array(number_lists[name], kwargs[name]))
+            else:
+                setattr(self, name, kwargs[name])
+
+    return __init__
+
+
+def _initial_value(field: MessageField, default: Any) -> Callable[[], Any]:
+    """A function that makes the value a new message has in a field."""
+    kind, primitive = field.type, field.type.primitive
+    if default is not None:
+        return lambda: _python_value(kind, default)
+    if kind.is_numeric_container and primitive:
+        if kind.container == "sequence":
+            return lambda: array.array(primitive.array_code)
+        return lambda: _numpy_zeros(kind.size, primitive.numpy)
+    if kind.container == "sequence":
+        return list
+    one: Callable[[], Any] = field.nested or (primitive.python if primitive else str)
+    if primitive and primitive.python is bytes:
+        one = lambda: b"\0"  # noqa: E731
+    if kind.container == "array":
+        return lambda: [one() for _ in range(kind.size)]
+    return one
+
+
+def _numpy_zeros(size: int, dtype: str) -> Any:
+    import numpy as np  # here, since most messages have no fixed array
+
+    return np.zeros(size, dtype=dtype)
+
+
+def _python_value(kind: FieldType, value: Any) -> Any:
+    """A parsed constant or default in the form the field keeps it in; a new object each time."""
+    if not isinstance(value, list):
+        return bytes([value]) if kind.base == "octet" else value
+    elements = [bytes([item]) if kind.base == "octet" else item for item in value]
+    if not kind.is_numeric_container or kind.primitive is None:
+        return elements
+    if kind.container == "sequence":
+        return array.array(kind.primitive.array_code, elements)
+    import numpy as np
+
+    return np.array(elements, dtype=kind.primitive.numpy)
+
+
+def _property(field: MessageField) -> property:
+    slot, check, kind = f"_{field.name}", field_check(field), field.type
+
+    def getter(self: Any) -> Any:
+        return getattr(self, slot)
+
+    def setter(self: Any, value: Any) -> None:
+        if self._check_fields:
+            check(value)
+        setattr(self, slot, value)
+
+    def number_setter(self: Any, value: Any) -> None:
+        if self._check_fields:
+            check(value)
+        setattr(self, slot, _own_container(kind, value, keep=self._check_fields))
+
+    return property(
+        getter, number_setter if kind.is_numeric_container else setter, doc=f"Message field '{field.name}'."
+    )
+
+
+def _own_container(kind: FieldType, value: Any, *, keep: bool) -> Any:
+    """A list of numbers in the container the field uses; `keep` takes a fitting container as it is."""
+    code = kind.primitive.array_code if kind.primitive else ""
+    if kind.container == "sequence":
+        return value if keep and isinstance(value, array.array) else array.array(code, value)
+    import numpy as np
+
+    if keep and isinstance(value, np.ndarray):
+        return value
+    return np.array(value, dtype=kind.primitive.numpy if kind.primitive else None)
+
+
+def _equality(fields: Sequence[MessageField]) -> Callable[[Any, object], bool]:
+    plain = [f"_{field.name}" for field in fields if not _is_numpy(field)]
+    arrays = [f"_{field.name}" for field in fields if _is_numpy(field)]
+
+    def __eq__(self: Any, other: object) -> bool:  # noqa: N807
+        if not isinstance(other, self.__class__):
+            return False
+        if any(getattr(self, slot) != getattr(other, slot) for slot in plain):
+            return False
+        return not any((getattr(self, slot) != getattr(other, slot)).any() for slot in arrays)
+
+    return __eq__
+
+
+def _is_numpy(field: MessageField) -> bool:
+    return field.type.is_numeric_container and field.type.container == "array"
+
+
+def _repr(self: Any) -> str:
+    package, folder, _ = self.__class__.__module__.split(".")
+    fields = []
+    for field in message_fields(type(self)):
+        text = repr(getattr(self, field.name))
+        if field.type.is_numeric_container and field.type.container == "sequence":
+            text = text[len("array('x', ") : -1] or "[]"
+        fields.append(f"{field.name}={text}")
+    return f"{package}.{folder}.{self.__class__.__name__}({', '.join(fields)})"

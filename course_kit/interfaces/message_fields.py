@@ -1,0 +1,75 @@
+"""The fields of a message class, live or compiled, with the classes of nested messages."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any, NamedTuple
+
+from course_kit.interfaces.definition import module_name
+from course_kit.interfaces.field_types import FieldType, from_slot_type
+from course_kit.interfaces.live_record import record_of
+
+
+class MessageField(NamedTuple):
+    """One field of a class.
+
+    Attributes:
+        nested: the class of its values when they are messages, else None.
+        default: its default value as type descriptions spell it, "" for none.
+    """
+
+    name: str
+    type: FieldType
+    nested: Any
+    default: str = ""
+
+
+def message_fields(cls: type[Any]) -> tuple[MessageField, ...]:
+    """The fields of a message class, in order.
+
+    A live class knows the classes of its nested messages itself: it goes on using those it was made with, even
+    after one of them is defined anew.
+    """
+    live = record_of(cls)
+    if live is not None:
+        return live.fields
+    types = [from_slot_type(slot) for slot in cls.SLOT_TYPES]
+    return tuple(
+        MessageField(name, kind, message_class(kind.base) if kind.is_nested else None, _compiled_default(cls, name))
+        for name, kind in zip(cls.get_fields_and_field_types(), types, strict=True)
+    )
+
+
+def message_class(full_name: str) -> type[Any]:
+    """Import a message class by its full name, such as "geometry_msgs/msg/Point".
+
+    The parts of an action are not all exported by its package, but they are by the action's own module.
+
+    Raises:
+        ImportError: there is no such package.
+        AttributeError: the package has no such message.
+    """
+    package, folder, name = full_name.split("/")
+    module = importlib.import_module(f"{package}.{folder}")
+    if not hasattr(module, name) and "_" in name:
+        module = importlib.import_module(f"{package}.{folder}.{module_name(name.partition('_')[0])}")
+    cls: type[Any] = getattr(module, name)
+    return cls
+
+
+def default_text(value: Any) -> str:
+    """A default value as type descriptions spell it."""
+    if value is None:
+        return ""
+    return str(tuple(value)) if isinstance(value, list) else str(value)
+
+
+def _compiled_default(cls: type[Any], name: str) -> str:
+    value: Any = getattr(cls, f"{name.upper()}__DEFAULT", None)
+    if isinstance(value, bytes):
+        return str(value[0])
+    if hasattr(value, "tolist"):  # numpy.ndarray, array.array
+        value = value.tolist()
+    if isinstance(value, list):
+        value = [item[0] if isinstance(item, bytes) else item for item in value]
+    return default_text(value)

@@ -1,0 +1,165 @@
+"""Makes C-side types with the native helper, and more copies of the helper as types need them."""
+
+from __future__ import annotations
+
+import array
+import ctypes
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from course_kit.interfaces.codec import make_decoder, make_encoder, validation_program
+from course_kit.interfaces.definition import EMPTY_MEMBER
+from course_kit.interfaces.field_types import FieldType
+from course_kit.interfaces.message_fields import MessageField, message_fields
+from course_kit.interfaces.native.description_structs import description_of
+from course_kit.interfaces.native.loader import function_address, load_another_helper, load_helper, ros_library
+from course_kit.interfaces.native.memory import keep, keep_object, keep_text
+from course_kit.interfaces.type_description import full_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_INTROSPECTION_STRING, _INTROSPECTION_WSTRING, _INTROSPECTION_MESSAGE = 16, 17, 18
+_NO_FIELDS = (MessageField(EMPTY_MEMBER, FieldType("uint8"), None),)
+
+
+class MessageSupport(NamedTuple):
+    """The helper's own record of a message type, and the addresses of what rclpy wants to know of it."""
+
+    type: LiveType
+    support: int
+    create: int
+    destroy: int
+    from_python: int
+    to_python: int
+
+
+class LiveType(NamedTuple):
+    """A type in the table of one copy of the helper."""
+
+    helper: ctypes.PyDLL
+    address: int
+
+
+class Helper:
+    """The native helper of this process."""
+
+    def __init__(self) -> None:
+        self._helper = load_helper()
+        introspection = ros_library("librosidl_typesupport_introspection_c.so")
+        name = "rosidl_typesupport_introspection_c__identifier"
+        # rmw_fastrtps compares this one by its address.
+        self._introspection = ctypes.c_void_p.in_dll(introspection, name).value or 0
+
+    def message(self, cls: type[Any], support_address: Callable[[type[Any]], int]) -> MessageSupport:
+        """Make the type support of a message class; `support_address` gives those of nested messages."""
+        description = description_of(cls)
+        live_type = self._new_type(cls)
+        helper = live_type.helper
+        package, folder, name = _names(cls)
+        introspection = helper.live_introspection(
+            self._introspection,
+            keep_text(f"{package}__{folder}"),
+            keep_text(name),
+            *self._members(message_fields(cls) or _NO_FIELDS, support_address),
+            description,
+        )
+        support = helper.live_message_support(
+            keep_text(f"{package}::{folder}"), keep_text(name), description, introspection
+        )
+        return MessageSupport(
+            live_type,
+            support,
+            helper.live_create_function(live_type.address),
+            function_address(helper.live_destroy),
+            function_address(helper.live_from_python),
+            function_address(helper.live_to_python),
+        )
+
+    def service(self, cls: type[Any], parts: list[int], event: LiveType, make_event: object) -> int:
+        """Make the type support of a service out of those of request, response and event; its address."""
+        package, folder, name = _names(cls)
+        keep_object(make_event)
+        support: int = event.helper.live_service_support(
+            keep_text(f"{package}::{folder}"), keep_text(name), *parts, event.address, make_event, description_of(cls)
+        )
+        return support
+
+    def action(self, cls: type[Any], parts: list[int]) -> int:
+        """Make the type support of an action out of those of its two services, cancel, feedback and status."""
+        support: int = self._helper.live_action_support(*parts, description_of(cls))
+        return support
+
+    def _new_type(self, cls: type[Any]) -> LiveType:
+        words = array.array("I", validation_program(cls))
+        program = keep(words.tobytes())
+        codec = LazyCodec(cls)
+        address = self._helper.live_new_type(program, len(words), codec.encode, codec.decode)
+        if not address:
+            self._helper = load_another_helper()
+            address = self._helper.live_new_type(program, len(words), codec.encode, codec.decode)
+        codec.live_type = LiveType(self._helper, address)
+        return codec.live_type
+
+    def _members(
+        self, fields: tuple[MessageField, ...], support_address: Callable[[type[Any]], int]
+    ) -> tuple[int, int]:
+        members = self._helper.live_new_members(len(fields))
+        for index, field in enumerate(fields):
+            kind = field.type
+            self._helper.live_set_member(
+                members,
+                index,
+                keep_text(field.name),
+                _introspection_id(kind),
+                kind.string_bound,
+                support_address(field.nested) if field.nested else None,
+                bool(kind.container),
+                kind.size,
+                kind.container == "sequence" and kind.size > 0,
+            )
+        return members, len(fields)
+
+
+class LazyCodec:
+    """Encoder and decoder of a class as the helper first gets them: each is generated when it is first called.
+
+    A program mostly needs one of the two, and few of the messages an action consists of.
+    """
+
+    def __init__(self, cls: type[Any]) -> None:
+        self.live_type = LiveType(ctypes.PyDLL(None), 0)
+        self._cls = cls
+        self._encoder: Callable[[Any], bytes] | None = None
+        self._decoder: Callable[[bytes], Any] | None = None
+        self.encode, self.decode = self._first_encode, self._first_decode
+        keep_object(self.encode)
+        keep_object(self.decode)
+
+    def _first_encode(self, message: Any) -> bytes:
+        self._encoder = self._encoder or make_encoder(self._cls)
+        self._tell_helper()
+        return self._encoder(message)
+
+    def _first_decode(self, payload: bytes) -> Any:
+        self._decoder = self._decoder or make_decoder(self._cls)
+        self._tell_helper()
+        return self._decoder(payload)
+
+    def _tell_helper(self) -> None:
+        encode, decode = self._encoder or self.encode, self._decoder or self.decode
+        keep_object(encode)
+        keep_object(decode)
+        self.live_type.helper.live_set_codec(self.live_type.address, encode, decode)
+
+
+def _introspection_id(kind: FieldType) -> int:
+    if kind.primitive:
+        return kind.primitive.introspection_id
+    if kind.is_nested:
+        return _INTROSPECTION_MESSAGE
+    return _INTROSPECTION_WSTRING if kind.base == "wstring" else _INTROSPECTION_STRING
+
+
+def _names(cls: type[Any]) -> tuple[str, str, str]:
+    package, folder, name = full_name(cls).split("/")
+    return package, folder, name

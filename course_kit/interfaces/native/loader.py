@@ -1,0 +1,173 @@
+"""Loads the native helper and hands it what it needs of Python and of Fast CDR.
+
+Where Fast CDR keeps its buffer is found on a live object, not assumed; a layout this code does not know ends in a
+message for people instead of a crash.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import struct
+from pathlib import Path
+from typing import Any
+
+from course_kit.interfaces.errors import NativeHelperError
+
+LIBRARY = Path(__file__).with_name("_helper.so")
+SUPPORTED_RMW = "rmw_fastrtps_cpp"
+
+_POSITION = "_ZN8eprosima7fastcdr3Cdr20get_current_positionEv"
+_JUMP = "_ZN8eprosima7fastcdr3Cdr4jumpEm"
+_NEW_BUFFER = "_ZN8eprosima7fastcdr10FastBufferC1EPcm"
+_NEW_CDR = "_ZN8eprosima7fastcdr3CdrC1ERNS0_10FastBufferENS1_10EndiannessENS0_10CdrVersionE"
+_LITTLE_ENDIAN, _XCDR_V1 = 1, 2
+
+_address, _text, _size, _object = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.py_object
+
+
+_PYTHON_FUNCTIONS = (
+    "PyObject_CallFunctionObjArgs",
+    "PyBytes_FromStringAndSize",
+    "PyBytes_AsStringAndSize",
+    "Py_DecRef",
+    "PyErr_NoMemory",
+    "PyErr_WriteUnraisable",
+    "PyGILState_Ensure",
+    "PyGILState_Release",
+)
+
+
+class Imports(ctypes.Structure):
+    """`struct imports` of helper.c."""
+
+    _fields_ = (
+        ("cdr_position", ctypes.c_void_p),
+        ("cdr_jump", ctypes.c_void_p),
+        ("buffer_in_cdr", ctypes.c_size_t),
+        ("data_in_buffer", ctypes.c_size_t),
+        ("size_in_buffer", ctypes.c_size_t),
+        ("none", ctypes.c_void_p),
+        *((name, ctypes.c_void_p) for name in _PYTHON_FUNCTIONS),
+    )
+
+
+_SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
+    "live_setup": (None, [ctypes.POINTER(Imports)]),
+    "live_new_type": (_address, [_address, _size, _object, _object]),
+    "live_create_function": (_address, [_address]),
+    "live_set_codec": (None, [_address, _object, _object]),
+    "live_valid": (ctypes.c_bool, [_address, _text, _size]),
+    "live_message_support": (_address, [_address, _address, _address, _address]),
+    "live_new_members": (_address, [_size]),
+    "live_set_member": (
+        None,
+        [_address, _size, _address, ctypes.c_uint8, _size, _address, ctypes.c_bool, _size, ctypes.c_bool],
+    ),
+    "live_introspection": (_address, [_address, _address, _address, _address, ctypes.c_uint32, _address]),
+    "live_service_support": (
+        _address,
+        [_address, _address, _address, _address, _address, _address, _object, _address],
+    ),
+    "live_action_support": (_address, [_address] * 6),
+}
+
+
+def load_helper(path: Path = LIBRARY) -> ctypes.PyDLL:
+    """Load a copy of the helper, ready for use.
+
+    Raises:
+        NativeHelperError: it is missing or does not fit this machine's ROS 2; the message says what to do.
+    """
+    _refuse_other_middleware()
+    try:
+        # PyDLL keeps the interpreter's lock during calls: the helper's table of types has no lock of its own.
+        helper = ctypes.PyDLL(str(path))
+        for name, (result, arguments) in _SIGNATURES.items():
+            function = getattr(helper, name)
+            function.restype, function.argtypes = result, arguments
+    except (OSError, AttributeError) as error:
+        raise NativeHelperError(
+            f"The native helper of the course's interfaces could not be loaded ({error}). It is compiled when the "
+            "course is installed: install it again (delete the folder .venv and run ./course lab, or "
+            "pip install --force-reinstall --no-deps the course)."
+        ) from error
+    helper.live_setup(ctypes.byref(_imports()))
+    return helper
+
+
+def load_another_helper() -> ctypes.PyDLL:
+    """Load one more copy, with a table of types of its own, when the others are full.
+
+    The loader knows a library again by its file, so the copy is a file in memory under a name that stays its own:
+    its descriptor is kept open.
+    """
+    descriptor = os.memfd_create("course-kit-helper")
+    os.write(descriptor, LIBRARY.read_bytes())
+    return load_helper(Path(f"/proc/self/fd/{descriptor}"))
+
+
+def ros_library(name: str) -> ctypes.CDLL:
+    """Open one of ROS's own libraries.
+
+    Raises:
+        NativeHelperError: ROS 2 is not installed, or its libraries are not found.
+    """
+    try:
+        return ctypes.CDLL(name)
+    except OSError as error:
+        raise NativeHelperError(
+            f"The library {name} of ROS 2 Jazzy was not found ({error}). Messages defined at run time need ROS 2 with "
+            "Fast DDS: install the course's ROS packages, or source your ROS 2 Jazzy, and start Python again."
+        ) from error
+
+
+def _refuse_other_middleware() -> None:
+    chosen = os.environ.get("RMW_IMPLEMENTATION") or SUPPORTED_RMW
+    if chosen != SUPPORTED_RMW:
+        raise NativeHelperError(
+            f"Messages defined at run time work with {SUPPORTED_RMW}, and RMW_IMPLEMENTATION is {chosen!r}. "
+            "Unset RMW_IMPLEMENTATION and start Python again."
+        )
+
+
+def _imports() -> Imports:
+    fastcdr = ros_library("libfastcdr.so.2")
+    try:
+        functions = [function_address(fastcdr[name]) for name in (_POSITION, _JUMP)]
+        offsets = _probe_layout(fastcdr)
+    except AttributeError as error:
+        raise NativeHelperError(_unknown_fastcdr(str(error))) from error
+    python = [function_address(getattr(ctypes.pythonapi, name)) for name in _PYTHON_FUNCTIONS]
+    return Imports(*functions, *offsets, id(None), *python)
+
+
+def _probe_layout(fastcdr: ctypes.CDLL) -> tuple[int, int, int]:
+    """Find where a Cdr keeps its FastBuffer, and that its memory and size, by looking at a live pair of them."""
+    length = 72
+    memory = ctypes.create_string_buffer(length)
+    buffer, cdr = ctypes.create_string_buffer(256), ctypes.create_string_buffer(2048)
+    new_buffer, new_cdr, position = fastcdr[_NEW_BUFFER], fastcdr[_NEW_CDR], fastcdr[_POSITION]
+    new_buffer.restype, new_buffer.argtypes = None, [_address, _address, _size]
+    new_cdr.restype, new_cdr.argtypes = None, [_address, _address, ctypes.c_uint8, ctypes.c_uint8]
+    position.restype, position.argtypes = _address, [_address]
+    new_buffer(buffer, memory, length)
+    new_cdr(cdr, buffer, _LITTLE_ENDIAN, _XCDR_V1)
+    in_cdr, in_buffer = struct.unpack("256Q", cdr.raw), struct.unpack("32Q", buffer.raw)
+    sought = [(in_cdr, ctypes.addressof(buffer)), (in_buffer, ctypes.addressof(memory)), (in_buffer, length)]
+    if any(words.count(value) != 1 for words, value in sought) or position(cdr) != ctypes.addressof(memory):
+        raise NativeHelperError(_unknown_fastcdr("its objects are laid out differently"))
+    buffer_in_cdr, data_in_buffer, size_in_buffer = (8 * words.index(value) for words, value in sought)
+    return buffer_in_cdr, data_in_buffer, size_in_buffer
+
+
+def function_address(function: Any) -> int:
+    """Where a function of a loaded library lies."""
+    return ctypes.cast(function, ctypes.c_void_p).value or 0
+
+
+def _unknown_fastcdr(detail: str) -> str:
+    return (
+        f"This Fast CDR is not the one of ROS 2 Jazzy ({detail}), so messages defined at run time cannot be used with "
+        "it. Install the ROS packages in the versions the course names, or a ROS 2 Jazzy."
+    )

@@ -1,0 +1,76 @@
+"""Service and action classes with the behaviour of those rosidl_generator_py makes."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from course_kit.interfaces.live_record import LiveRecord, class_of, source_of
+
+if TYPE_CHECKING:
+    from course_kit.interfaces.definition import ActionDefinition, ServiceDefinition
+
+
+def make_service_class(
+    definition: ServiceDefinition, request: type[Any], response: type[Any], event: type[Any], text: str | None = None
+) -> type[Any]:
+    """Make the class of a service out of those of its parts."""
+    parts = {"Request": request, "Response": response, "Event": event}
+    return _bundle(definition, "service", parts, text)
+
+
+def make_action_class(definition: ActionDefinition, parts: dict[str, type[Any]], text: str) -> type[Any]:
+    """Make the class of an action.
+
+    Args:
+        definition: the action.
+        parts: its classes under their names in the action: Goal, Result, Feedback, SendGoalService,
+            GetResultService and FeedbackMessage. What all actions share (cancelling, status) is added.
+        text: the definition's text.
+    """
+    internal = {name: parts[name] for name in ("SendGoalService", "GetResultService", "FeedbackMessage")}
+    internal["CancelGoalService"] = importlib.import_module("action_msgs.srv").CancelGoal
+    internal["GoalStatusMessage"] = importlib.import_module("action_msgs.msg").GoalStatusArray
+    module = f"{definition.name.package}.{definition.name.kind}.{definition.module}"
+    name = definition.name.name
+    implementation = type("Impl", (), {"__module__": module, "__qualname__": f"{name}.Impl", **internal})
+    public = {part: parts[part] for part in ("Goal", "Result", "Feedback")}
+    return _bundle(definition, "action", {**public, "Impl": implementation}, text)
+
+
+def _bundle(
+    definition: ServiceDefinition | ActionDefinition, what: str, parts: dict[str, type[Any]], text: str | None
+) -> type[Any]:
+    name = definition.name.name
+    module = f"{definition.name.package}.{definition.name.kind}.{definition.module}"
+    metaclass = type(
+        f"Metaclass_{name}",
+        (type,),
+        {
+            "__module__": module,
+            "__doc__": f"Metaclass of {what} '{name}'.",
+            "_TYPE_SUPPORT": None,
+            "__import_type_support__": classmethod(
+                _import_service_support if what == "service" else _import_action_support
+            ),
+        },
+    )
+
+    def __init__(_: object) -> NoReturn:  # noqa: N807
+        raise NotImplementedError(f"{what.capitalize()} classes can not be instantiated")
+
+    cls: type[Any] = metaclass(name, (), {"__module__": module, "__init__": __init__, **parts})
+    LiveRecord(source_of(definition.name.kind, text)).attach(cls)
+    return cls
+
+
+def _import_service_support(metaclass: Any) -> None:
+    from course_kit.interfaces.type_support import add_service_support
+
+    add_service_support(class_of(metaclass))
+
+
+def _import_action_support(metaclass: Any) -> None:
+    from course_kit.interfaces.type_support import add_action_support
+
+    add_action_support(class_of(metaclass))

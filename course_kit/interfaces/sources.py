@@ -1,0 +1,87 @@
+"""Where the texts of live interfaces lie: folders laid out package/kind/Name.kind, as in a ROS package's share.
+
+Read at the start of every Python of the environment, so nothing but `os` is imported before a package is sought.
+"""
+
+from __future__ import annotations
+
+import os
+
+TYPE_CHECKING = False  # importing typing would cost more than this module
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+KINDS = ("msg", "srv", "action")
+PATH_VARIABLE = "COURSE_KIT_INTERFACE_PATH"
+# What comes with the course cannot be replaced by what somebody defines: exercises are graded with it.
+OWN_FOLDER = os.path.join(os.path.dirname(__file__), "data")  # noqa: PTH118, PTH120
+# Sought by Python itself at every start, before anything of the environment may be imported.
+_NEVER_PACKAGES = ("sitecustomize", "usercustomize")
+
+
+def folders() -> Iterator[str]:
+    """The folders to search, in this order: the course's, COURSE_KIT_INTERFACE_PATH, the learner's definitions."""
+    yield OWN_FOLDER
+    yield from (folder for folder in os.environ.get(PATH_VARIABLE, "").split(os.pathsep) if folder)
+    saved = saved_folder()
+    if saved is not None:
+        yield saved
+
+
+def saved_folder() -> str | None:
+    """Where definitions are saved for other processes of this checkout, None where nothing can be written."""
+    try:
+        from course_kit import environment
+
+        return os.path.join(environment.run_dir(), "interfaces")  # noqa: PTH118
+    except (AttributeError, ImportError, OSError):  # the first two: environment is itself being imported
+        return None
+
+
+def has_package(package: str) -> bool:
+    """Whether some folder has interfaces of the package. Costs a few microseconds."""
+    if package in _NEVER_PACKAGES or package.startswith("_") or not package.islower():
+        return False
+    return any(has_kind(package, kind, folder) for folder in folders() for kind in KINDS)
+
+
+def has_kind(package: str, kind: str, folder: str | None = None) -> bool:
+    """Whether a package has messages, services or actions, in one folder or in any."""
+    return any(os.path.isdir(os.path.join(each, package, kind)) for each in ([folder] if folder else folders()))  # noqa: PTH112, PTH118
+
+
+def find_text(package: str, kind: str, name: str) -> str | None:
+    """The text of an interface, None if no folder has it."""
+    for folder in folders():
+        path = os.path.join(folder, package, kind, f"{name}.{kind}")  # noqa: PTH118
+        if os.path.isfile(path):  # noqa: PTH113
+            with open(path, encoding="utf-8") as file:  # noqa: PTH123
+                return file.read()
+    return None
+
+
+def names(package: str, kind: str) -> set[str]:
+    """The names of a package's live interfaces of one kind."""
+    found: set[str] = set()
+    for folder in folders():
+        found.update(_stems(os.path.join(folder, package, kind), f".{kind}"))  # noqa: PTH118
+    return found
+
+
+def live_packages() -> set[str]:
+    """The packages any folder has."""
+    found: set[str] = set()
+    for folder in folders():
+        found.update(package for package in _list(folder) if has_package(package))
+    return found
+
+
+def _stems(folder: str, ending: str) -> Iterator[str]:
+    return (file[: -len(ending)] for file in _list(folder) if file.endswith(ending) and not file.startswith("."))
+
+
+def _list(folder: str) -> list[str]:
+    try:
+        return os.listdir(folder)  # noqa: PTH208
+    except OSError:
+        return []
