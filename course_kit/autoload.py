@@ -2,24 +2,23 @@
 
 It makes the course's interfaces importable in any program, and has the ROS settings of the course made when
 rclpy is first imported: a plain `python server.py` in a terminal joins the same graph as the notebook.
-`COURSE_KIT_AUTOLOAD=0` turns it off.
+`COURSE_KIT_AUTOLOAD=0` turns it off. Even `typing` and `importlib.abc` would cost more than all of this.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from importlib.abc import MetaPathFinder
-from typing import TYPE_CHECKING
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from importlib.machinery import ModuleSpec
     from types import ModuleType
 
 
-class _BeforeRclpy(MetaPathFinder):
-    """Finds nothing; makes the settings when rclpy is about to be found."""
+class _BeforeRclpy:
+    """A meta path finder that finds nothing, and makes the settings when rclpy is about to be found."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
