@@ -58,7 +58,7 @@ class _Current:
 def current() -> Lab:
     """The lab of this process, made on first use."""
     if _Current.lab is None:
-            from course_kit.lab.core import Lab
+        from course_kit.lab.core import Lab
 
         _Current.lab = Lab()
     return _Current.lab

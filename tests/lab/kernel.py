@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import queue
-import sys
 import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -41,10 +40,8 @@ class Shown:
 class Kernel:
     """One kernel process."""
 
-    def __init__(self, cwd: Path, python: str = sys.executable) -> None:
+    def __init__(self, cwd: Path) -> None:
         self.manager = KernelManager()
-        self.manager.kernel_cmd  # noqa: B018 - touches the trait so that the spec is made
-        self.python = python
         self.cwd = cwd
 
     def __enter__(self) -> Kernel:
