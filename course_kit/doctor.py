@@ -74,8 +74,13 @@ def render(finding: Finding) -> str:
 
 def findings() -> Iterator[Finding]:
     """All findings, the quick ones first; whatever goes wrong in one is a finding of its own."""
-    for check in (python, settings, rclpy_itself, middleware, jupyter, interfaces, shared_memory, isolation, discovery):
+    for check in (python, settings, jupyter, shared_memory, isolation):
         yield guarded(check)
+    ros = guarded(rclpy_itself)
+    yield ros
+    if ros.verdict != "bad":  # the rest would only fail after it
+        for check in (middleware, interfaces, discovery):
+            yield guarded(check)
 
 
 def guarded(check: Callable[[], Finding]) -> Finding:
@@ -122,17 +127,25 @@ def settings() -> Finding:
 
 
 def rclpy_itself() -> Finding:
-    """Where rclpy comes from."""
-    try:
-        import rclpy
-    except Exception as problem:  # noqa: BLE001 - a broken installation raises anything
+    """Whether rclpy loads, asked in a process of its own: a wrong RMW ends the process that imports it."""
+    done = subprocess.run(
+        [sys.executable, "-c", "import rclpy; print(rclpy.__file__)"],
+        env=environment.child_environment(),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    if done.returncode:
+        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
         advice = "Run ./course lab, which installs it; or source a ROS 2 Jazzy first and delete .venv."
-        return Finding("rclpy", f"cannot be imported: {problem}", "bad", advice)
-    where = os.path.dirname(rclpy.__file__)  # noqa: PTH120
+        if os.environ.get("RMW_IMPLEMENTATION"):
+            advice = f"RMW_IMPLEMENTATION is {os.environ['RMW_IMPLEMENTATION']}: unset RMW_IMPLEMENTATION."
+        return Finding("rclpy", f"cannot be imported: {last}", "bad", advice)
     try:
         return Finding("rclpy", f"{importlib.metadata.version('ros-rclpy')} from PyPI wheels")
     except importlib.metadata.PackageNotFoundError:
-        return Finding("rclpy", f"of the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {where}")
+        return Finding("rclpy", f"of the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {done.stdout.strip()}")
 
 
 def middleware() -> Finding:
@@ -142,9 +155,7 @@ def middleware() -> Finding:
     name = get_rmw_implementation_identifier()
     if name.startswith("rmw_fastrtps"):
         return Finding("RMW", name)
-    return Finding(
-        "RMW", name, "bad", "The course's own message types are made for Fast DDS: unset RMW_IMPLEMENTATION."
-    )
+    return Finding("RMW", name, "bad", "The course's message types are made for Fast DDS: unset RMW_IMPLEMENTATION.")
 
 
 def jupyter() -> Finding:

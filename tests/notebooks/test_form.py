@@ -1,0 +1,92 @@
+"""What every notebook promises its reader, as far as it can be counted."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parent.parent.parent
+LESSONS = sorted((REPOSITORY / "notebooks").rglob("*.ipynb"))
+EXERCISES = sorted((REPOSITORY / "exercises").rglob("*.ipynb"))
+SEED = {path.name: path.read_text().strip() for path in (REPOSITORY / "tests" / "seed").glob("*.py")}
+LONGEST_CELL = 25
+
+lessons = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
+notebooks = pytest.mark.parametrize("path", [*LESSONS, *EXERCISES], ids=lambda path: path.stem)
+
+
+def cells(path: Path, kind: str) -> list[Any]:
+    return [cell for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == kind]
+
+
+def without_magic(source: str) -> str:
+    first, _, rest = source.partition("\n")
+    return rest.strip() if first.startswith("%%") else source.strip()
+
+
+@notebooks
+def test_it_is_a_valid_notebook_for_any_kernel_name(path: Path) -> None:
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    assert notebook.metadata.kernelspec.name == "python3"
+    ids = [cell.id for cell in notebook.cells]
+    assert len(set(ids)) == len(ids)
+
+
+@notebooks
+def test_no_cell_is_long(path: Path) -> None:
+    """A program of the seed chapter stands as it is: its length is part of what is taught."""
+    too_long = [
+        cell.source
+        for cell in cells(path, "code")
+        if len(cell.source.splitlines()) > LONGEST_CELL
+        and without_magic(cell.source) not in SEED.values()
+        and not cell.source.startswith("%%submission")
+    ]
+    assert not too_long
+
+
+@lessons
+def test_it_begins_with_what_you_will_be_able_to_do_and_ends_with_a_check_of_it(path: Path) -> None:
+    text = [cell.source for cell in cells(path, "markdown")]
+    assert "you can" in text[0]
+    assert any(re.search(r"^## .*Check yourself", part, re.MULTILINE) for part in text[-5:])
+
+
+@lessons
+def test_its_outputs_are_stored_and_every_cell_was_run_in_order(path: Path) -> None:
+    code = cells(path, "code")
+    assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
+    assert any(cell.outputs for cell in code)
+
+
+@lessons
+def test_an_error_is_shown_only_where_one_is_announced(path: Path) -> None:
+    for cell in cells(path, "code"):
+        failed = any(output.output_type == "error" for output in cell.outputs)
+        assert failed == ("raises-exception" in cell.metadata.get("tags", [])), cell.source
+
+
+@lessons
+def test_no_output_names_a_place_or_a_time_of_this_machine(path: Path) -> None:
+    for cell in cells(path, "code"):
+        shown = str(cell.outputs)
+        assert not re.search(r"/(home|root|tmp|work)/|\b1[789]\d{8}\.\d+", shown), shown
+
+
+@notebooks
+def test_every_picture_has_a_text_and_every_link_leads_somewhere(path: Path) -> None:
+    for cell in cells(path, "markdown"):
+        assert "![](" not in cell.source
+        for link in re.findall(r"\]\(((?!https?:|#)[^)\s]+)\)", cell.source):
+            assert (path.parent / link).exists(), link
+
+
+def test_lesson_one_runs_the_programs_of_the_chapter_word_for_word() -> None:
+    sources = [without_magic(cell.source) for cell in cells(REPOSITORY / "notebooks/01_services.ipynb", "code")]
+    assert SEED["minimal_service.py"] in sources
+    assert SEED["minimal_client.py"] in sources
