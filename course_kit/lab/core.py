@@ -65,6 +65,7 @@ class Lab:
     def start(self, node_class: type, /, *arguments: Any, **options: Any) -> Any:
         """See `course_kit.lab.start`."""
         self._not_in_callback("lab.start()")
+        __tracebackhide__ = True  # IPython: the learner's own lines are what matters
         node = self.engine.nodes.start(node_class, arguments, options)
         self.output.drain()
         return node
