@@ -17,7 +17,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-TOPICS = "Arrays BasicTypes BoundedSequences Builtins Defaults Empty MultiNested Nested Strings UnboundedSequences WStrings"
+TOPICS = (
+    "Arrays BasicTypes BoundedSequences Builtins Defaults Empty MultiNested Nested Strings UnboundedSequences WStrings"
+)
 DEADLINE = 20.0
 
 
@@ -131,6 +133,7 @@ class Client:
 
     def topics(self) -> None:
         from test_msgs import msg as messages
+
         from tests.interfaces.twins import random_message
 
         for name in TOPICS.split():
@@ -150,6 +153,7 @@ class Client:
 
     def service(self) -> None:
         from test_msgs.srv import Arrays
+
         from tests.interfaces.twins import random_message
 
         client = self.node.create_client(Arrays, "arrays", callback_group=self.group)
@@ -183,6 +187,7 @@ class Client:
     def nested_action(self) -> None:
         from rclpy.action import ActionClient
         from test_msgs.action import NestedMessage
+
         from tests.interfaces.twins import random_message
 
         client = ActionClient(self.node, NestedMessage, "nested", callback_group=self.group)
@@ -215,12 +220,13 @@ class Client:
 def main(role: str, how: str, folder: str) -> None:
     if how == "live":
         use_live_types(folder)
+    import faulthandler
+
     import rclpy
-    from course_kit.interfaces.live_record import record_of
     from rclpy.executors import MultiThreadedExecutor
     from test_msgs.msg import Arrays
 
-    import faulthandler
+    from course_kit.interfaces.live_record import record_of
 
     faulthandler.dump_traceback_later(50, exit=True)  # a hang ends with a stack trace
     assert (record_of(Arrays) is not None) == (how == "live")

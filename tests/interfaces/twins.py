@@ -115,6 +115,8 @@ def as_message_of(cls: Any, message: Any) -> Any:
         value = getattr(message, field.name)
         if field.nested is not None:
             many = field.type.container
-            value = [as_message_of(field.nested, item) for item in value] if many else as_message_of(field.nested, value)
+            value = (
+                [as_message_of(field.nested, item) for item in value] if many else as_message_of(field.nested, value)
+            )
         setattr(copy, field.name, value)
     return copy
