@@ -8,7 +8,6 @@ FOLDER holds copies of the definitions, which the live side imports in place of 
 from __future__ import annotations
 
 import os
-import random
 import sys
 import threading
 import time
@@ -17,9 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-TOPICS = (
-    "Arrays BasicTypes BoundedSequences Builtins Defaults Empty MultiNested Nested Strings UnboundedSequences WStrings"
-)
+TOPICS = "Arrays BasicTypes BoundedSequences Builtins Defaults Empty MultiNested Nested Strings WStrings"
 DEADLINE = 20.0
 
 
@@ -120,8 +117,10 @@ class Client:
     def __init__(self, node: Any) -> None:
         from rclpy.callback_groups import ReentrantCallbackGroup
 
+        from tests.interfaces.twins import seeded
+
         self.node, self.group = node, ReentrantCallbackGroup()
-        self.random = random.Random(7)
+        self.random = seeded(7)
 
     def run(self) -> None:
         self.topics()

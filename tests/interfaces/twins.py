@@ -68,6 +68,11 @@ def hash_by_c(cls: Any) -> bytes:
     return ctypes.string_at(described_by_c(cls, 0), 33)
 
 
+def seeded(seed: object) -> random.Random:
+    """Random numbers that are the same in each run."""
+    return random.Random(str(seed))  # noqa: S311 - nothing secret
+
+
 def random_message(cls: Any, rng: random.Random, depth: int = 0) -> Any:
     message = cls()
     for field in message_fields(cls):
