@@ -105,10 +105,12 @@ class _Watch:
         return True
 
     def _exceeded(self) -> str:
-        usage = processes.usage(processes.descendants(self._root))
+        everything = processes.descendants(self._root)
+        usage = processes.usage(everything)
         if usage.tasks > self._limits.tasks:
             return "processes"
-        if usage.memory > self._limits.memory_mb * _MB:
+        allowed = self._limits.memory_mb * _MB
+        if usage.memory > allowed and processes.own_memory(everything) > allowed:
             return "memory"
         return ""
 

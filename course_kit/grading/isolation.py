@@ -6,6 +6,7 @@ for real in a child process that is thrown away. The grader then uses what worke
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import subprocess
@@ -16,6 +17,13 @@ from typing import Any
 
 from course_kit.grading import namespaces
 
+_REASONS = {
+    errno.ENOSPC: "this machine allows no more user namespaces (sysctl user.max_user_namespaces): ",
+    errno.EPERM: "this machine forbids user namespaces (AppArmor on Ubuntu, or the container it runs in): ",
+    errno.EACCES: "this machine forbids user namespaces (AppArmor on Ubuntu, or the container it runs in): ",
+    errno.ENOSYS: "this kernel is too old: ",
+    errno.EINVAL: "this kernel lacks a kind of namespace: ",
+}
 _PATIENCE_S = 20.0  # a hang of the trial is a fault of ours; a noisy machine needs less than one second
 
 
@@ -140,7 +148,7 @@ def _stands(writer: int, name: str, build: Any) -> bool:
     try:
         build()
     except OSError as problem:
-        _say(writer, f"! {problem.strerror or problem}")
+        _say(writer, f"! {_REASONS.get(problem.errno or 0, '')}{problem.strerror or problem}")
         return False
     if name:
         _say(writer, name)

@@ -85,6 +85,11 @@ class Worker:
     ) -> None:
         self.close()
 
+    @property
+    def process_id(self) -> int:
+        """Of the worker process."""
+        return self._process.pid
+
     def ready(self) -> dict[str, Any]:
         """Wait until it can take a job; returns the isolation it has found.
 

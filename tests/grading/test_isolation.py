@@ -1,0 +1,134 @@
+"""The walls: found by trying, told truthfully, and still a fair grade where there are none."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from course_kit import grading
+from course_kit.grading import isolation
+from tests.grading.conftest import EXERCISE, ROOT
+
+WITHOUT_NAMESPACES = """
+import sys
+from pathlib import Path
+from course_kit.grading import namespaces
+try:
+    namespaces.enter(0)
+    Path("/proc/sys/user/max_user_namespaces").write_text("0")
+except OSError:
+    pass  # this machine allows none anyhow
+"""
+GRADE = """
+from course_kit import grading
+report = grading.grade("temperature_service", sys.argv[1], seed=3)
+print(report.isolation, file=sys.stderr)
+print(report.to_json())
+"""
+UNPRIVILEGED = """
+from course_kit.grading import isolation, namespaces
+namespaces.drop_privileges()
+isolation.print_trial()
+"""
+DAEMON = """
+import os, signal, sys, time
+if os.fork() == 0:
+    os.setsid()
+    if os.fork() == 0:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        os.execv(sys.executable, [sys.executable, "-S", "-c", "import time; time.sleep(600)", {mark!r}])
+    os._exit(0)
+time.sleep(0.5)
+"""
+
+
+def python(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=100, check=False
+    )
+
+
+def grade_without_namespaces(path: Path) -> tuple[dict[str, Any], str]:
+    done = python(WITHOUT_NAMESPACES + GRADE, str(path))
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout), done.stderr
+
+
+def running(mark: str) -> list[str]:
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            if mark.encode() in path.read_bytes().split(b"\0"):
+                found.append(path.parent.name)
+        except OSError:
+            continue
+    return found
+
+
+def test_status_agrees_with_what_a_worker_uses(worker: grading.Worker) -> None:
+    assert isolation.status() == isolation.Isolation.from_mapping(worker.ready())
+
+
+def test_status_says_why_something_is_missing() -> None:
+    found = isolation.status()
+    assert (found.network and found.processes and found.files) or found.reason
+
+
+def test_status_without_namespaces() -> None:
+    done = python(WITHOUT_NAMESPACES + "from course_kit.grading import isolation\nisolation.print_trial()")
+    found = json.loads(done.stdout)
+    assert (found["network"], found["processes"], found["files"]) == (False, False, False)
+    assert "user namespaces" in found["reason"]
+
+
+def test_ordinary_users_get_the_same_walls() -> None:
+    privileged = isolation.status()
+    unprivileged = json.loads(python(UNPRIVILEGED).stdout)
+    restricted = Path("/proc/sys/kernel/apparmor_restrict_unprivileged_userns")
+    if os.getuid() == 0 and restricted.exists() and restricted.read_text().strip() == "1":
+        assert unprivileged["reason"]
+    else:
+        assert unprivileged == privileged.to_mapping()
+
+
+def test_description_names_what_does_not_hold() -> None:
+    text = isolation.Isolation(network=True, reason="no PID namespace").describe()
+    assert "own network" in text
+    assert "read-only files" not in text
+    assert "no PID namespace" in text
+
+
+def test_solution_is_graded_without_namespaces() -> None:
+    report, told = grade_without_namespaces(ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py")
+    assert report["score"] == 10.0
+    assert "own network" not in told
+
+
+@pytest.mark.parametrize("code", ["service.exception", "limit.processes", "start.crash"])
+def test_broken_submission_gets_its_code_without_namespaces(code: str) -> None:
+    report, _ = grade_without_namespaces(ROOT / "tests" / "broken" / EXERCISE / f"{code}.py")
+    assert {check["diagnosis"] for check in report["checks"] if check["status"] == "failed"} == {code}
+
+
+def test_daemons_die_without_namespaces(tmp_path: Path) -> None:
+    mark = f"course-kit-daemon-{tmp_path.name}-{os.getpid()}"
+    path = tmp_path / "daemon.py"
+    path.write_text(DAEMON.format(mark=mark))
+    report, _ = grade_without_namespaces(path)
+    assert report["score"] == 0.0
+    assert running(mark) == []
+
+
+def test_scratch_folder_is_removed(tmp_path: Path) -> None:
+    path = tmp_path / "litter.py"
+    path.write_text("import os\nprint('CWD', os.getcwd(), os.environ['HOME'])\nopen('litter', 'w').write('x' * 1000)\n")
+    report, _ = grade_without_namespaces(path)
+    _, cwd, home = report["stdout"].split()
+    assert cwd == home
+    assert not Path(cwd).exists()
