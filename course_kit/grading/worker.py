@@ -86,6 +86,7 @@ class Worker:
                 start_new_session=True,
             )
         self._channel = Channel(ours)
+        self._closing = False
         self._greeting: dict[str, Any] | None = None
 
     def __enter__(self) -> Self:
@@ -131,6 +132,7 @@ class Worker:
 
     def close(self) -> None:
         """End the process and everything it has started."""
+        self._closing = True
         self._channel.hang_up()  # it notices, ends what it has under way, and stops
         try:
             self._process.wait(_STOP_S)
@@ -146,6 +148,8 @@ class Worker:
         except subprocess.TimeoutExpired:
             self._process.kill()
             status = self._process.wait()
+        if self._closing:
+            return "It was closed meanwhile."
         self._said.seek(0)
         lines = self._said.read().decode("utf-8", errors="replace").strip().splitlines()
         return lines[-1] if lines else f"Its exit status was {status}."
