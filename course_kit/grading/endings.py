@@ -72,7 +72,7 @@ def of_start(life: Life, job: Job) -> Cause:
     where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
     if raised.type in ("ModuleNotFoundError", "ImportError"):
         return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
-    return "start.crash", f"Your program ended with {raised.describe()}{where}, before its service was up."
+    return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
 
 
 def _exited(life: Life) -> Cause:

@@ -11,6 +11,9 @@ from course_kit.grading.bench import Bench
 from course_kit.grading.checks import run_all
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.grading.checks import Check
     from course_kit.grading.job import Job
     from course_kit.grading.wire import Channel
 
@@ -37,6 +40,12 @@ def load(exercise: str) -> Any:
     return grader
 
 
+def checks_of(grader: Any, job: Job) -> Sequence[Check]:
+    """The checks of a grader module: its `CHECKS`, or what its `checks_for(job)` makes of the job's seed."""
+    made: Sequence[Check] = grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS
+    return made
+
+
 def main(warden: Channel, job: Job) -> None:
     """Run all checks of the job's exercise; returns when each is told."""
     began = time.monotonic()
@@ -44,10 +53,10 @@ def main(warden: Channel, job: Job) -> None:
     grader = load(job.exercise)
     bench = Bench(warden, job)
     times = {}
-    if not job.fault:
+    if not job.fault and not job.variable:
         bench.launch()
     try:
-        for result in run_all(grader.CHECKS, bench):
+        for result in run_all(checks_of(grader, job), bench):
             warden.send({"do": "result", "result": result.to_mapping()})
             now = time.monotonic()
             times[result.id] = now - began
