@@ -27,7 +27,7 @@ _TEXTS = ("id", "title", "starter", "notebook")
 
 @dataclass(frozen=True)
 class Hint:
-    """One rung of the ladder, and what it helps with: ids of checks, codes of diagnoses, patterns such as `*_reason`."""
+    """One rung of the ladder, and what it helps with: ids of checks (`*_reason` means all that end so), diagnoses."""
 
     topics: tuple[str, ...]
     text: str

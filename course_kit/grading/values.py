@@ -24,7 +24,7 @@ def run(code: CodeType, module: ModuleType, variable: str, note: Callable[..., N
         code: the program.
         module: what it runs in.
         variable: the name it was asked to set.
-        note: told the facts of `describe`, and `ended_itself` after SystemExit; not called when the program ends with an exception other than SystemExit.
+        note: told the facts of `describe`, and `ended_itself` after SystemExit; not called after other exceptions.
 
     Raises:
         BaseException: whatever the program raises.

@@ -88,12 +88,15 @@ def parse(text: str) -> Mapping[str, Scenario]:
     """
     try:
         tables = tomllib.loads(text)
-        if tables["format_version"] != FORMAT_VERSION:
-            raise ValueError(f"format_version is {tables['format_version']}, and this kit reads {FORMAT_VERSION}")
+        version = tables["format_version"]
         scenarios = [_scenario(table) for table in tables["scenario"]]
     except (ValueError, KeyError, TypeError, AttributeError) as problem:
         what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
         raise BankError(f"The scenarios of the quiz cannot be used: {what}.") from problem
+    if version != FORMAT_VERSION:
+        raise BankError(
+            f"The scenarios of the quiz have format_version {version}, and this kit reads {FORMAT_VERSION}."
+        )
     found = {scenario.id: scenario for scenario in scenarios}
     if len(found) < len(scenarios):
         raise BankError("The scenarios of the quiz cannot be used: two have the same id.")

@@ -152,7 +152,9 @@ def _reason(scenario: Scenario, pattern: str, given: str) -> Half:
     if given in scenario.wrong:
         return Half(False, given, scenario.wrong[given])
     if pattern in scenario.accepted and given not in scenario.accepted[pattern]:
-        problem = f"This speaks for another pattern than the one you chose ({pattern}): the halves must belong together."
+        problem = (
+            f"This speaks for another pattern than the one you chose ({pattern}): the halves must belong together."
+        )
         return Half(False, given, problem)
     return Half(True, given, scenario.why)
 

@@ -49,7 +49,7 @@ class Questions:
     def sheet(self) -> str:
         """A Python file to fill in: all scenarios and reasons as comments, with an empty pair under each."""
         blocks = [_block(number, scenario, self.seed) for number, scenario in enumerate(self.scenarios, start=1)]
-        return f"{_HEAD}\nanswers = {{\n" + "\n".join(blocks) + "}\n"
+        return f"{_HEAD}\nanswers = {{\n" + "\n".join(blocks) + "\n}\n"
 
     def __repr__(self) -> str:
         parts = [textwrap.fill(_ASKED, WIDTH)]
@@ -88,10 +88,10 @@ def show(seed: int = DEFAULT_SEED) -> Questions:
 
 
 def _block(number: int, scenario: Scenario, seed: int) -> str:
-    lines = [f"    # {number}. {scenario.title}", *_wrap(scenario.text, "    # ", "    # ")]
+    lines = [f"    # ---- {number}. {scenario.title} ----", *_wrap(scenario.text, "    # ", "    # ")]
     for name, text in reasons_as_shown(scenario, seed):
         lines += _wrap(f"{name}: {text}", "    #   - ", "    #     ")
-    return "\n".join([*lines, f'    "{scenario.id}": ("", ""),', ""])
+    return "\n".join([*lines, f'    "{scenario.id}": ("", ""),'])
 
 
 def _reason(name: str, text: str) -> str:

@@ -10,7 +10,7 @@ Keep it a plain dictionary of texts: it is read, not run.
 """
 
 answers = {
-    # 1. Welding along a seam
+    # ---- 1. Welding along a seam ----
     # An arm has to move its torch along a seam in 25 seconds, through 300 given
     # points. During the weld the station shows how far the arm is off the ideal
     # line, and the operator can stop it. Afterwards the quality system needs to
@@ -23,8 +23,7 @@ answers = {
     #   - seam_confirmed: The quality system needs an answer, and an answer
     #     belongs to a request.
     "weld_seam": ("", ""),
-
-    # 2. How deep is the vehicle?
+    # ---- 2. How deep is the vehicle? ----
     # A diving robot works out its depth from the water pressure, measured eight
     # times a second. The depth controller, the leak alarm and the logger need
     # it during the whole dive, and they start and stop independently of the
@@ -38,8 +37,7 @@ answers = {
     #   - alarm_must_ask: The alarm has to ask for the pressure itself, to be
     #     quite sure that the value is not too high.
     "water_pressure": ("", ""),
-
-    # 3. Something touched the bumper
+    # ---- 3. Something touched the bumper ----
     # When a cleaning robot bumps into something, its base says so at once.
     # Several nodes react, each in its own way: one stops the brush, one draws
     # the spot into the map, one counts hits for the maker. The base does not
@@ -53,8 +51,7 @@ answers = {
     #   - rare_event: Hits are rare, and rare messages should be sent this way
     #     to save power.
     "bumper_hit": ("", ""),
-
-    # 4. Keeping a drone on its course
+    # ---- 4. Keeping a drone on its course ----
     # A computer on board sends the flight controller the point where the drone
     # should be, thirty times a second. When the points stop coming for half a
     # second, the controller assumes a failure and lands. No reply to a single
@@ -68,8 +65,7 @@ answers = {
     #   - must_be_safe: Flying is dangerous, so that the safest one of the three
     #     patterns has to be used for it.
     "drone_setpoints": ("", ""),
-
-    # 5. From GPS to field coordinates
+    # ---- 5. From GPS to field coordinates ----
     # A farmer taps on a satellite picture. The app has latitude and longitude,
     # but the robot thinks in metres from the gate of the field. Another node
     # knows the gate's position and converts one point at a time, in no time.
@@ -82,8 +78,7 @@ answers = {
     #   - robot_drives_there: The robot is going to drive there, which takes
     #     minutes and may be stopped.
     "gps_to_field": ("", ""),
-
-    # 6. Closing the fingers on an egg
+    # ---- 6. Closing the fingers on an egg ----
     # A kitchen robot closes its fingers around an egg with little force, which
     # takes about three seconds. Its program watches the force on the way, opens
     # again if the egg slips, and learns at the end whether something is held or
@@ -95,8 +90,7 @@ answers = {
     #   - react_before_end: The program follows the closing for seconds, and may
     #     call it off before it ends.
     "close_gripper": ("", ""),
-
-    # 7. Saving the finished map
+    # ---- 7. Saving the finished map ----
     # After a drive through a new warehouse, the engineer presses "save". The
     # map builder writes the map into a file with a given name, which takes a
     # moment, and the engineer wants to read either "saved" or why it did not
@@ -110,8 +104,7 @@ answers = {
     #   - anyone_may_save: Any program that is interested should hear that the
     #     map is to be saved.
     "save_map": ("", ""),
-
-    # 8. A gripper learns its limits
+    # ---- 8. A gripper learns its limits ----
     # After power-on a gripper has to drive its fingers slowly to both ends to
     # learn where they are: about ten seconds. The start-up program does other
     # things meanwhile, gives up when the fingers are blocked, and needs to know
@@ -124,8 +117,7 @@ answers = {
     #   - once_after_start: It is done only once after each power-on, and later
     #     never again as long as the gripper is on.
     "gripper_homing": ("", ""),
-
-    # 9. A flight along the bridge
+    # ---- 9. A flight along the bridge ----
     # A drone flies along a bridge on a path of 40 points: twelve minutes. The
     # pilot sees which point is next, calls the drone back when the wind gets
     # too strong, and receives a note at the end about the points it has
@@ -138,8 +130,7 @@ answers = {
     #   - final_note: At the end a note about the points that were reached is
     #     returned to the one who asked for the flight.
     "inspect_bridge": ("", ""),
-
-    # 10. Where is the tractor?
+    # ---- 10. Where is the tractor? ----
     # A tractor without a driver receives its position from satellites five
     # times a second. The steering uses it, a tablet in the farmhouse draws it
     # on a map, and the seeding machine writes it down. The tablet is often

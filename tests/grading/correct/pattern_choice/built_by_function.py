@@ -1,12 +1,12 @@
 def answer_all():
     found = {}
     for line in LINES.split():
-        name, pattern, reason = line.split(':')
+        name, pattern, reason = line.split(":")
         found[name] = pattern, reason
     return found
 
 
-LINES = '''
+LINES = """
 weld_seam:action:watched_and_stoppable
 water_pressure:topic:start_in_any_order
 bumper_hit:topic:event_for_many
@@ -17,5 +17,5 @@ save_map:service:short_with_answer
 gripper_homing:action:may_be_given_up
 inspect_bridge:action:known_end_can_change
 tractor_position:topic:independent_of_readers
-'''
+"""
 answers = answer_all()

@@ -1,6 +1,6 @@
 import json
 
-TEXT = '''{
+TEXT = """{
   "weld_seam": ["action", "watched_and_stoppable"],
   "water_pressure": ["topic", "start_in_any_order"],
   "bumper_hit": ["topic", "event_for_many"],
@@ -11,6 +11,6 @@ TEXT = '''{
   "gripper_homing": ["action", "may_be_given_up"],
   "inspect_bridge": ["action", "known_end_can_change"],
   "tractor_position": ["topic", "independent_of_readers"]
-}'''
+}"""
 
 answers = json.loads(TEXT)

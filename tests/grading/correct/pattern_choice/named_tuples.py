@@ -3,9 +3,9 @@ from typing import NamedTuple
 
 
 class Pattern(str, Enum):
-    TOPIC = 'topic'
-    SERVICE = 'service'
-    ACTION = 'action'
+    TOPIC = "topic"
+    SERVICE = "service"
+    ACTION = "action"
 
 
 class Answer(NamedTuple):
