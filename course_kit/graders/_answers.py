@@ -59,27 +59,17 @@ def written_out(source: str, variable: str) -> Found | None:
 
 
 def handed_over(notes: dict[str, Any], variable: str) -> Found:
-    """The answers of a program that was run, from its notes: see `course_kit.grading.values`.
-
-    The program could have written notes of its own; whatever stands there, this does not fail.
-    """
-    try:
-        return _from_notes(notes, variable)
-    except (TypeError, ValueError):
-        return Found(value="something that cannot be read")
-
-
-def _from_notes(notes: dict[str, Any], variable: str) -> Found:
-    names = tuple(str(name) for name in notes.get("set_names", ()) if name != variable)
+    """The answers of a program that was run, from its notes: see `course_kit.grading.values`."""
+    names = tuple(name for name in notes.get("set_names", ()) if name != variable)
     if notes.get("too_large"):
         return Found(set_names=names, too_large=True)
     if "value" in notes:
-        return Found(value=str(notes["value"]), set_names=names)
+        return Found(value=notes["value"], set_names=names)
     if "entries" not in notes:
         return Found(set_names=names, is_set=False)
     entries: dict[Any, Any] = {}
     for key, text in notes["entries"]:
-        _put(entries, str(key), str(text))
+        _put(entries, key, text)
     return Found(entries, set_names=names)
 
 
