@@ -186,6 +186,20 @@ def test_deep_nesting_harms_nobody(grade: Callable[..., grading.Report]) -> None
     assert "quiz.malformed" in {check.diagnosis for check in failed(report)}
 
 
+def test_a_program_that_only_waits_is_ended(
+    grade: Callable[..., grading.Report], answers: dict[str, tuple[str, str]], tmp_path: Path
+) -> None:
+    """At the limit of wall time: it uses no processor, so that no other limit would end it."""
+    folder = tmp_path / "exercises" / EXERCISE
+    folder.mkdir(parents=True)
+    text = (ROOT / "exercises" / EXERCISE / "exercise.toml").read_text()
+    (folder / "exercise.toml").write_text(text.replace("wall_s = 20.0", "wall_s = 1.5"))
+    program = f"import time\nanswers = {{}}\ntime.sleep(1000)\nanswers.update({answers!r})"
+    report = grade(program, exercises=folder.parent)
+    assert {check.diagnosis for check in failed(report) if check.status == "failed"} == {"limit.time"}
+    assert "1.5 s in all" in failed(report)[0].message
+
+
 def test_a_literal_is_read_and_never_run(
     grade: Callable[..., grading.Report], answers: dict[str, tuple[str, str]], tmp_path: Path
 ) -> None:
