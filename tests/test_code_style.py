@@ -14,7 +14,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 FLOORS = [
     {"environment"},
     {"interfaces"},
-    {"lab", "robot"},
+    {"lab", "robot", "quiz"},
     {"trace", "panels", "ros2", "launch_shim", "grading"},
     {"graders"},
     {"magics", "grade_magics", "cli", "doctor", "jupyter", "dev"},
