@@ -94,6 +94,7 @@ def start(node_class: type[NodeT], /, *args: Any, **kwargs: Any) -> NodeT:
         LabError: it is not a node class.
         Exception: whatever `__init__` raises; nothing is left behind then.
     """
+    __tracebackhide__ = True  # IPython: the learner's own lines are what matters
     node: NodeT = current().start(node_class, *args, **kwargs)
     return node
 

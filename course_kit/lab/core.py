@@ -6,7 +6,7 @@ import atexit
 import threading
 from typing import TYPE_CHECKING, Any
 
-from course_kit.lab import calls, topics
+from course_kit.lab import calls, graph, topics
 from course_kit.lab.errors import DeadlockError, LabError
 from course_kit.lab.events import Recorder, Taps
 from course_kit.lab.notebook import Notebook
@@ -58,6 +58,7 @@ class Lab:
             if self._scripts is None:
                 from course_kit.lab.scripts import Scripts
 
+                self._notebook.watch_output()
                 self._scripts = Scripts(self)
                 _at_exit(self.close)
             return self._scripts
@@ -65,6 +66,7 @@ class Lab:
     def start(self, node_class: type, /, *arguments: Any, **options: Any) -> Any:
         """See `course_kit.lab.start`."""
         self._not_in_callback("lab.start()")
+        __tracebackhide__ = True  # IPython: the learner's own lines are what matters
         node = self.engine.nodes.start(node_class, arguments, options)
         self.output.drain()
         return node
@@ -114,6 +116,19 @@ class Lab:
     def script(self, name: str, source: str, arguments: tuple[str, ...], mode: str) -> Script:
         """See `course_kit.lab.script`."""
         return self.scripts.run(name, source, arguments, mode)
+
+    def wait_for_nodes(self, names: list[str], *, there: bool) -> None:
+        """Wait until the nodes of a script are on the graph as this process sees it, or are not; with a deadline.
+
+        A server that was killed stays visible for the 2 s of its lease; calling it meanwhile would wait for nothing.
+        """
+        if self._engine is not None and not self._engine.in_callback():
+            graph.wait_for_nodes(self._engine.node, names, {live.name for live in self._engine.nodes}, there=there)
+
+    @property
+    def recorder(self) -> Recorder | None:
+        """What keeps the events, if anything does."""
+        return self._recorder
 
     def attach(self, recorder: Recorder) -> None:
         """Have a recorder told what crosses from now on, and `diagram` answered by it."""

@@ -196,8 +196,8 @@ class Engine:
         """Give the one who waits for this answer an error, if it is a client in this lab."""
         crash = examine(error, service, None, self._locate)
         owner = display_name(self._tapping.where(service)[0])
-        place = f" ({crash.place}: {crash.source})" if crash.place else ""
-        text = f"{owner} did not answer: {crash.callback or 'its callback'} failed{place}. {crash.error}"
+        place = f" ({crash.place})" if crash.place else ""
+        text = f"{owner} sent no response: {crash.callback or 'its callback'} {crash.error}{place}"
         waiting = [
             client._pending_requests[sequence]  # noqa: SLF001
             for client in self._all_clients()
@@ -227,7 +227,7 @@ class Engine:
 
 def _consequence(error: BaseException, turn: Turn) -> str:
     if isinstance(error, DeadlockError):
-        return "Nothing hangs: the lab stopped this callback. In a program of its own it would wait for ever."
+        return "Nothing hangs here; in a program of its own this callback would wait for ever."
     if turn.entity is not None and hasattr(turn.entity, "send_response"):
         return "The caller gets no answer. In a program of its own this would end the server; here it lives on."
     return "The node lives on, and so do the others."

@@ -19,17 +19,8 @@ Kind = Literal[
     "response_sent",
     "response_received",
     "callback_failed",
-    "gave_up",
     "published",
     "received",
-    "goal_sent",
-    "goal_answered",
-    "goal_received",
-    "feedback_sent",
-    "feedback_received",
-    "cancel_sent",
-    "result_sent",
-    "result_received",
 ]
 KINDS: frozenset[str] = frozenset(get_args(Kind))
 
@@ -40,10 +31,10 @@ class Event(NamedTuple):
     Attributes:
         kind: what happened.
         node: fully qualified name of the node it happened in, "lab" for the lab's own calls.
-        channel: full name of the service, topic or action.
+        channel: full name of the service or topic.
         type_name: e.g. "std_srvs/srv/Trigger".
         value: a plain copy of the message (see `snapshot`), or text for failures.
-        sequence: the client's number of the request, or 0; a goal's id for actions.
+        sequence: the client's number of the request; 0 for topics.
         at: CLOCK_MONOTONIC in nanoseconds, comparable between the processes of one machine.
     """
 
@@ -52,7 +43,7 @@ class Event(NamedTuple):
     channel: str
     type_name: str
     value: Any
-    sequence: int | str
+    sequence: int
     at: int
 
 
@@ -83,9 +74,7 @@ class Taps:
         if observer not in self._observers:
             self._observers = (*self._observers, observer)
 
-    def emit(
-        self, kind: Kind, where: tuple[str, str, str], message: object, sequence: int | str = 0, at: int = 0
-    ) -> None:
+    def emit(self, kind: Kind, where: tuple[str, str, str], message: object, sequence: int = 0, at: int = 0) -> None:
         """Report something that happened now, or at `at`; `where` is node, channel and type name."""
         if self._observers:
             self.forward(Event(kind, *where, snapshot(message), sequence, at or time.monotonic_ns()))

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import difflib
+import threading
+import time
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+_SETTLING = 3.0  # seconds; a killed participant's lease lasts 2
+_POLL = 0.01
 # Every node has these; they are nobody's answer to a misspelt name.
 _OF_EVERY_NODE = frozenset(
     {
@@ -74,6 +78,25 @@ def no_service(node: Any, service: str, wanted_type: str, waited: float, except_
     if services:
         return message + f"On the graph: {', '.join(sorted(services)[:5])}."
     return message + "No service at all is on the graph: has its server been started?"
+
+
+def wait_for_nodes(node: Any, names: list[str], own: set[str], *, there: bool) -> None:
+    """Wait until every node of these names is on the graph, or none is; 3 s at most.
+
+    Args:
+        node: looks at the graph.
+        names: fully qualified names.
+        own: names of nodes in this process, of which one each does not count.
+        there: what to wait for.
+    """
+    deadline = time.monotonic() + _SETTLING
+    pause = threading.Event()  # rclpy has no event for changes of the graph
+    while time.monotonic() < deadline:
+        seen = [full_name(*one) for one in node.get_node_names_and_namespaces()]
+        counts = [seen.count(name) - (name in own) for name in names]
+        if all(count > 0 for count in counts) if there else not any(count > 0 for count in counts):
+            return
+        pause.wait(_POLL)
 
 
 def _of_node(node: Any, name: str, namespace: str) -> list[tuple[str, list[str]]]:

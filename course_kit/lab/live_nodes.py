@@ -89,6 +89,7 @@ class Nodes:
         original = Node.__init__
 
         def initialise(node: Any, node_name: str, *arguments: Any, **options: Any) -> None:
+            __tracebackhide__ = True  # IPython: the learner's own lines are what matters
             if self._start.made is not None:
                 self._start.made.append(node)
                 with contextlib.suppress(AttributeError):  # a name that is no string is rclpy's to complain about
@@ -99,6 +100,7 @@ class Nodes:
 
     def start(self, node_class: type, arguments: tuple[Any, ...], options: dict[str, Any]) -> Any:
         """Make a node and run it, in place of the ones it follows."""
+        __tracebackhide__ = True  # IPython: the learner's own lines are what matters
         _require_node_class(node_class)
         given = (arguments, options)
         for live in self:

@@ -16,9 +16,12 @@ from typing import TYPE_CHECKING, Any
 from course_kit.lab.patches import Patches
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from course_kit.lab.output import Output, Stream
 
 _BEAT = 0.1  # seconds
+_STREAMS: tuple[Stream, ...] = ("stdout", "stderr")
 
 
 class Notebook:
@@ -69,11 +72,10 @@ class Notebook:
     def attach(self, thread_id: int) -> None:
         """Begin: take over what the thread prints and logs."""
         self._thread_id = thread_id
-        if not self.present or self._attached:
-            return
-        self.watch_output()
-        self._capture_logs()
-        self._show_nodes_by_name()
+        if self.present:
+            self.watch_output()
+            self._capture_logs()
+            self._show_nodes_by_name()
 
     def watch_output(self) -> None:
         """Queue what comes from elsewhere, and show it in the notebook's main thread."""
@@ -81,8 +83,7 @@ class Notebook:
             return
         self._attached = True
         self._output.queued = True
-        for stream in (sys.stdout, sys.stderr):
-            self._route(stream)
+        self._route()
         self._shell.events.register("pre_run_cell", self._before_cell)
         self._shell.events.register("post_run_cell", self._after_cell)
         with suppress(RuntimeError):  # a terminal has no loop; there lines wait for the end of a command
@@ -95,6 +96,8 @@ class Notebook:
         if not self._attached:
             return
         self._attached = False
+        for name in _STREAMS:  # one that IPython still holds passes everything through from now on
+            vars(getattr(sys, name)).pop("write", None)
         self._patches.undo()
         self._output.queued = False
         self._output.on_put = lambda: None
@@ -102,20 +105,30 @@ class Notebook:
             with suppress(ValueError):
                 self._shell.events.unregister(event, function)
 
-    def _route(self, stream: Any) -> None:
-        """Have the lab's thread queue what it prints, and any other show what is queued first."""
-        write = stream.write
-        name: Stream = "stderr" if stream is sys.stderr else "stdout"
+    def _route(self) -> None:
+        """Have the lab's thread queue what it prints, and any other show what is queued first.
 
+        On the stream's `write`, because ipykernel insists on its own class. Done again for each cell: IPython 9
+        replaces `write` while a cell runs and puts back what was there when the cell began.
+        """
+        for name in _STREAMS:
+            stream = getattr(sys, name)
+            if getattr(stream.write, "notebook", None) is not self:
+                stream.write = self._routed(name, stream.write)
+
+    def _routed(self, name: Stream, write: Callable[[str], Any]) -> Callable[[str], Any]:
         def routed(text: str) -> Any:
+            if not self._attached:
+                return write(text)
             if threading.get_ident() == self._thread_id:
-                self._output.put(text, name)
+                self._output.put_part(text, name)
                 return len(text)
             if threading.current_thread() is threading.main_thread():
                 self._output.drain()
             return write(text)
 
-        self._patches.set(stream, "write", routed)
+        routed.notebook = self  # type: ignore[attr-defined] # the mark `_route` looks for
+        return routed
 
     def _capture_logs(self) -> None:
         from rclpy.impl import rcutils_logger
@@ -149,6 +162,7 @@ class Notebook:
 
     def _before_cell(self, info: Any) -> None:
         del info
+        self._route()
         self._keep_beating()
 
     def _after_cell(self, result: Any) -> None:
@@ -156,7 +170,10 @@ class Notebook:
         if self._beat is not None:
             self._beat.cancel()
             self._beat = None
+        self._output.end_parts()
         self._output.drain()
+        if self._loop is not None:
+            self._loop.call_soon(self._route)
 
     def _keep_beating(self) -> None:
         """Turn the loop over while a cell runs.

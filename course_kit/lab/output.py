@@ -33,6 +33,7 @@ class Output:
         self.pumps: list[Callable[[], None]] = []
         self.on_put: Callable[[], None] = lambda: None
         self._lines: deque[tuple[Stream, str]] = deque()
+        self._parts: dict[Stream, str] = {"stdout": "", "stderr": ""}
         self._lost = 0
         self._draining = threading.Lock()
         self._news = threading.Event()
@@ -48,6 +49,20 @@ class Output:
         self._lines.append((stream, text))
         self._news.set()
         self.on_put()
+
+    def put_part(self, text: str, stream: Stream) -> None:
+        """Queue text as soon as its line is complete, so that a line is never torn apart by somebody else's."""
+        self._parts[stream] += text
+        if self._parts[stream].endswith("\n"):
+            text, self._parts[stream] = self._parts[stream], ""
+            self.put(text, stream)
+
+    def end_parts(self) -> None:
+        """Queue what has no line end yet; called at the end of a cell."""
+        for stream, text in list(self._parts.items()):
+            if text:
+                self._parts[stream] = ""
+                self.put(text, stream)
 
     def poke(self) -> None:
         """Wake whoever is in `wait`."""

@@ -9,6 +9,7 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from course_kit.lab.errors import DeadlockError
 from course_kit.lab.tapping import WrongResponseError
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class Crash(NamedTuple):
     Attributes:
         node: the node's name, or "" if it cannot be told.
         callback: the function's name, or "".
-        error: e.g. "ZeroDivisionError: division by zero", or the reason a response was wrong.
+        error: e.g. "raised ZeroDivisionError: division by zero", or what it returned in place of a response.
         place: e.g. "In[3], line 9" or "server.py, line 9", or "".
         source: that line, stripped.
     """
@@ -48,7 +49,7 @@ class Crash(NamedTuple):
     def text(self, ending: str) -> str:
         """The message for the notebook; `ending` says what follows from it."""
         who = f"{self.node}: " if self.node else ""
-        lines = [f"{who}{self.callback or 'a callback'} failed: {self.error}"]
+        lines = [f"{who}{self.callback or 'a callback'} {self.error}"]
         if self.place:
             lines.append(f"  {self.place}: {self.source}")
         return "\n".join([*lines, f"  {ending}", ""])
@@ -85,7 +86,8 @@ def examine(error: BaseException, entity: Any, node: Any, locate: Locate) -> Cra
         place, source = _definition(code, locate)
         return Crash(name, function, str(error), place, source)
     place, source = own_line(own[-1][0].f_code.co_filename, own[-1][1], locate) if own else ("", "")
-    return Crash(name, function, summary(error), place, source)
+    stopped = isinstance(error, DeadlockError)
+    return Crash(name, function, f"was stopped: {error}" if stopped else f"raised {summary(error)}", place, source)
 
 
 def summary(error: BaseException) -> str:

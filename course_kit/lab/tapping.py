@@ -191,10 +191,10 @@ def _sequence(header: Any) -> int:
 
 def _wrong_response(returned: Any, service_type: Any) -> str:
     if returned is None:
-        return "it returned nothing. End a service callback with `return response`."
+        return "returned nothing. End a service callback with `return response`."
     if isinstance(returned, service_type.Request):
-        return "it returned the request. Fill in the response and end with `return response`."
+        return "returned the request. Fill in the response and end with `return response`."
     return (
-        f"it returned {type(returned).__name__}, which is not a response of {type_name(service_type)}. "
+        f"returned {type(returned).__name__}, which is not a response of {type_name(service_type)}. "
         "Fill in the response it was given and end with `return response`."
     )

@@ -15,8 +15,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ---------------------------------------------------------------- what the rest of the process provides */
 
@@ -43,6 +45,8 @@ void live_setup(const struct imports *imports) { host = *imports; }
 /* ---------------------------------------------------------------- messages */
 
 struct live_type {
+  const char *name;                              /* such as my_interfaces/srv/PersonInfo_Request */
+  bool complained;                               /* about a message that does not fit */
   const uint32_t *program;                       /* how to walk a payload, see enum step */
   size_t program_length;
   void *encode, *decode;                         /* Python: message -> bytes, bytes -> message */
@@ -52,12 +56,12 @@ struct live_type {
 struct live_message {
   char *data;                                    /* CDR payload with its 4-byte encapsulation header */
   size_t size, capacity;
-  const struct live_type *type;
+  struct live_type *type;
 };
 
-enum { HEADER = 4 };
+enum { HEADER = 4, PADDING = 3 };
 
-static struct live_message *new_message(const struct live_type *type)
+static struct live_message *new_message(struct live_type *type)
 {
   struct live_message *message = calloc(1, sizeof *message);
   if (message) message->type = type;
@@ -87,7 +91,10 @@ static bool assign(struct live_message *message, const char *data, size_t size)
 /* ---------------------------------------------------------------- is a payload what the type says? */
 
 /* A malformed payload has to fail in live_deserialize, where it is dropped as with a compiled type; rclpy gives
- * up a subscription whose messages cannot be converted to Python. */
+ * up a subscription whose messages cannot be converted to Python.
+ *
+ * Data behind the last field mean that the sender has another definition in mind: it may be running since before
+ * the type was defined anew. RTPS pads a payload to a multiple of 4, more is not accepted. */
 enum step {
   RUN = 1,       /* align, size, count     that many values of a fixed size */
   BOOLEANS,      /* count                  each 0 or 1, as Fast CDR demands */
@@ -188,7 +195,21 @@ bool live_valid(const struct live_type *type, const char *payload, size_t size)
   unsigned encoding = header[1];                 /* 0, 1: XCDR1 big, little endian; 6, 7: XCDR2 */
   if (encoding != 0 && encoding != 1 && encoding != 6 && encoding != 7) return false;
   struct walk walk = {header, HEADER, size, encoding > 1 ? 4 : 8, !(encoding & 1)};
-  return follow(&walk, type->program, type->program + type->program_length);
+  return follow(&walk, type->program, type->program + type->program_length) && size - walk.at <= PADDING;
+}
+
+/* Once for each type, on stderr: a silent loss would be a riddle. Neither Python nor ROS's logging may be called
+ * under the locks held here. */
+static void complain(struct live_type *type)
+{
+  if (type->complained) return;
+  type->complained = true;
+  char text[512];
+  int length = snprintf(text, sizeof text,
+                        "[WARN] [course_kit.interfaces]: dropped a message that is not a %s as this program knows it. "
+                        "Another program on the same name uses a different definition: restart the older of the two. "
+                        "(This is said once.)\n", type->name);
+  if (length > 0 && write(STDERR_FILENO, text, strlen(text)) < 0) return;  /* nobody is listening */
 }
 
 /* ---------------------------------------------------------------- called by rmw_fastrtps, possibly under locks */
@@ -209,7 +230,9 @@ static bool live_deserialize(void *cdr, struct live_message *message)
   memcpy(&buffer, (const char *)cdr + host.buffer_in_cdr, sizeof buffer);
   memcpy(&payload, buffer + host.data_in_buffer, sizeof payload);
   memcpy(&size, buffer + host.size_in_buffer, sizeof size);
-  return live_valid(message->type, payload, size) && assign(message, payload, size);
+  if (live_valid(message->type, payload, size)) return assign(message, payload, size);
+  complain(message->type);
+  return false;
 }
 
 static uint32_t live_serialized_size(const struct live_message *message)
@@ -277,7 +300,7 @@ static bool fill_event(struct live_message *event, const char *info, const struc
   return done;
 }
 
-static void *new_event(const struct live_type *type, const char *info, const struct live_message *request,
+static void *new_event(struct live_type *type, const char *info, const struct live_message *request,
                        const struct live_message *response)
 {
   struct live_message *event = new_message(type);
@@ -327,12 +350,12 @@ TIMES_SLOTS(DEFINE_EVENT)
 static const create_function create_functions[SLOTS] = {TIMES_SLOTS(NAME_CREATE)};
 static const event_function event_functions[SLOTS] = {TIMES_SLOTS(NAME_EVENT)};
 
-/* A new type, or NULL when this copy of the library has no slot left. The caller keeps `program` alive. */
-struct live_type *live_new_type(const uint32_t *program, size_t length, void *encode, void *decode)
+/* A new type, or NULL when this copy of the library has no slot left. The caller keeps all arguments alive. */
+struct live_type *live_new_type(const char *name, const uint32_t *program, size_t length, void *encode, void *decode)
 {
   if (types_used == SLOTS) return NULL;
   struct live_type *type = &types[types_used++];
-  *type = (struct live_type){program, length, encode, decode, NULL};
+  *type = (struct live_type){name, false, program, length, encode, decode, NULL};
   return type;
 }
 

@@ -91,12 +91,12 @@ class Helper:
 
     def _new_type(self, cls: type[Any]) -> LiveType:
         words = array.array("I", validation_program(cls))
-        program = keep(words.tobytes())
         codec = LazyCodec(cls)
-        address = self._helper.live_new_type(program, len(words), codec.encode, codec.decode)
+        arguments = (keep_text(full_name(cls)), keep(words.tobytes()), len(words), codec.encode, codec.decode)
+        address = self._helper.live_new_type(*arguments)
         if not address:
             self._helper = load_another_helper()
-            address = self._helper.live_new_type(program, len(words), codec.encode, codec.decode)
+            address = self._helper.live_new_type(*arguments)
         codec.live_type = LiveType(self._helper, address)
         return codec.live_type
 
@@ -127,7 +127,7 @@ class LazyCodec:
     """
 
     def __init__(self, cls: type[Any]) -> None:
-        self.live_type = LiveType(ctypes.PyDLL(None), 0)
+        self.live_type: LiveType | None = None
         self._cls = cls
         self._encoder: Callable[[Any], bytes] | None = None
         self._decoder: Callable[[bytes], Any] | None = None
@@ -149,6 +149,7 @@ class LazyCodec:
         encode, decode = self._encoder or self.encode, self._decoder or self.decode
         keep_object(encode)
         keep_object(decode)
+        assert self.live_type is not None  # noqa: S101 - the helper calls only for types it has
         self.live_type.helper.live_set_codec(self.live_type.address, encode, decode)
 
 

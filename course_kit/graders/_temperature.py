@@ -1,0 +1,112 @@
+"""Temperatures for exercise 1: what is right, and what well-known mistakes make of it."""
+
+from __future__ import annotations
+
+import ast
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+CELSIUS, FAHRENHEIT = UNITS = ("celsius", "fahrenheit")
+ABSOLUTE_ZERO = {CELSIUS: -273.15, FAHRENHEIT: -459.67}
+_RELATIVE, _ABSOLUTE = 1e-6, 1e-9
+_SAME = 1e-9  # how well a mistaken formula has to fit, relative: much better than the tolerance of a right answer
+_DENORMAL = 1e-300  # an integer written into a float field arrives as one of the smallest numbers there are
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One conversion to ask for."""
+
+    value: float
+    from_unit: str
+    to_unit: str
+
+    def shown(self) -> str:
+        """As the learner is shown it."""
+        return f"value={self.value!r}, from_unit='{self.from_unit}', to_unit='{self.to_unit}'"
+
+
+def right_value(sample: Sample) -> float:
+    """The right result of a valid sample."""
+    if sample.from_unit == sample.to_unit:
+        return sample.value
+    if sample.to_unit == FAHRENHEIT:
+        return sample.value * 9.0 / 5.0 + 32.0
+    return (sample.value - 32.0) * 5.0 / 9.0
+
+
+def fits(sample: Sample, value: float) -> bool:
+    """Whether `value` is the result within the contract: 1e-6 relative or 1e-9 absolute."""
+    return math.isclose(value, right_value(sample), rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)
+
+
+@dataclass(frozen=True)
+class _Mistake:
+    formula: Callable[[float], float]
+    code: str
+    told: str
+
+
+_INTEGER, _FORMULA = "math.integer_division", "math.formula"
+_MISTAKES = {
+    (CELSIUS, FAHRENHEIT): (
+        _Mistake(lambda v: v * (9 // 5) + 32, _INTEGER, "They fit a factor of 1, which is what 9 // 5 gives."),
+        _Mistake(lambda v: v * 9 / 5, _FORMULA, "They fit a formula without the offset of 32."),
+        _Mistake(lambda v: (v + 32) * 9 / 5, _FORMULA, "They fit a formula that adds 32 before it multiplies."),
+        _Mistake(lambda v: v * 9 / 5 - 32, _FORMULA, "They fit a formula that subtracts 32 instead of adding it."),
+        _Mistake(lambda v: v * 5 / 9 + 32, _FORMULA, "They fit a formula with its factor upside down."),
+        _Mistake(lambda v: (v - 32) * 5 / 9, _FORMULA, "They are right for the other direction."),
+    ),
+    (FAHRENHEIT, CELSIUS): (
+        _Mistake(lambda v: v - 32 * 5 / 9, _FORMULA, "They fit v - 32 * 5 / 9: multiplication goes before subtraction."),
+        _Mistake(lambda v: v * 5 / 9 - 32, _FORMULA, "They fit a formula that subtracts 32 after it multiplies."),
+        _Mistake(lambda v: (v + 32) * 5 / 9, _FORMULA, "They fit a formula that adds 32 instead of subtracting it."),
+        _Mistake(lambda v: (v - 32) * 9 / 5, _FORMULA, "They fit a formula with its factor upside down."),
+        _Mistake(lambda v: v * 9 / 5 + 32, _FORMULA, "They are right for the other direction."),
+    ),
+}
+
+
+def explain(answers: Sequence[tuple[Sample, float]], source: str) -> tuple[str | None, str]:
+    """What wrong answers have in common.
+
+    Args:
+        answers: all samples of one direction with the values that came, at least one of them wrong.
+        source: the learner's program, or nothing where it is not known.
+
+    Returns:
+        The diagnosis and a sentence; (None, "") for a value that is no number at all.
+    """
+    if any(0.0 < abs(got) < _DENORMAL for _, got in answers):
+        return "field.type", "A value so close to zero is an integer that was written into a float field."
+    for mistake in _MISTAKES.get((answers[0][0].from_unit, answers[0][0].to_unit), ()):
+        if all(_same(got, mistake.formula(sample.value)) for sample, got in answers):
+            return mistake.code, mistake.told
+    if any(not math.isfinite(got) for _, got in answers):
+        return _FORMULA, "That is not even a number."
+    floors = _divides_in_integers(source)
+    if all(got == 0.0 for _, got in answers):
+        if floors:
+            return _INTEGER, "Every value came back as 0: a small number divided by a larger one with // is 0."
+        return _FORMULA, "Every value came back as 0, as if response.value were never filled in."
+    if all(_same(got, sample.value) for sample, got in answers):
+        return _FORMULA, "They are the values we sent: nothing was converted."
+    off = max(abs(got - right_value(sample)) for sample, got in answers)
+    if off < 1.0 or (floors and off < 2.0):  # noqa: PLR2004 - // before a factor of 9/5 loses almost two degrees
+        return _INTEGER, f"They are off by at most {off:.2g} degrees: digits were lost on the way (//, int() or round())."
+    return _FORMULA, "They fit none of the usual slips; check the factor, the offset and the order by hand."
+
+
+def _same(one: float, other: float) -> bool:
+    return math.isclose(one, other, rel_tol=_SAME, abs_tol=_ABSOLUTE)
+
+
+def _divides_in_integers(source: str) -> bool:
+    return any(
+        isinstance(node, (ast.BinOp, ast.AugAssign)) and isinstance(node.op, ast.FloorDiv)
+        for node in ast.walk(ast.parse(source))
+    )

@@ -1,0 +1,161 @@
+"""The test bench of one grading: the grader's own node, and the verbs a check speaks in.
+
+Every wait has a deadline and ends early when the submission has. Runs in the probe, a process apart from the
+submission and from the one that writes the report.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.patience import FairClock
+from course_kit.grading.tester import Tester
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from course_kit.grading.job import Job
+    from course_kit.grading.wire import Channel
+
+_STEP_S = 0.004  # how often the graph is looked at: rclpy has no event for its changes
+_WATCH_S = 0.02  # how often it is asked whether the submission lives, while an answer is waited for
+_RPC_S = 30.0  # the warden answers in milliseconds; without it there is no grading
+
+
+@dataclass(frozen=True)
+class Life:
+    """What the warden knows of the submission; hints for the diagnosis, see `course_kit.grading.life`."""
+
+    running: bool
+    exit_code: int | None = None
+    signal: int | None = None
+    limit: str | None = None
+    cpu_s: float = 0.0
+    waited_s: float = 0.0
+    tasks: int = 0
+    memory: int = 0
+    stdout: str = ""
+    stderr: str = ""
+    notes: dict[str, Any] = field(default_factory=dict)
+
+
+class SubmissionEndedError(Exception):
+    """The submission's process has ended while something was expected of it."""
+
+    def __init__(self, life: Life) -> None:
+        super().__init__("the program has ended")
+        self.life = life
+
+
+class Bench:
+    """What a check works with."""
+
+    def __init__(self, warden: Channel, job: Job) -> None:
+        self.job = job
+        self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
+        self._warden = warden
+        self._tester: Tester | None = None
+        self._spoiled = False
+        self._deadline_s = 0.0
+        self._clock: FairClock | None = None
+
+    @property
+    def tester(self) -> Tester:
+        """The grader's node on the graph of the submission.
+
+        Raises:
+            RuntimeError: nothing was launched yet; the grader module's fault.
+        """
+        if self._tester is None:
+            raise RuntimeError("the check uses the graph before `launch`")
+        return self._tester
+
+    def launch(self, arguments: Sequence[str] = ()) -> None:
+        """Start the submission on an empty graph of its own; one that runs is ended first.
+
+        With `--attach` the graph is the one that is there.
+        """
+        self.close()
+        self._spoiled = False
+        domain = None
+        if self.job.mode != "attach":
+            domain = int(self._ask("launch", arguments=list(arguments))["domain"])
+        self._tester = Tester(domain)
+
+    def close(self) -> None:
+        """Take the grader's node off the graph."""
+        if self._tester is not None:
+            self._tester.close()
+            self._tester = None
+
+    def begin(self, deadline_s: float) -> None:
+        """Start the deadline of a check.
+
+        Raises:
+            Failed: there is nothing to check, because the program is not Python.
+        """
+        if self.job.fault:
+            raise Failed(Evidence("", "a Python program", "a syntax error"), self.job.fault, "start.syntax")
+        self._deadline_s = deadline_s
+        self._clock = FairClock(self._waited)
+
+    def time_is_up(self) -> bool:
+        """Whether the check has used up its time, fairly counted."""
+        return self._clock is not None and self._clock.past(self._deadline_s)
+
+    def spoil(self) -> None:
+        """Remember that the running submission is dead or stuck: the next check needs a fresh one."""
+        self._spoiled = True
+
+    @property
+    def spoiled(self) -> bool:
+        """Whether the running submission can be asked nothing more."""
+        return self._spoiled
+
+    def clock(self) -> FairClock:
+        """A fair clock that starts now."""
+        return FairClock(self._waited)
+
+    def life(self, *, fresh: bool = False) -> Life:
+        """What is known of the submission; `fresh` has it counted now instead of up to 50 ms ago."""
+        if self.job.mode == "attach":
+            return Life(running=True)
+        facts = self._ask("facts" if fresh else "state")
+        return Life(**{name: value for name, value in facts.items() if name in Life.__dataclass_fields__})
+
+    def stacks(self) -> str:
+        """What each thread of the submission is executing, by faulthandler; empty for other than Python source."""
+        return str(self._ask("stacks")["stacks"]) if self.job.mode == "run" else ""
+
+    def wait_until(self, condition: Callable[[], bool], seconds: float) -> bool:
+        """Wait until `condition` holds; False when it does not within `seconds`, fairly counted.
+
+        Raises:
+            SubmissionEndedError: the submission has ended meanwhile.
+        """
+        clock = self.clock()
+        watched = 0.0
+        while not condition():
+            if clock.wall() - watched >= _WATCH_S:
+                watched = clock.wall()
+                self.require_running()
+                if clock.past(seconds):
+                    return False
+            self.tester.spin_once(_STEP_S)
+        return True
+
+    def require_running(self) -> None:
+        """Raise SubmissionEndedError if the submission has ended."""
+        life = self.life()
+        if not life.running:
+            raise SubmissionEndedError(life)
+
+    def _waited(self) -> float:
+        return self.life(fresh=True).waited_s if self._tester is not None else 0.0
+
+    def _ask(self, what: str, **more: Any) -> dict[str, Any]:
+        self._warden.send({"do": what, **more})
+        return self._warden.receive(_RPC_S)

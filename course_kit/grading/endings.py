@@ -1,0 +1,147 @@
+"""Why a submission ended: from its exit, its limits and its own last words to a code of the catalogue."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import pkgutil
+import re
+import signal
+import sys
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from course_kit.grading.traces import Raised, last_exception
+
+if TYPE_CHECKING:
+    from course_kit.grading.bench import Life
+    from course_kit.grading.job import Job
+
+_FIELD = re.compile(r"'(?P<field>\w+)' field must be of type '(?P<type>[\w.]+)'")
+_NO_MODULE = re.compile(r"No module named '(?P<module>[\w.]+)'")
+_NO_NAME = re.compile(r"cannot import name '(?P<name>\w+)' from '(?P<module>[\w.]+)'")
+_TOO_MANY = ("can't start new thread", "[Errno 11] Resource temporarily unavailable")
+# Packages of the course that may exist as text only, and so are not among the installed modules.
+_INTERFACE_PACKAGES = ("course_interfaces", "example_interfaces")
+
+Cause = tuple["str | None", str]
+"""A diagnosis, or None when the cause is not established, and what happened in one or two sentences."""
+
+
+def source_line(job: Job, line: int) -> str:
+    """The learner's own line and where it stands, `line 12: return response`; notebooks: `cell 3, line 2: ...`."""
+    lines = job.source.splitlines()
+    text = lines[line - 1].strip() if 0 < line <= len(lines) else ""
+    if 0 < line <= len(job.places):
+        cell, line = job.places[line - 1]
+        return f"cell {cell}, line {line}: {text}"
+    return f"line {line}: {text}" if text else f"line {line}"
+
+
+def of_limit(life: Life, job: Job) -> Cause | None:
+    """The limit that ended the submission, if one did."""
+    limits = job.limits
+    raised = last_exception(life.stderr, job.name)
+    limit = life.limit
+    if limit is None and raised is not None:
+        if raised.type == "MemoryError":
+            limit = "memory"
+        elif any(text in raised.text for text in _TOO_MANY):
+            limit = "processes"
+    if limit is None and "std::bad_alloc" in life.stderr:
+        limit = "memory"
+    told = {
+        "time": f"Your program was stopped: it had computed for {life.cpu_s:.0f} s (the limits are {limits.cpu_s} s of "
+        f"computing and {limits.wall_s:g} s in all).",
+        "memory": f"Your program wanted more than the {limits.memory_mb} MB of memory it may use.",
+        "output": f"Your program was stopped: it had printed more than {limits.output_kb} kB.",
+        "processes": f"Your program started more than the {limits.tasks} processes and threads it may have at a time.",
+    }
+    return (f"limit.{limit}", told[limit]) if limit else None
+
+
+def of_start(life: Life, job: Job) -> Cause:
+    """Why a submission ended before it could be asked anything."""
+    if cause := of_limit(life, job):
+        return cause
+    if life.notes.get("functions") is not None:
+        return "start.nothing", _no_class(life, job)
+    raised = last_exception(life.stderr, job.name)
+    if raised is None:
+        how = f"by signal {_signal_name(life.signal)}" if life.signal else f"with exit code {life.exit_code}"
+        advice = "" if life.exit_code else " A node serves only as long as something spins it."
+        return "start.exit", f"Your program ended {how} before it was asked anything.{advice}"
+    where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
+    if raised.type in ("ModuleNotFoundError", "ImportError"):
+        return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
+    return "start.crash", f"Your program ended with {raised.describe()}{where}, before its service was up."
+
+
+def of_call(life: Life, job: Job) -> Cause:
+    """Why a submission ended while it was to answer a call."""
+    if cause := of_limit(life, job):
+        return cause
+    returned = life.notes.get("returned")
+    if returned == "None":
+        return "service.no_return", "Your callback ran and returned None; rclpy had nothing to send and your node ended."
+    if returned is not None:
+        text = f"Your callback returned an object of type {returned}; rclpy refused to send it and your node ended."
+        return "service.wrong_return", text
+    raised = last_exception(life.stderr, job.name)
+    if raised is not None:
+        return _of_exception(raised, job)
+    how = f"by signal {_signal_name(life.signal)}" if life.signal else f"with exit code {life.exit_code}"
+    return None, f"Your program ended {how} while it was to answer."
+
+
+def of_logged(stderr: str, job: Job) -> Cause | None:
+    """What a program that lives on has told about an exception in its callback."""
+    raised = last_exception(stderr, job.name)
+    return _of_exception(raised, job) if raised is not None else None
+
+
+def _of_exception(raised: Raised, job: Job) -> Cause:
+    where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
+    if raised.frames and raised.frames[-1].function == "send_response" and raised.type == "TypeError":
+        return "service.wrong_return", "Your callback did not return the response it was given; rclpy refused to send it."
+    if match := _FIELD.search(raised.text):
+        text = f"The field '{match['field']}' must be a {match['type']}, and something else was put into it{where}."
+        return "field.type", text
+    return "service.exception", f"Your callback raised {raised.describe()}{where}. The client got no answer."
+
+
+def _no_class(life: Life, job: Job) -> str:
+    nodes, classes, functions = (life.notes.get(key) or [] for key in ("node_classes", "classes", "functions"))
+    if nodes:
+        found = f"several Node classes ({', '.join(map(str, nodes))}), none of them called {job.class_name}"
+    elif classes:
+        found = f"the class {', '.join(map(str, classes))}, which is no rclpy Node"
+    elif functions:
+        found = f"the function {', '.join(map(str, functions))}, and nothing that calls it"
+    else:
+        found = "no class at all"
+    return f"Your program ran to its end without making a node. It defines {found}."
+
+
+def _nearest(raised: Raised) -> str:
+    if match := _NO_MODULE.search(raised.text):
+        wanted = match["module"].partition(".")[0]
+        known = {module.name for module in pkgutil.iter_modules()} | set(sys.stdlib_module_names)
+        known.update(_INTERFACE_PACKAGES)
+        if wanted in known:  # the package is right, something in it is not
+            return f"There is a package {wanted}, but not that part of it."
+    elif match := _NO_NAME.search(raised.text):
+        wanted, known = match["name"], set()
+        with suppress(Exception):  # a module that cannot be imported here has no names to propose
+            known = set(dir(importlib.import_module(match["module"])))
+    else:
+        return ""
+    close = difflib.get_close_matches(wanted, sorted(known), n=1)
+    return f"The nearest name there is: {close[0]}." if close else ""
+
+
+def _signal_name(number: int | None) -> str:
+    try:
+        return signal.Signals(number or 0).name
+    except ValueError:
+        return str(number)

@@ -1,0 +1,165 @@
+"""The one way to a grade, for the command line, the notebook and class runs alike."""
+
+from __future__ import annotations
+
+import secrets
+import shlex
+import time
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_kit import environment
+from course_kit.grading import diagnosis, exercise, submission
+from course_kit.grading.errors import GradingError
+from course_kit.grading.isolation import Isolation
+from course_kit.grading.job import Job
+from course_kit.grading.report import CheckReport, Report
+from course_kit.grading.worker import Worker
+
+if TYPE_CHECKING:
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.submission import Submission
+
+_NOT_STARTED = ("start.", "limit.")
+
+
+def grade(
+    exercise_id: str,
+    path: str | Path | None = None,
+    *,
+    seed: int | None = None,
+    attach: bool = False,
+    exec_command: str | None = None,
+    worker: Worker | None = None,
+    exercises: Path | None = None,
+) -> Report:
+    """Grade one submission.
+
+    Safe to call from a Jupyter kernel: everything that forks does so in a process of its own.
+
+    Args:
+        exercise_id: which exercise.
+        path: the submission, a .py or .ipynb file; None with `attach` or `exec_command`.
+        seed: what the checks draw their random values from; drawn itself when None.
+        attach: grade the node that runs on the ROS graph of this environment.
+        exec_command: start this command and grade its node.
+        worker: a running worker to use; one is started and ended when None.
+        exercises: the folder of exercises, the course's own when None.
+
+    Raises:
+        GradingError: usage, an unknown exercise, or a broken installation; the text is for the user.
+    """
+    began = time.monotonic()
+    task = exercise.load(exercise_id, exercises)
+    if sum((path is not None, attach, exec_command is not None)) != 1:
+        raise GradingError("Name one thing to grade: a file, --attach for a running node, or --exec with a command.")
+    seed = secrets.randbits(31) if seed is None else seed
+    text = None
+    if path is not None:
+        try:
+            text = submission.read(Path(path), exercise_id)
+        except submission.UnreadableError as problem:
+            return _without_checks(task, str(path), "unreadable", str(problem), began)
+    job = _job(task, text, seed, exec_command)
+    shown = str(path) if path is not None else exec_command or f"the node on ROS domain {_domain()}"
+    own = worker is None
+    with Worker(whole_environment=exec_command is not None, own_graph=not attach) if own else nullcontext(worker) as used:
+        if used is None:
+            raise GradingError("There is no worker.")
+        isolation = Isolation.from_mapping(used.ready()) if not attach else Isolation(reason="it was attached to")
+        outcome = used.grade(job)
+    return _report(task, shown, outcome, isolation, began)
+
+
+def _domain() -> int:
+    return environment.apply().domain_id
+
+
+def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
+    common = {"exercise": task.id, "seed": seed, "class_name": task.class_name, "limits": task.limits}
+    if text is not None:
+        root = environment.checkout()
+        hidden = (str(root / "solutions"), str(root / "tests")) if root else ()
+        program = {"name": text.program, "source": text.source, "places": text.places, "fault": _fault(text)}
+        return Job(mode="run", hidden=hidden, **program, **common)
+    if command is None:
+        return Job(mode="attach", name="", **common)
+    try:
+        words = tuple(shlex.split(command))
+    except ValueError as problem:
+        raise GradingError(f"The command cannot be read as a shell would: {problem}.") from None
+    if not words:
+        raise GradingError("The command after --exec is empty.")
+    return Job(mode="exec", name=words[0], command=words, folder=str(Path.cwd()), **common)
+
+
+def _fault(text: Submission) -> str:
+    fault = text.syntax_fault()
+    if fault is None:
+        return ""
+    where = f" in {text.where(fault.line)}: {fault.text}" if fault.line else ""
+    return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."
+
+
+def _report(
+    task: Exercise, shown: str, outcome: dict[str, Any], isolation: Isolation, began: float
+) -> Report:
+    checks = tuple(_check(task, result) for result in outcome["results"])
+    score = sum(check.points for check in checks)
+    if outcome["problem"] or not checks:
+        problem = f"The grading did not come to its end: {outcome['problem'] or 'no check was run'}."
+        status, score = "error", 0.0
+    else:
+        problem = ""
+        first = checks[0]
+        crashed = first.status == "failed" and (first.diagnosis or "").startswith(_NOT_STARTED)
+        status = "crashed" if crashed else "graded"
+    return Report(
+        exercise=task.id,
+        title=task.title,
+        submission=shown,
+        status=status,
+        passed=status != "error" and score >= task.pass_mark,
+        score=score,
+        max_score=task.points,
+        duration_s=time.monotonic() - began,
+        checks=checks,
+        stdout=outcome["stdout"],
+        stderr=outcome["stderr"],
+        problem=problem,
+        isolation=isolation.describe(),
+        timings=outcome["timings"],
+    )
+
+
+def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
+    failed = result["status"] == "failed"
+    message = diagnosis.complete(result["message"], result["diagnosis"]) if failed else result["message"]
+    return CheckReport(
+        id=result["id"],
+        title=result["title"],
+        status=result["status"],
+        points=result["max_points"] if result["status"] == "passed" else 0.0,
+        max_points=result["max_points"],
+        sent=result["sent"],
+        expected=result["expected"],
+        got=result["got"],
+        diagnosis=result["diagnosis"],
+        message=message,
+        hint=task.next_hint(result["id"]) if failed else None,
+    )
+
+
+def _without_checks(task: Exercise, shown: str, status: str, problem: str, began: float) -> Report:
+    return Report(
+        exercise=task.id,
+        title=task.title,
+        submission=shown,
+        status=status,
+        passed=False,
+        score=0.0,
+        max_score=task.points,
+        duration_s=time.monotonic() - began,
+        problem=problem,
+    )

@@ -1,0 +1,125 @@
+"""An exercise's folder: what stands in its exercise.toml, checked when it is read."""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from course_kit import environment
+from course_kit.grading.errors import GradingError
+from course_kit.grading.limits import Limits
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+FORMAT_VERSION = 1
+_IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
+_TEXTS = ("id", "title", "starter", "notebook", "class_name")
+
+
+@dataclass(frozen=True)
+class Hint:
+    """One rung of the ladder, and the checks it helps with."""
+
+    checks: tuple[str, ...]
+    text: str
+
+
+@dataclass(frozen=True)
+class Exercise:
+    """One exercise.
+
+    Attributes:
+        folder: where it lies.
+        id: its name, the folder's and the grader module's.
+        title: for people.
+        order: its place in the course.
+        points: full marks.
+        pass_mark: the points from which it is passed.
+        starter: the file name of the starter program.
+        notebook: the file name of its notebook.
+        class_name: the Node class a submission defines.
+        limits: what a submission may use.
+        hints: the ladder, from a nudge to a push.
+    """
+
+    folder: Path
+    id: str
+    title: str
+    order: int
+    points: float
+    pass_mark: float
+    starter: str
+    notebook: str
+    class_name: str
+    limits: Limits
+    hints: tuple[Hint, ...]
+
+    def next_hint(self, check: str, seen: int = 0) -> str | None:
+        """The hint for `check` after the `seen` first ones; the last when there are no more, None when there is none."""
+        ladder = [hint.text for hint in self.hints if check in hint.checks]
+        return ladder[min(seen, len(ladder) - 1)] if ladder else None
+
+
+def exercises_folder() -> Path:
+    """The course's folder of exercises.
+
+    Raises:
+        GradingError: this installation has none.
+    """
+    root = environment.checkout()
+    if root is None or not (root / "exercises").is_dir():
+        raise GradingError("There is no exercises folder here. Run this from a clone of the course.")
+    return root / "exercises"
+
+
+def load(exercise_id: str, folder: Path | None = None) -> Exercise:
+    """Read one exercise.
+
+    Args:
+        exercise_id: its id.
+        folder: the folder of exercises, the course's own when None.
+
+    Raises:
+        GradingError: there is none of this id, or its exercise.toml has a mistake.
+    """
+    folder = exercises_folder() if folder is None else folder
+    known = sorted(path.parent.name for path in folder.glob("*/exercise.toml"))
+    if exercise_id not in known:
+        raise GradingError(f"There is no exercise '{exercise_id}'. There are: {', '.join(known) or 'none'}.")
+    path = folder / exercise_id / "exercise.toml"
+    try:
+        return _parse(tomllib.loads(path.read_text(encoding="utf-8")), path.parent)
+    except (OSError, ValueError, KeyError, TypeError) as problem:
+        what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
+        raise GradingError(f"{path} cannot be used: {what}.") from problem
+
+
+def _parse(table: dict[str, Any], folder: Path) -> Exercise:
+    if table["format_version"] != FORMAT_VERSION:
+        raise ValueError(f"its format_version is {table['format_version']}, and this kit reads {FORMAT_VERSION}")
+    for name in _TEXTS:
+        if not isinstance(table[name], str) or not table[name]:
+            raise ValueError(f"'{name}' is no text")
+    if table["id"] != folder.name or not _IDENTIFIER.match(table["id"]):
+        raise ValueError(f"its id '{table['id']}' is not the name of its folder, or no identifier")
+    points, pass_mark = float(table["points"]), float(table["pass_mark"])
+    if not 0 < pass_mark <= points:
+        raise ValueError(f"the pass mark {pass_mark:g} does not lie between 0 and {points:g} points")
+    hints = tuple(Hint(tuple(hint["for"]), str(hint["text"])) for hint in table.get("hints", []))
+    texts = {name: table[name] for name in _TEXTS}
+    limits = Limits.from_mapping(table.get("limits", {}))
+    return Exercise(
+        folder=folder,
+        order=int(table["order"]),
+        points=points,
+        pass_mark=pass_mark,
+        limits=limits,
+        hints=hints,
+        **texts,
+    )

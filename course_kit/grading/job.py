@@ -1,0 +1,61 @@
+"""What a worker is asked to do, as plain data."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+from course_kit.grading.isolation import Isolation
+from course_kit.grading.limits import Limits
+
+
+@dataclass(frozen=True)
+class Job:
+    """One grading.
+
+    Attributes:
+        exercise: the exercise's id, which is also the name of its grader module.
+        mode: "run" for source text, "exec" for a command, "attach" for what is already on the graph.
+        name: the submission's file name as it appears in tracebacks.
+        source: Python text.
+        fault: why the source is not Python; then nothing is run, and every check knows.
+        places: where each line of a notebook's source stands, cell and line.
+        class_name: the Node class the exercise names.
+        command: the executable and its arguments, for "exec".
+        folder: the working directory of a command.
+        seed: what the random values of the checks are drawn from.
+        limits: what the submission may use.
+        isolation: filled in by the worker, which has tried it out.
+        hidden: folders to keep out of the submission's sight.
+    """
+
+    exercise: str
+    mode: str
+    name: str
+    seed: int
+    source: str = ""
+    fault: str = ""
+    places: tuple[tuple[int, int], ...] = ()
+    class_name: str = ""
+    command: tuple[str, ...] = ()
+    folder: str = ""
+    limits: Limits = field(default_factory=Limits)
+    isolation: Isolation = field(default_factory=Isolation)
+    hidden: tuple[str, ...] = ()
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The job as JSON can carry it."""
+        return asdict(self)
+
+    @classmethod
+    def from_mapping(cls, values: dict[str, Any]) -> Job:
+        """The inverse of `to_mapping`."""
+        job = cls(**values)
+        return replace(
+            job,
+            command=tuple(job.command),
+            hidden=tuple(job.hidden),
+            places=tuple((cell, line) for cell, line in job.places),
+            limits=Limits.from_mapping(values["limits"]),
+            isolation=Isolation.from_mapping(values["isolation"]),
+        )

@@ -1,0 +1,115 @@
+"""What is known about one running submission: its output, its end, what it uses and what it was doing."""
+
+from __future__ import annotations
+
+import json
+import os
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.output import Output
+
+if TYPE_CHECKING:
+    from course_kit.grading.sandbox import Streams
+
+_CHUNK = 65536
+_LAST_WORDS = 1 << 20  # the most a pipe holds
+_EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
+
+
+class Life:
+    """Collects what comes out of a sandbox. Only facts for the diagnosis: the inside can forge all of it."""
+
+    def __init__(self, streams: Streams, limit_kb: int, totals: tuple[Output, Output]) -> None:
+        self.over = False
+        self.samples = 0
+        self.evidence_bytes = 0
+        self._streams = streams
+        self._limit = limit_kb * 1024
+        self._output = {"stdout": Output(), "stderr": Output()}
+        self._totals = dict(zip(("stdout", "stderr"), totals, strict=True))
+        self._facts: dict[str, Any] = {}
+        self._notes: dict[str, Any] = {}
+        self._status = b""
+        self._evidence = b""
+
+    def open_streams(self) -> dict[int, str]:
+        """The descriptors that may still bring something, with their names."""
+        names = ("stdout", "stderr", "status", "evidence")
+        return {getattr(self._streams, name): name for name in names if getattr(self._streams, name) >= 0}
+
+    def take(self, name: str) -> None:
+        """Read what has come on the stream `name`."""
+        descriptor = getattr(self._streams, name)
+        try:
+            data = os.read(descriptor, _CHUNK)
+        except BlockingIOError:
+            return
+        if not data:
+            os.close(descriptor)
+            setattr(self._streams, name, -1)
+            if name == "status":
+                self._drain()
+                self.over = True
+        elif name in self._output:
+            self._output[name].add(data)
+            self._totals[name].add(data)
+        elif name == "status":
+            self._take_status(data)
+        else:
+            self.evidence_bytes += len(data)
+            self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
+
+    def too_much_output(self) -> bool:
+        """Whether it has printed more than it may."""
+        return sum(output.count for output in self._output.values()) > self._limit
+
+    def stopped_by_us(self, limit: str) -> None:
+        """Remember that a limit was hit."""
+        self._facts.setdefault("limit", limit)
+
+    def forget_stacks(self) -> None:
+        """Drop older dumps, keeping the program's notes."""
+        self._read_notes()
+        self._evidence = b""
+        self.evidence_bytes = 0
+
+    def stacks(self) -> str:
+        """The last dump of what every thread was executing, as faulthandler writes it."""
+        return self._evidence.decode("utf-8", errors="replace")
+
+    def facts(self) -> dict[str, Any]:
+        """All of it, as plain data."""
+        self._read_notes()
+        return {
+            **self._facts,
+            "running": not self.over,
+            "notes": self._notes,
+            "stdout": self._output["stdout"].text(),
+            "stderr": self._output["stderr"].text(),
+        }
+
+    def _drain(self) -> None:
+        """Read what the program had still written when it ended: its last words explain the end."""
+        for name in ("stdout", "stderr", "evidence"):
+            with suppress(OSError):
+                data = os.read(getattr(self._streams, name), _LAST_WORDS)
+                if name == "evidence":
+                    self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
+                else:
+                    self._output[name].add(data)
+                    self._totals[name].add(data)
+
+    def _take_status(self, data: bytes) -> None:
+        *lines, self._status = (self._status + data).split(b"\n")
+        for line in lines:
+            with suppress(ValueError, TypeError):
+                self._facts.update(json.loads(line))
+                self.samples += 1
+        self._status = self._status[-_CHUNK:]
+
+    def _read_notes(self) -> None:
+        for line in self._evidence.split(b"\n"):
+            if line.startswith(b'{"note"'):
+                with suppress(ValueError, TypeError, KeyError):
+                    self._notes.update(json.loads(line)["note"])

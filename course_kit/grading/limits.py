@@ -1,0 +1,78 @@
+"""What a submission may use, and how the kernel is told (getrlimit(2))."""
+
+from __future__ import annotations
+
+import resource
+from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_MB = 1024 * 1024
+# Stacks and arenas of the threads that ROS 2 starts: address space that is reserved and hardly touched.
+_RESERVED_MB = 512
+_SPARE_TASKS = 32  # the kernel's own stop lies above the one that is reported
+
+
+@dataclass(frozen=True)
+class Limits:
+    """The limits of one exercise, `[limits]` in its exercise.toml.
+
+    Attributes:
+        start_s: seconds from the program's start until it can be asked.
+        cpu_s: seconds of computing, all threads of a process together.
+        wall_s: seconds for the whole grading, however much of it is waiting.
+        memory_mb: resident memory of all its processes together.
+        tasks: processes and threads together; ROS 2 itself needs about 15 threads a program.
+        file_mb: size of one file it writes, and of everything in its scratch directory together.
+        open_files: file descriptors of a process.
+        output_kb: what it may write to stdout and stderr together.
+    """
+
+    start_s: float = 5.0
+    cpu_s: int = 20
+    wall_s: float = 60.0
+    memory_mb: int = 512
+    tasks: int = 128
+    file_mb: int = 16
+    open_files: int = 256
+    output_kb: int = 2048
+
+    @classmethod
+    def from_mapping(cls, values: Mapping[str, Any]) -> Limits:
+        """Limits from a table of an exercise.toml, or from `to_mapping`.
+
+        Raises:
+            ValueError: an unknown name, or a value that is no positive number.
+        """
+        known = {field.name: field for field in fields(cls)}
+        for name, value in values.items():
+            if name not in known:
+                raise ValueError(f"there is no limit called '{name}'; known are {', '.join(known)}")
+            if isinstance(value, bool) or not isinstance(value, (int, float)) or value <= 0:
+                raise ValueError(f"the limit {name} = {value!r} is no number above 0")
+        return cls(**values)
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The limits as plain data."""
+        return asdict(self)
+
+
+def apply_to_this_process(limits: Limits) -> None:
+    """Have the kernel hold this process, and everything it starts, to `limits`."""
+    data = (limits.memory_mb + _RESERVED_MB) * _MB
+    # One second between the signal that ends the program (SIGXCPU) and the one nobody can catch.
+    _lower(resource.RLIMIT_CPU, limits.cpu_s, limits.cpu_s + 1)
+    _lower(resource.RLIMIT_DATA, data, data)
+    _lower(resource.RLIMIT_NPROC, limits.tasks + _SPARE_TASKS, limits.tasks + _SPARE_TASKS)
+    _lower(resource.RLIMIT_FSIZE, limits.file_mb * _MB, limits.file_mb * _MB)
+    _lower(resource.RLIMIT_NOFILE, limits.open_files, limits.open_files)
+    _lower(resource.RLIMIT_CORE, 0, 0)
+
+
+def _lower(what: int, soft: int, hard: int) -> None:
+    _, highest = resource.getrlimit(what)
+    if highest != resource.RLIM_INFINITY:
+        soft, hard = min(soft, highest), min(hard, highest)
+    resource.setrlimit(what, (soft, hard))

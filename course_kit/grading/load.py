@@ -1,0 +1,78 @@
+"""Many calls at once: what a service does when more than one client asks."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading import endings
+from course_kit.grading.bench import SubmissionEndedError
+from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.services import Service, ensure_ready, unanswered
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.grading.bench import Bench
+
+
+@dataclass(frozen=True)
+class Load:
+    """How requests are sent.
+
+    Attributes:
+        clients: so many clients take turns.
+        unanswered: at most so many requests wait for an answer at a time (a service keeps 10 by default).
+        seconds: within which all are to be answered.
+    """
+
+    clients: int
+    unanswered: int
+    seconds: float
+
+
+def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Load, evidence: Evidence) -> list[Any]:
+    """Send all requests and return the responses in their order.
+
+    Raises:
+        Failed: not all were answered in time, with service.blocks when they came one by one but too slowly.
+    """
+    ensure_ready(bench, service)
+    clients = [bench.tester.client(service.interface, service.name, number) for number in range(load.clients)]
+    try:
+        bench.wait_until(lambda: all(client.service_is_ready() for client in clients), load.seconds)
+        responses = _run(bench, clients, requests, load)
+    except SubmissionEndedError as ended:
+        bench.spoil()
+        diagnosis, message = endings.of_call(ended.life, bench.job)
+        raise Failed(replace(evidence, got="the program ended"), message, diagnosis) from None
+    answered = sum(response is not None for response in responses)
+    if answered == len(requests):
+        return responses
+    bench.spoil()
+    if answered == 0:
+        raise unanswered(bench, evidence.sent, evidence.expected)
+    each = load.seconds / answered
+    message = (
+        f"Within {load.seconds:g} s {answered} of {len(requests)} requests were answered, one about every {each:.2f} s. "
+        f"The last of ten clients asking together waits {10 * each:.1f} s."
+    )
+    raise Failed(replace(evidence, got=f"{answered} answers within {load.seconds:g} s"), message, "service.blocks")
+
+
+def _run(bench: Bench, clients: Sequence[Any], requests: Sequence[Any], load: Load) -> list[Any]:
+    responses: list[Any] = [None] * len(requests)
+    waiting = deque(enumerate(requests))
+    flying: dict[int, Any] = {}
+
+    def done() -> bool:
+        for number in [number for number, future in flying.items() if future.done()]:
+            responses[number] = flying.pop(number).result()
+        while waiting and len(flying) < load.unanswered:
+            number, request = waiting.popleft()
+            flying[number] = clients[number % len(clients)].call_async(request)
+        return not flying
+
+    bench.wait_until(done, load.seconds)
+    return responses

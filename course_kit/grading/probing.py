@@ -1,0 +1,54 @@
+"""The probe's process: joins the graph, runs the checks of one exercise, reports each as it is known."""
+
+from __future__ import annotations
+
+import importlib
+import time
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.bench import Bench
+from course_kit.grading.checks import run_all
+
+if TYPE_CHECKING:
+    from course_kit.grading.job import Job
+    from course_kit.grading.wire import Channel
+
+
+def warm_up() -> None:
+    """Import what every grading needs. Must not initialise ROS: a context does not survive a fork."""
+    import rclpy.action
+    import rclpy.executors
+    import rclpy.node
+    from rclpy.impl.implementation_singleton import rclpy_implementation
+
+    import course_kit.grading.tester
+
+    del rclpy, course_kit, rclpy_implementation
+
+
+def load(exercise: str) -> Any:
+    """The grader module of an exercise, its interfaces loaded."""
+    from rclpy.type_support import check_for_type_support
+
+    grader = importlib.import_module(f"course_kit.graders.{exercise}")
+    for interface in grader.INTERFACES:
+        check_for_type_support(interface)
+    return grader
+
+
+def main(warden: Channel, job: Job) -> None:
+    """Run all checks of the job's exercise; returns when each is told."""
+    began = time.monotonic()
+    grader = load(job.exercise)
+    bench = Bench(warden, job)
+    times = {}
+    if not job.fault:
+        bench.launch()
+    try:
+        for result in run_all(grader.CHECKS, bench):
+            warden.send({"do": "result", "result": result.to_mapping()})
+            now = time.monotonic()
+            times[result.id] = now - began
+    finally:
+        bench.close()
+    warden.send({"do": "done", "timings": {"checks": times}})

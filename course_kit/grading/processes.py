@@ -1,0 +1,119 @@
+"""Counting and ending processes through /proc (proc(5)).
+
+Works in whatever PID namespace /proc belongs to: the number of the calling process is read from /proc/self.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Iterable
+
+_TICKS = os.sysconf("SC_CLK_TCK")
+_PAGE = os.sysconf("SC_PAGE_SIZE")
+
+
+@dataclass(frozen=True)
+class Usage:
+    """What some processes use together.
+
+    Attributes:
+        cpu_s: seconds of computing.
+        waited_s: seconds their threads were ready to run and the machine gave them no processor.
+        tasks: processes and threads.
+        memory: resident bytes.
+    """
+
+    cpu_s: float = 0.0
+    waited_s: float = 0.0
+    tasks: int = 0
+    memory: int = 0
+
+
+def descendants(root: int) -> list[int]:
+    """All living or unreaped processes below `root`, parents before children."""
+    children: dict[int, list[int]] = {}
+    for name in os.listdir("/proc"):
+        if name.isdecimal():
+            with suppress(OSError, ValueError, IndexError):
+                children.setdefault(int(_stat(int(name))[1]), []).append(int(name))
+    found, pending = [], [root]
+    while pending:
+        below = children.get(pending.pop(), [])
+        found.extend(below)
+        pending.extend(below)
+    return found
+
+
+def this_process() -> int:
+    """The number of this process as /proc knows it."""
+    return int(os.readlink("/proc/self"))
+
+
+def usage(process_ids: Iterable[int]) -> Usage:
+    """What these processes use together; those that have ended count nothing."""
+    cpu_s, waited_s, tasks, memory = 0.0, 0.0, 0, 0
+    for process_id in process_ids:
+        with suppress(OSError, ValueError, IndexError):
+            fields = _stat(process_id)
+            cpu_s += (int(fields[11]) + int(fields[12])) / _TICKS
+            tasks += int(fields[17])
+            memory += int(fields[21]) * _PAGE
+            waited_s += _waited(process_id)
+    return Usage(cpu_s, waited_s, tasks, memory)
+
+
+def own_waiting() -> float:
+    """Seconds the threads of this process were ready to run and got no processor."""
+    with suppress(OSError, ValueError, IndexError):
+        return _waited(this_process())
+    return 0.0
+
+
+def end_descendants(keep: Container[int] = ()) -> None:
+    """Kill everything below this process but the children `keep` and what hangs on them; returns when all are gone.
+
+    Needs `namespaces.adopt_orphans`: the orphans that killing makes come to us. Repeats until nothing is left,
+    so that a program which forks while it is being killed does not escape.
+    """
+    own = this_process()
+    while True:
+        doomed = [child for child in _children(own) if child not in keep]
+        if not doomed:
+            return
+        for process_id in (*doomed, *(below for child in doomed for below in descendants(child))):
+            with suppress(ProcessLookupError):
+                os.kill(process_id, signal.SIGKILL)
+        for child in doomed:
+            with suppress(ChildProcessError):
+                os.waitpid(child, 0)
+
+
+def _children(parent: int) -> list[int]:
+    found = []
+    for name in os.listdir("/proc"):
+        if name.isdecimal():
+            with suppress(OSError, ValueError, IndexError):
+                if int(_stat(int(name))[1]) == parent:
+                    found.append(int(name))
+    return found
+
+
+def _stat(process_id: int) -> list[str]:
+    """The fields of /proc/PID/stat from the third, the state, on: the second, the name, may hold anything."""
+    with open(f"/proc/{process_id}/stat", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
+        return file.read().rpartition(")")[2].split()
+
+
+def _waited(process_id: int) -> float:
+    nanoseconds = 0
+    folder = f"/proc/{process_id}/task"
+    for thread in os.listdir(folder):
+        with suppress(OSError, ValueError, IndexError), open(f"{folder}/{thread}/schedstat", encoding="ascii") as file:  # noqa: PTH123
+            nanoseconds += int(file.read().split()[1])
+    return nanoseconds / 1e9

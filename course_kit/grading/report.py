@@ -1,0 +1,107 @@
+"""The report of one grading, as data and as the JSON of the contract."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from typing import Any
+
+FORMAT_VERSION = 1
+_DIGITS = 6
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """How one check went, for the learner; `status` is passed, failed, skipped or error."""
+
+    id: str
+    title: str
+    status: str
+    points: float
+    max_points: float
+    sent: str = ""
+    expected: str = ""
+    got: str = ""
+    diagnosis: str | None = None
+    message: str = ""
+    hint: str | None = None
+
+
+@dataclass(frozen=True)
+class Report:
+    """The outcome of one grading; there is one whatever happens.
+
+    Attributes:
+        exercise: the exercise's id.
+        title: the exercise's title.
+        submission: the submission's path or name.
+        status: graded, unreadable, crashed (it ended before it could be asked) or error (not the learner's fault).
+        passed: whether the score reaches the pass mark.
+        score: the points of all passed checks.
+        max_score: full marks.
+        duration_s: from the call to the verdict.
+        checks: each check, in the order they were run.
+        stdout: first and last 4 kB of what the submission printed.
+        stderr: the same of its errors; ROS 2 logs go there.
+        problem: why there is no grade, when the status is unreadable or error.
+        isolation: which walls stood around the submission, in one line.
+        timings: where the time went, in seconds.
+    """
+
+    exercise: str
+    title: str
+    submission: str
+    status: str
+    passed: bool
+    score: float
+    max_score: float
+    duration_s: float
+    checks: tuple[CheckReport, ...] = ()
+    stdout: str = ""
+    stderr: str = ""
+    problem: str = ""
+    isolation: str = ""
+    timings: dict[str, Any] = field(default_factory=dict)
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The report in the format of the contract: these names, and no other."""
+        return {
+            "format_version": FORMAT_VERSION,
+            "exercise": self.exercise,
+            "submission": self.submission,
+            "status": self.status,
+            "score": round(self.score, _DIGITS),
+            "max_score": round(self.max_score, _DIGITS),
+            "passed": self.passed,
+            "duration_s": round(self.duration_s, 3),
+            "checks": [_check_mapping(check) for check in self.checks],
+            "stdout": self.stdout,
+            "stderr": self.stderr or self.problem,
+        }
+
+    def to_json(self) -> str:
+        """One JSON document, without a trailing line end."""
+        return json.dumps(self.to_mapping(), indent=2, ensure_ascii=False, allow_nan=False)
+
+
+def _check_mapping(check: CheckReport) -> dict[str, Any]:
+    return {
+        "id": check.id,
+        "title": check.title,
+        "status": check.status,
+        "points": round(check.points, _DIGITS),
+        "max_points": round(check.max_points, _DIGITS),
+        "sent": check.sent,
+        "expected": check.expected,
+        "got": check.got,
+        "diagnosis": check.diagnosis,
+        "message": check.message,
+        "hint": check.hint,
+    }
+
+
+def exit_code(report: Report) -> int:
+    """0 for a pass, 1 for a grade below the pass mark, 2 when it could not be graded."""
+    if report.status in ("unreadable", "error"):
+        return 2
+    return 0 if report.passed else 1

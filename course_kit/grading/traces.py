@@ -1,0 +1,116 @@
+"""Reads Python's own accounts of a program: the traceback it died with, and what its threads are doing.
+
+Both come from inside the submission and may be forged; they explain a failure and never earn a point.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+_HEADER = "Traceback (most recent call last):"
+_FILE_LINE = re.compile(r'^\s+File "(?P<file>[^"]*)", line (?P<line>\d+)(?:,)? in (?P<function>.+)$')
+_EXCEPTION = re.compile(r"^(?P<type>[A-Za-z_][\w.]*)(?:: (?P<text>.*))?$")
+_THREAD = re.compile(r"^(?:Current thread|Thread) 0x[0-9a-f]+.*\(most recent call first\)")
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One level of a stack."""
+
+    file: str
+    line: int
+    function: str
+
+
+@dataclass(frozen=True)
+class Raised:
+    """An exception as a traceback tells it.
+
+    Attributes:
+        type: the exception's name without its module.
+        text: its message, first line only.
+        own: the learner's own line nearest to where it was raised, None if it lies elsewhere.
+        frames: the whole stack, outermost first.
+    """
+
+    type: str
+    text: str
+    own: Frame | None
+    frames: tuple[Frame, ...]
+
+    def describe(self) -> str:
+        """`ValueError: text`, as Python prints it."""
+        return f"{self.type}: {self.text}" if self.text else self.type
+
+
+def last_exception(stderr: str, program: str) -> Raised | None:
+    """The last complete traceback in what a program wrote to stderr, or None.
+
+    Args:
+        stderr: the text.
+        program: the file name of the learner's program in tracebacks.
+    """
+    _, found, tail = stderr.rpartition(_HEADER)
+    if not found:
+        return None
+    frames = []
+    for line in tail.splitlines():
+        if match := _FILE_LINE.match(line):
+            frames.append(Frame(match["file"], int(match["line"]), match["function"]))
+        elif line and not line[0].isspace() and (match := _EXCEPTION.match(line)):
+            own = [frame for frame in frames if frame.file == program]
+            kind = match["type"].rpartition(".")[2]
+            return Raised(kind, (match["text"] or "").strip(), own[-1] if own else None, tuple(frames))
+    return None
+
+
+@dataclass(frozen=True)
+class Activity:
+    """What a program that does not answer is doing.
+
+    Attributes:
+        spinning: some thread is in an rclpy executor.
+        callback: the learner's own line that a callback has reached, None when no callback is running.
+        waits_for_ros: that callback waits in rclpy itself: a synchronous call, or a spin.
+        own: the learner's own line of any thread, callbacks first.
+    """
+
+    spinning: bool = False
+    callback: Frame | None = None
+    waits_for_ros: bool = False
+    own: Frame | None = None
+
+
+def activity(dump: str, program: str) -> Activity:
+    """Interpret a dump of all threads by faulthandler."""
+    spinning, callback, waits, anywhere = False, None, False, None
+    for stack in _stacks(dump):
+        executor = [place for place, frame in enumerate(stack) if frame.file.endswith("rclpy/executors.py")]
+        own = [place for place, frame in enumerate(stack) if frame.file == program]
+        spinning = spinning or bool(executor)
+        if not own:
+            continue
+        anywhere = anywhere or stack[own[0]]
+        if executor and executor[-1] > own[0] and _below_handler(stack, own[0]):
+            callback = stack[own[0]]
+            waits = any("rclpy/" in frame.file for frame in stack[: own[0]])
+    return Activity(spinning, callback, waits, callback or anywhere)
+
+
+def _below_handler(stack: list[Frame], place: int) -> bool:
+    """Whether the frame at `place` was called by an executor running a callback, not by `main` on its way to spin."""
+    return any(
+        frame.file.endswith(("rclpy/executors.py", "rclpy/task.py")) and frame.function in ("await_or_execute", "_execute", "handler", "__call__")
+        for frame in stack[place + 1 :]
+    )
+
+
+def _stacks(dump: str) -> list[list[Frame]]:
+    stacks: list[list[Frame]] = []
+    for line in dump.splitlines():
+        if _THREAD.match(line):
+            stacks.append([])
+        elif stacks and (match := _FILE_LINE.match(line)):
+            stacks[-1].append(Frame(match["file"], int(match["line"]), match["function"]))
+    return stacks

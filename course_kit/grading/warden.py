@@ -1,0 +1,195 @@
+"""Runs one grading: the network around it, the probe and the submission in it, and what passes between them.
+
+A fork of the warm worker, with one thread and one loop. It obeys the probe, never the submission.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import time
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
+
+from course_kit import environment
+from course_kit.grading import guard, namespaces, processes
+from course_kit.grading.isolation import enter_network
+from course_kit.grading.life import Life
+from course_kit.grading.output import Output
+from course_kit.grading.runner import Program
+from course_kit.grading.sandbox import Cell, Sandbox
+from course_kit.grading.wire import Channel, ChannelClosedError
+
+if TYPE_CHECKING:
+    from course_kit.grading.job import Job
+
+_ANSWER_S = 1.0  # how long the guard, or a dump of stacks, is waited for
+_QUIET_S = 0.04  # a dump is complete when nothing more came for so long
+_PROBE_GRACE_S = 20.0  # the probe stops by itself at the wall time; a probe that hangs is stopped this much later
+
+
+class Warden:
+    """The master of one grading."""
+
+    def __init__(self, job: Job) -> None:
+        self._job = job
+        self._began = time.monotonic()
+        self._totals = (Output(), Output())
+        self._sandbox: Sandbox | None = None
+        self._life: Life | None = None
+        self._domains = ExitStack()
+        self._launches = 0
+        self._results: list[dict[str, Any]] = []
+        self._extra: dict[str, Any] = {}
+        self._probe_id = 0
+
+    def run(self) -> dict[str, Any]:
+        """Grade, and return the outcome as plain data; nothing that was started is alive then."""
+        namespaces.die_with_parent()
+        namespaces.adopt_orphans()
+        if self._job.isolation.network and self._job.mode != "attach":
+            enter_network()
+            namespaces.die_with_parent()  # entering a user namespace has cleared it
+        probe_end = self._start_probe()
+        problem = self._serve(probe_end)
+        stopping = time.monotonic()
+        self._stop()
+        processes.end_descendants()
+        now = time.monotonic()
+        return {
+            "results": self._results,
+            "stdout": self._totals[0].text(),
+            "stderr": self._totals[1].text(),
+            "problem": problem,
+            "timings": {**self._extra, "teardown_s": now - stopping, "total_s": now - self._began},
+        }
+
+    def _start_probe(self) -> Channel:
+        ours, theirs = Channel.pair()
+        self._probe_id = os.fork()
+        if self._probe_id == 0:
+            from course_kit.grading import probing
+
+            ours.close()
+            try:
+                namespaces.die_with_parent()
+                probing.main(theirs, self._job)
+            finally:
+                os._exit(guard.FAILED)
+        theirs.close()
+        return ours
+
+    def _serve(self, probe: Channel) -> str:
+        deadline = self._began + self._job.limits.wall_s
+        while True:
+            now = time.monotonic()
+            if now > deadline and self._life is not None and not self._life.over:
+                self._end_life("time")
+            if now > deadline + _PROBE_GRACE_S:
+                return "the grader's probe did not finish in time"
+            if not self._pump(0.25, probe):
+                continue
+            try:
+                message = probe.receive(_ANSWER_S)
+                if message["do"] == "done":
+                    self._extra = message["timings"]
+                    return ""
+                answer = self._obey(message)
+                if answer is not None:
+                    probe.send(answer)
+            except (ChannelClosedError, TimeoutError) as gone:
+                return f"the grader's probe ended unexpectedly ({gone})"
+
+    def _obey(self, message: dict[str, Any]) -> dict[str, Any] | None:
+        what = message["do"]
+        if what == "result":
+            self._results.append(message["result"])
+            return None
+        if what == "launch":
+            return self._launch(tuple(message["arguments"]))
+        if what == "stop":
+            self._stop()
+        elif what == "stacks":
+            return {"stacks": self._stacks()}
+        return self._facts(fresh=what == "facts")
+
+    def _launch(self, arguments: tuple[str, ...]) -> dict[str, Any]:
+        self._stop()
+        self._launches += 1
+        domain = self._domain()
+        job = self._job
+        program = Program(job.name, job.source, job.class_name, arguments, job.command, job.folder)
+        cell = Cell(job.limits, job.isolation, {"ROS_DOMAIN_ID": str(domain)}, job.hidden)
+        self._sandbox = Sandbox(program, cell)
+        self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
+        return {"domain": domain}
+
+    def _domain(self) -> int:
+        """A ROS domain nobody else uses: any in a network of our own, else one leased on this machine."""
+        if self._job.isolation.network:
+            return self._launches
+        self._domains.close()
+        return self._domains.enter_context(environment.exclusive_domain())
+
+    def _facts(self, *, fresh: bool) -> dict[str, Any]:
+        if self._life is None or self._sandbox is None:
+            return {"running": False}
+        if fresh and not self._life.over:
+            before = self._life.samples
+            self._sandbox.ask(guard.SAMPLE)
+            self._pump_until(lambda life: life.samples > before or life.over)
+        return self._life.facts()
+
+    def _stacks(self) -> str:
+        if self._life is None or self._sandbox is None or self._life.over:
+            return ""
+        self._life.forget_stacks()
+        self._sandbox.ask(guard.STACKS)
+        self._pump_until(lambda life: life.evidence_bytes > 0 or life.over)
+        size = -1
+        while size != self._life.evidence_bytes:
+            size = self._life.evidence_bytes
+            self._pump(_QUIET_S, None)
+        return self._life.stacks()
+
+    def _pump_until(self, condition: Any) -> None:
+        deadline = time.monotonic() + _ANSWER_S
+        while self._life is not None and not condition(self._life) and time.monotonic() < deadline:
+            self._pump(_QUIET_S, None)
+
+    def _pump(self, timeout: float, probe: Channel | None) -> bool:
+        """Take in what the sandbox brings; True when the probe wants something."""
+        poll = select.poll()
+        streams = self._life.open_streams() if self._life else {}
+        for descriptor in streams:
+            poll.register(descriptor, select.POLLIN)
+        if probe is not None:
+            poll.register(probe.fileno(), select.POLLIN)
+        asked = False
+        for descriptor, _ in poll.poll(timeout * 1000):
+            if descriptor in streams and self._life is not None:
+                self._life.take(streams[descriptor])
+            else:
+                asked = True
+        if self._life is not None and self._life.too_much_output() and not self._life.over:
+            self._end_life("output")
+        return asked
+
+    def _end_life(self, limit: str) -> None:
+        if self._life is not None:
+            self._life.stopped_by_us(limit)
+        self._kill()
+
+    def _kill(self) -> None:
+        if self._sandbox is None or self._life is None:
+            return
+        self._sandbox.end(keep={self._probe_id})
+        # All writers are dead: the streams end, and reading them cannot block.
+        while streams := self._life.open_streams():
+            for name in streams.values():
+                self._life.take(name)
+        self._sandbox.streams.close()
+
+    def _stop(self) -> None:
+        self._kill()
+        self._sandbox = self._life = None

@@ -1,0 +1,92 @@
+"""Messages between the grader's own processes: JSON, each after its length, over a pair of sockets.
+
+Only processes of the kit hold an end. JSON carries data and nothing else, so that even a peer gone wrong
+cannot make the receiver run anything.
+"""
+
+from __future__ import annotations
+
+import json
+import select
+import socket
+import struct
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_LENGTH = struct.Struct("!I")
+_LARGEST = 64 * 1024 * 1024  # bytes; a report is a few kB, a submission at most 1 MiB
+
+
+class ChannelClosedError(ConnectionError):
+    """The process at the other end has gone, or does not speak our language any more."""
+
+
+class Channel:
+    """One end of a two-way line of messages. Not for use by several threads at once."""
+
+    def __init__(self, end: socket.socket) -> None:
+        self._socket = end
+
+    @classmethod
+    def pair(cls) -> tuple[Channel, Channel]:
+        """Two connected ends, neither inherited by programs that are started."""
+        first, second = socket.socketpair()
+        return cls(first), cls(second)
+
+    def fileno(self) -> int:
+        """The file descriptor, for `select`."""
+        return self._socket.fileno()
+
+    def send(self, message: Mapping[str, Any]) -> None:
+        """Send one message.
+
+        Raises:
+            ChannelClosedError: nobody is there to read it.
+        """
+        payload = json.dumps(message).encode()
+        try:
+            self._socket.sendall(_LENGTH.pack(len(payload)) + payload)
+        except OSError as problem:
+            raise ChannelClosedError("the other process has ended") from problem
+
+    def receive(self, timeout: float | None = None) -> dict[str, Any]:
+        """Wait for one message, at most `timeout` seconds for its beginning.
+
+        Raises:
+            TimeoutError: nothing came in time.
+            ChannelClosedError: the other process has ended.
+        """
+        if timeout is not None and not self.ready(timeout):
+            raise TimeoutError(f"no message from the other process within {timeout:g} s")
+        (length,) = _LENGTH.unpack(self._exactly(_LENGTH.size))
+        if length > _LARGEST:
+            raise ChannelClosedError("the other process sent something that is no message")
+        message = json.loads(self._exactly(length))
+        if not isinstance(message, dict):
+            raise ChannelClosedError("the other process sent something that is no message")
+        return message
+
+    def ready(self, timeout: float = 0.0) -> bool:
+        """Whether something can be read, or the other end has closed, within `timeout` seconds."""
+        poll = select.poll()  # unlike select(), good for descriptors past 1023
+        poll.register(self._socket, select.POLLIN)
+        return bool(poll.poll(timeout * 1000))
+
+    def close(self) -> None:
+        """Close this end."""
+        self._socket.close()
+
+    def _exactly(self, count: int) -> bytes:
+        parts = []
+        while count:
+            try:
+                part = self._socket.recv(min(count, 1 << 20))
+            except OSError as problem:
+                raise ChannelClosedError("the other process has ended") from problem
+            if not part:
+                raise ChannelClosedError("the other process has ended")
+            parts.append(part)
+            count -= len(part)
+        return b"".join(parts)

@@ -1,0 +1,215 @@
+"""A warm process that grades one submission after another.
+
+Importing rclpy and loading a service type takes ten times as long as checking a submission, so a worker does it
+once and forks (never after rclpy.init, which does not survive a fork). Several workers grade side by side.
+`Worker` is the handle in the trusted parent; the rest of this module is the process itself.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_kit import environment
+from course_kit.grading.errors import GradingError
+from course_kit.grading.job import Job
+from course_kit.grading.wire import Channel, ChannelClosedError
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+PROFILE = Path(__file__).with_name("loopback.xml")
+_START_S = 60.0  # importing everything from a cold disk on a loaded machine
+_GRACE_S = 60.0  # beyond the wall time; a worker that is later than that hangs, by a fault of ours
+_STOP_S = 5.0
+# What a program needs to run ROS; everything else, tokens among it, stays out of a submission's reach.
+_PASSED_ON = ("LANG", "LANGUAGE", "TZ", "PATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "HOME", "TMPDIR", "XDG_STATE_HOME")
+_PASSED_ON_PREFIXES = ("LC_", "PYTHON", "ROS", "_ROS", "RMW_", "RCUTILS_", "FAST", "CYCLONEDDS_", "AMENT_", "COLCON_", "CONDA_", "COURSE_KIT_")
+_OTHER_GRAPHS = ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "ROS_DISCOVERY_SERVER", "ROS_SUPER_CLIENT", "ROS_SECURITY_ENABLE")
+
+
+class Worker:
+    """A worker process. Start many ahead of time; each takes one job at a time, from one thread at a time."""
+
+    def __init__(self, *, whole_environment: bool = False, own_graph: bool = True) -> None:
+        """Start the process; it gets ready while the caller goes on.
+
+        Args:
+            whole_environment: pass on all variables, for commands of the user's own.
+            own_graph: False to grade nodes on the graph this environment belongs to.
+        """
+        ours, theirs = socket.socketpair()
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "course_kit.grading.worker", str(theirs.fileno())],
+                env=_environment(whole=whole_environment, own_graph=own_graph),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                pass_fds=[theirs.fileno()],
+                start_new_session=True,
+            )
+        self._channel = Channel(ours)
+        self._greeting: dict[str, Any] | None = None
+
+    def __enter__(self) -> Worker:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def ready(self) -> dict[str, Any]:
+        """Wait until it can take a job; returns the isolation it has found.
+
+        Raises:
+            GradingError: it did not start.
+        """
+        if self._greeting is None:
+            try:
+                self._greeting = self._channel.receive(_START_S)
+            except (ChannelClosedError, TimeoutError) as problem:
+                raise GradingError(f"The grader could not start. {self._last_words()}") from problem
+        if problem_text := self._greeting.get("problem"):
+            raise GradingError(str(problem_text))
+        return dict(self._greeting["isolation"])
+
+    def grade(self, job: Job) -> dict[str, Any]:
+        """Grade one submission; returns the outcome as `Warden.run` describes it.
+
+        Raises:
+            GradingError: the worker ended or hung; it can take no further job then.
+        """
+        self.ready()
+        try:
+            self._channel.send({"job": job.to_mapping()})
+            return self._channel.receive(job.limits.wall_s + _GRACE_S)
+        except (ChannelClosedError, TimeoutError) as problem:
+            raise GradingError(f"The grader ended while it was at work. {self._last_words()}") from problem
+
+    def close(self) -> None:
+        """End the process and everything it has started."""
+        self._channel.close()  # it notices, ends what it has under way, and stops
+        try:
+            self._process.wait(_STOP_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        if self._process.stdout is not None:
+            self._process.stdout.close()
+
+    def _last_words(self) -> str:
+        """What the process has printed, when it has ended; it prints nothing as long as all is well."""
+        try:
+            said, _ = self._process.communicate(timeout=_STOP_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            said, _ = self._process.communicate()
+        lines = said.decode("utf-8", errors="replace").strip().splitlines()
+        return lines[-1] if lines else f"Its exit status was {self._process.returncode}."
+
+
+def _environment(*, whole: bool, own_graph: bool) -> dict[str, str]:
+    variables = environment.child_environment(
+        PYTHONDONTWRITEBYTECODE="1", PYTHONUNBUFFERED=None, OPENBLAS_NUM_THREADS="1", ROS_PYTHON_CHECK_FIELDS="1"
+    )
+    if own_graph:
+        for name in _OTHER_GRAPHS:
+            variables.pop(name, None)
+        if variables.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps"):
+            # SUBNET has rmw_fastrtps leave the transports to the profile, which allows loopback only; with
+            # LOCALHOST it would bring back shared memory.
+            variables.update(ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET", FASTRTPS_DEFAULT_PROFILES_FILE=str(PROFILE))
+        else:
+            variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    if whole:
+        return variables
+    return {
+        name: value
+        for name, value in variables.items()
+        if name in _PASSED_ON or name.startswith(_PASSED_ON_PREFIXES)
+    }
+
+
+def serve(channel: Channel) -> None:
+    """The process: get warm, then grade job after job until the other end closes."""
+    import gc
+
+    from course_kit.grading import isolation, namespaces, probing, warden
+
+    os.environ["ROS_LOG_DIR"] = tempfile.gettempdir()  # of the probe, which logs nothing
+    namespaces.adopt_orphans()
+    found = isolation.try_out()
+    probing.warm_up()
+    del warden
+    gc.freeze()  # keeps the forks from copying what they only look at
+    channel.send({"isolation": found.to_mapping()})
+    while True:
+        job = replace(Job.from_mapping(channel.receive()["job"]), isolation=found)
+        with suppress(Exception):  # the probe meets it again, and says what is wrong with the grader
+            probing.load(job.exercise)
+        channel.send(_grade(job, channel))
+
+
+def _grade(job: Job, channel: Channel) -> dict[str, Any]:
+    from course_kit.grading import processes
+    from course_kit.grading.warden import Warden
+
+    ours, theirs = Channel.pair()
+    child = os.fork()
+    if child == 0:
+        status = 1
+        try:
+            ours.close()
+            theirs.send(Warden(job).run())
+            status = 0
+        except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the worker reports it
+            sys.excepthook(*sys.exc_info())
+        finally:
+            os._exit(status)
+    theirs.close()
+    try:
+        return _outcome(ours, channel)
+    finally:
+        ours.close()
+        processes.end_descendants()
+
+
+def _outcome(warden: Channel, parent: Channel) -> dict[str, Any]:
+    import select
+
+    poll = select.poll()
+    poll.register(warden.fileno(), select.POLLIN)
+    poll.register(parent.fileno(), select.POLLIN)
+    ready = [descriptor for descriptor, _ in poll.poll()]
+    if parent.fileno() in ready:
+        raise ChannelClosedError("the parent has gone, or speaks out of turn")
+    try:
+        return warden.receive()
+    except ChannelClosedError:
+        return {"results": [], "stdout": "", "stderr": "", "problem": "the grader's warden was killed", "timings": {}}
+
+
+def _main() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channel
+    channel = Channel(socket.socket(fileno=int(sys.argv[1])))
+    try:
+        serve(channel)
+    except ChannelClosedError:
+        pass
+    except Exception as problem:  # noqa: BLE001 - the parent tells a person
+        with suppress(ChannelClosedError):
+            channel.send({"problem": f"The grader could not start: {problem}"})
+
+
+if __name__ == "__main__":
+    _main()

@@ -1,0 +1,37 @@
+"""Values in words, as short as they can be read."""
+
+from __future__ import annotations
+
+from typing import Any
+
+_LONGEST = 160  # characters of an arrow's text
+
+
+def in_words(value: Any) -> str:
+    """The fields of a message: "a=1, b=2"; "(empty)" for one without fields."""
+    text = _fields(value) if isinstance(value, dict) else _value(value)
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+
+
+def short_name(node: str) -> str:
+    """A node's name without the slash of the root namespace."""
+    return node[1:] if node.startswith("/") and node.count("/") == 1 else node
+
+
+def _fields(fields: dict[str, Any]) -> str:
+    if not fields:
+        return "(empty)"
+    return ", ".join(str(value) if name == "..." else f"{name}={_value(value)}" for name, value in fields.items())
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{" + _fields(value) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_element(one) for one in value) + "]"
+    return repr(value)
+
+
+def _element(value: Any) -> str:
+    more = isinstance(value, str) and value.startswith("+") and value.endswith(" more")
+    return str(value) if more else _value(value)
