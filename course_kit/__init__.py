@@ -1,1 +1,22 @@
-"""ROS 2 course kit."""
+"""ROS 2 course kit.
+
+In a notebook `%load_ext course_kit` makes the course's magics known, puts the kernel on the course's ROS graph and
+begins to record what crosses between nodes. Importing the package does nothing else.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+
+def load_ipython_extension(shell: InteractiveShell) -> None:
+    """Called by `%load_ext course_kit`."""
+    from course_kit import environment, lab, magics, trace
+
+    environment.apply()
+    magics.register(shell)
+    lab.current().watch_output()
+    trace.attach()

@@ -71,7 +71,21 @@ def _doctor(options: argparse.Namespace) -> int:
 
 
 def _grade(options: argparse.Namespace) -> int:
-    raise NotImplementedError
+    from course_kit import grading
+
+    try:
+        report = grading.grade(
+            options.exercise,
+            options.path,
+            seed=options.seed,
+            attach=options.attach,
+            exec_command=options.exec_command,
+        )
+    except grading.GradingError as problem:
+        print(f"course-kit: {problem}", file=sys.stderr)
+        return 2
+    print(report.to_json() if options.format == "json" else grading.render_text(report))
+    return grading.exit_code(report)
 
 
 if __name__ == "__main__":

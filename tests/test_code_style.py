@@ -17,7 +17,7 @@ FLOORS = [
     {"lab", "robot"},
     {"trace", "panels", "ros2", "launch_shim", "grading"},
     {"graders"},
-    {"magics", "cli", "doctor", "jupyter", "dev"},
+    {"magics", "grade_magics", "cli", "doctor", "jupyter", "dev"},
 ]
 MAY_NOT_MEET = {("grading", "lab"), ("grading", "panels"), ("graders", "lab"), ("graders", "panels")}
 

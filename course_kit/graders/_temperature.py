@@ -62,7 +62,9 @@ _MISTAKES = {
         _Mistake(lambda v: (v - 32) * 5 / 9, _FORMULA, "They are right for the other direction."),
     ),
     (FAHRENHEIT, CELSIUS): (
-        _Mistake(lambda v: v - 32 * 5 / 9, _FORMULA, "They fit v - 32 * 5 / 9: multiplication goes before subtraction."),
+        _Mistake(
+            lambda v: v - 32 * 5 / 9, _FORMULA, "They fit v - 32 * 5 / 9: multiplication goes before subtraction."
+        ),
         _Mistake(lambda v: v * 5 / 9 - 32, _FORMULA, "They fit a formula that subtracts 32 after it multiplies."),
         _Mistake(lambda v: (v + 32) * 5 / 9, _FORMULA, "They fit a formula that adds 32 instead of subtracting it."),
         _Mistake(lambda v: (v - 32) * 9 / 5, _FORMULA, "They fit a formula with its factor upside down."),
@@ -71,7 +73,7 @@ _MISTAKES = {
 }
 
 
-def explain(answers: Sequence[tuple[Sample, float]], source: str) -> tuple[str | None, str]:
+def explain(answers: Sequence[tuple[Sample, float]], source: str) -> tuple[str, str]:
     """What wrong answers have in common.
 
     Args:
@@ -79,25 +81,29 @@ def explain(answers: Sequence[tuple[Sample, float]], source: str) -> tuple[str |
         source: the learner's program, or nothing where it is not known.
 
     Returns:
-        The diagnosis and a sentence; (None, "") for a value that is no number at all.
+        The diagnosis and a sentence.
     """
     if any(0.0 < abs(got) < _DENORMAL for _, got in answers):
         return "field.type", "A value so close to zero is an integer that was written into a float field."
     for mistake in _MISTAKES.get((answers[0][0].from_unit, answers[0][0].to_unit), ()):
         if all(_same(got, mistake.formula(sample.value)) for sample, got in answers):
             return mistake.code, mistake.told
-    if any(not math.isfinite(got) for _, got in answers):
-        return _FORMULA, "That is not even a number."
-    floors = _divides_in_integers(source)
-    if all(got == 0.0 for _, got in answers):
-        if floors:
-            return _INTEGER, "Every value came back as 0: a small number divided by a larger one with // is 0."
-        return _FORMULA, "Every value came back as 0, as if response.value were never filled in."
     if all(_same(got, sample.value) for sample, got in answers):
         return _FORMULA, "They are the values we sent: nothing was converted."
+    floors = _divides_in_integers(source)
+    if all(got == 0.0 for _, got in answers):
+        told = "a small number divided by a larger one with // is 0." if floors else "was response.value filled in?"
+        return (_INTEGER if floors else _FORMULA), f"Every value came back as 0: {told}"
+    return _by_size(answers, floors=floors)
+
+
+def _by_size(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[str, str]:
     off = max(abs(got - right_value(sample)) for sample, got in answers)
     if off < 1.0 or (floors and off < 2.0):  # noqa: PLR2004 - // before a factor of 9/5 loses almost two degrees
-        return _INTEGER, f"They are off by at most {off:.2g} degrees: digits were lost on the way (//, int() or round())."
+        return (
+            _INTEGER,
+            f"They are off by at most {off:.2g} degrees: digits were lost on the way (//, int() or round()).",
+        )
     return _FORMULA, "They fit none of the usual slips; check the factor, the offset and the order by hand."
 
 

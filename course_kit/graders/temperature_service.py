@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 from course_interfaces.srv import ConvertTemperature
 
-from course_kit.graders._temperature import ABSOLUTE_ZERO, CELSIUS, FAHRENHEIT, UNITS, Sample, explain, fits, right_value
+from course_kit.graders._temperature import (
+    ABSOLUTE_ZERO,
+    CELSIUS,
+    FAHRENHEIT,
+    UNITS,
+    Sample,
+    explain,
+    fits,
+    right_value,
+)
 from course_kit.grading.checks import Check, Evidence, Failed, check
 from course_kit.grading.load import Load, call_many
 from course_kit.grading.services import Answer, Service, call, expect_node, expect_offered
@@ -24,6 +33,7 @@ if TYPE_CHECKING:
 INTERFACES = (ConvertTemperature,)
 NODE = "/temperature_service"
 SERVICE = Service("/convert_temperature", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
+_FIRST = Sample(100.0, CELSIUS, FAHRENHEIT)
 _SLOW_S = 1.5  # one answer; the contract wants fifty in 5 s
 _EDGE = 0.01  # degrees; how near to absolute zero we test
 _LOAD = Load(clients=10, unanswered=10, seconds=5.0)
@@ -35,28 +45,32 @@ _SHOWN = 60  # characters of a learner's text that are repeated in the report
 @check(points=0.5, deadline_s=12.0)
 def offered(bench: Bench) -> Evidence:
     """The service /convert_temperature is there, with its type."""
-    return expect_offered(bench, SERVICE)
+    return expect_offered(bench, SERVICE, _request(_FIRST))
 
 
 @check(points=0.5, depends_on=["offered"])
 def node_name(bench: Bench) -> Evidence:
     """The node is called temperature_service."""
-    return expect_node(bench, NODE)
+    return expect_node(bench, NODE, SERVICE)
 
 
 @check(points=1.0, depends_on=["offered"])
 def answers(bench: Bench) -> Evidence:
     """A request gets an answer."""
-    sample = Sample(100.0, CELSIUS, FAHRENHEIT)
+    sample = _FIRST
     expected = "an answer with success=True"
     answer = _ask(bench, sample, expected)
     response, evidence = answer.response, Evidence(sample.shown(), expected, _got(answer.response))
     if not response.success and response.value == 0.0 and not response.message:
-        message = "The response came back as ROS 2 had made it: success False, value 0.0, no message. Nothing filled it in."
+        message = (
+            "The response came back as ROS 2 had made it: success False, value 0.0, no message. Nothing filled it in."
+        )
         raise Failed(evidence, message)
     _require_success(sample, response, expected)
     if answer.latency_s > _SLOW_S:
-        message = f"The answer took {answer.latency_s:.1f} s, and every other client waits as long before its turn comes."
+        message = (
+            f"The answer took {answer.latency_s:.1f} s, and every other client waits as long before its turn comes."
+        )
         raise Failed(evidence, message, "service.blocks")
     return evidence
 
@@ -189,7 +203,9 @@ def _refuses(bench: Bench, samples: Sequence[Sample], why: str) -> Evidence:
             message = f"Refusing is right: {why}. But the message is empty, and the client cannot tell what was wrong."
             raise Failed(evidence, message, "validation.no_reason")
     after = Sample(0.0, CELSIUS, FAHRENHEIT)
-    _require_success(after, _ask(bench, after, "the node to live on and answer").response, "an answer with success=True")
+    _require_success(
+        after, _ask(bench, after, "the node to live on and answer").response, "an answer with success=True"
+    )
     return evidence
 
 
@@ -203,7 +219,9 @@ def _wrong(bench: Bench, answers: Sequence[tuple[Sample, float]], response: Any)
     """A wrong value, the first of `answers`, explained by all of them."""
     sample = answers[0][0]
     diagnosis, reason = explain(answers, bench.job.source)
-    message = f"The answers to {len(answers)} requests were looked at together. {reason}" if len(answers) > 1 else reason
+    message = (
+        f"The answers to {len(answers)} requests were looked at together. {reason}" if len(answers) > 1 else reason
+    )
     return Failed(Evidence(sample.shown(), _wanted(sample), _got(response)), message, diagnosis)
 
 

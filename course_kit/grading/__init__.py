@@ -1,8 +1,27 @@
-"""Grading: a submission in its cage, a grader that asks it over the wire, and a report written by us alone."""
+"""Grading: a submission in its cage, a grader that asks it over the wire, and a report written by us alone.
+
+A face needs these: `grade` for a `Report`, `exit_code`, `render_text`, `render_html`, `GradingError` for what to tell
+the user; `Worker` to grade many; `isolation_status` for the doctor.
+"""
 
 from course_kit.grading.engine import grade
 from course_kit.grading.errors import GradingError
+from course_kit.grading.isolation import Isolation
+from course_kit.grading.isolation import status as isolation_status
+from course_kit.grading.render_html import render_html
+from course_kit.grading.render_text import render_text
 from course_kit.grading.report import CheckReport, Report, exit_code
 from course_kit.grading.worker import Worker
 
-__all__ = ["CheckReport", "GradingError", "Report", "Worker", "exit_code", "grade"]
+__all__ = [
+    "CheckReport",
+    "GradingError",
+    "Isolation",
+    "Report",
+    "Worker",
+    "exit_code",
+    "grade",
+    "isolation_status",
+    "render_html",
+    "render_text",
+]

@@ -10,6 +10,7 @@ import random
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from course_kit.grading import endings
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.patience import FairClock
 from course_kit.grading.tester import Tester
@@ -42,11 +43,12 @@ class Life:
     notes: dict[str, Any] = field(default_factory=dict)
 
 
-class SubmissionEndedError(Exception):
-    """The submission's process has ended while something was expected of it."""
+class SubmissionEndedError(Failed):
+    """The submission's process has ended while something was expected of it; by itself explained as during a call."""
 
-    def __init__(self, life: Life) -> None:
-        super().__init__("the program has ended")
+    def __init__(self, life: Life, job: Job) -> None:
+        diagnosis, message = endings.of_call(life, job)
+        super().__init__(Evidence(got="the program has ended"), message, diagnosis)
         self.life = life
 
 
@@ -59,7 +61,7 @@ class Bench:
         self._warden = warden
         self._tester: Tester | None = None
         self._spoiled = False
-        self._deadline_s = 0.0
+        self.deadline_s = 0.0
         self._clock: FairClock | None = None
 
     @property
@@ -99,12 +101,12 @@ class Bench:
         """
         if self.job.fault:
             raise Failed(Evidence("", "a Python program", "a syntax error"), self.job.fault, "start.syntax")
-        self._deadline_s = deadline_s
+        self.deadline_s = deadline_s
         self._clock = FairClock(self._waited)
 
     def time_is_up(self) -> bool:
         """Whether the check has used up its time, fairly counted."""
-        return self._clock is not None and self._clock.past(self._deadline_s)
+        return self._clock is not None and self._clock.past(self.deadline_s)
 
     def spoil(self) -> None:
         """Remember that the running submission is dead or stuck: the next check needs a fresh one."""
@@ -151,7 +153,8 @@ class Bench:
         """Raise SubmissionEndedError if the submission has ended."""
         life = self.life()
         if not life.running:
-            raise SubmissionEndedError(life)
+            self._spoiled = True
+            raise SubmissionEndedError(life, self.job)
 
     def _waited(self) -> float:
         return self.life(fresh=True).waited_s if self._tester is not None else 0.0

@@ -68,30 +68,38 @@ def of_start(life: Life, job: Job) -> Cause:
         return "start.nothing", _no_class(life, job)
     raised = last_exception(life.stderr, job.name)
     if raised is None:
-        how = f"by signal {_signal_name(life.signal)}" if life.signal else f"with exit code {life.exit_code}"
-        advice = "" if life.exit_code else " A node serves only as long as something spins it."
-        return "start.exit", f"Your program ended {how} before it was asked anything.{advice}"
+        return _exited(life)
     where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
     if raised.type in ("ModuleNotFoundError", "ImportError"):
         return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
     return "start.crash", f"Your program ended with {raised.describe()}{where}, before its service was up."
 
 
+def _exited(life: Life) -> Cause:
+    how = f"by signal {_signal_name(life.signal)}" if life.signal else f"with exit code {life.exit_code}"
+    return "start.exit", f"Your program ended {how} before it could answer anything."
+
+
 def of_call(life: Life, job: Job) -> Cause:
     """Why a submission ended while it was to answer a call."""
-    if cause := of_limit(life, job):
-        return cause
+    return of_limit(life, job) or _of_callback(life, job) or _exited(life)
+
+
+def _of_callback(life: Life, job: Job) -> Cause | None:
     returned = life.notes.get("returned")
     if returned == "None":
-        return "service.no_return", "Your callback ran and returned None; rclpy had nothing to send and your node ended."
+        return (
+            "service.no_return",
+            "Your callback ran and returned None; rclpy had nothing to send and your node ended.",
+        )
     if returned is not None:
         text = f"Your callback returned an object of type {returned}; rclpy refused to send it and your node ended."
         return "service.wrong_return", text
-    raised = last_exception(life.stderr, job.name)
-    if raised is not None:
-        return _of_exception(raised, job)
-    how = f"by signal {_signal_name(life.signal)}" if life.signal else f"with exit code {life.exit_code}"
-    return None, f"Your program ended {how} while it was to answer."
+    if life.signal:
+        return None, f"Your program ended by signal {_signal_name(life.signal)} while it was to answer."
+    if life.notes.get("exit_in_callback"):
+        return "service.exception", "Your callback ended the whole program (SystemExit). The client got no answer."
+    return of_logged(life.stderr, job)
 
 
 def of_logged(stderr: str, job: Job) -> Cause | None:
@@ -103,7 +111,10 @@ def of_logged(stderr: str, job: Job) -> Cause | None:
 def _of_exception(raised: Raised, job: Job) -> Cause:
     where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
     if raised.frames and raised.frames[-1].function == "send_response" and raised.type == "TypeError":
-        return "service.wrong_return", "Your callback did not return the response it was given; rclpy refused to send it."
+        return (
+            "service.wrong_return",
+            "Your callback did not return the response it was given; rclpy refused to send it.",
+        )
     if match := _FIELD.search(raised.text):
         text = f"The field '{match['field']}' must be a {match['type']}, and something else was put into it{where}."
         return "field.type", text

@@ -6,6 +6,7 @@ import secrets
 import shlex
 import time
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 _NOT_STARTED = ("start.", "limit.")
 
 
-def grade(
+def grade(  # noqa: PLR0913 - the options of one verb
     exercise_id: str,
     path: str | Path | None = None,
     *,
@@ -64,7 +65,9 @@ def grade(
     job = _job(task, text, seed, exec_command)
     shown = str(path) if path is not None else exec_command or f"the node on ROS domain {_domain()}"
     own = worker is None
-    with Worker(whole_environment=exec_command is not None, own_graph=not attach) if own else nullcontext(worker) as used:
+    with (
+        Worker(whole_environment=exec_command is not None, own_graph=not attach) if own else nullcontext(worker) as used
+    ):
         if used is None:
             raise GradingError("There is no worker.")
         isolation = Isolation.from_mapping(used.ready()) if not attach else Isolation(reason="it was attached to")
@@ -77,21 +80,23 @@ def _domain() -> int:
 
 
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
-    common = {"exercise": task.id, "seed": seed, "class_name": task.class_name, "limits": task.limits}
+    job = Job(task.id, "attach", "", seed, class_name=task.class_name, limits=task.limits)
     if text is not None:
         root = environment.checkout()
         hidden = (str(root / "solutions"), str(root / "tests")) if root else ()
-        program = {"name": text.program, "source": text.source, "places": text.places, "fault": _fault(text)}
-        return Job(mode="run", hidden=hidden, **program, **common)
+        fault = _fault(text)
+        return replace(
+            job, mode="run", name=text.program, source=text.source, fault=fault, places=text.places, hidden=hidden
+        )
     if command is None:
-        return Job(mode="attach", name="", **common)
+        return job
     try:
         words = tuple(shlex.split(command))
     except ValueError as problem:
         raise GradingError(f"The command cannot be read as a shell would: {problem}.") from None
     if not words:
         raise GradingError("The command after --exec is empty.")
-    return Job(mode="exec", name=words[0], command=words, folder=str(Path.cwd()), **common)
+    return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
 
 
 def _fault(text: Submission) -> str:
@@ -102,9 +107,7 @@ def _fault(text: Submission) -> str:
     return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."
 
 
-def _report(
-    task: Exercise, shown: str, outcome: dict[str, Any], isolation: Isolation, began: float
-) -> Report:
+def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: Isolation, began: float) -> Report:
     checks = tuple(_check(task, result) for result in outcome["results"])
     score = sum(check.points for check in checks)
     if outcome["problem"] or not checks:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
@@ -16,6 +15,9 @@ if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 FORMAT_VERSION = 1
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
@@ -61,7 +63,7 @@ class Exercise:
     hints: tuple[Hint, ...]
 
     def next_hint(self, check: str, seen: int = 0) -> str | None:
-        """The hint for `check` after the `seen` first ones; the last when there are no more, None when there is none."""
+        """The hint for `check` after the first `seen`; the last when there are no more, None when there is none."""
         ladder = [hint.text for hint in self.hints if check in hint.checks]
         return ladder[min(seen, len(ladder) - 1)] if ladder else None
 

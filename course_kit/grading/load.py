@@ -6,10 +6,10 @@ from collections import deque
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import endings
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.services import Service, ensure_ready, unanswered
+from course_kit.grading.services import Service, ensure_ready
+from course_kit.grading.silence import unanswered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -44,9 +44,7 @@ def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Loa
         bench.wait_until(lambda: all(client.service_is_ready() for client in clients), load.seconds)
         responses = _run(bench, clients, requests, load)
     except SubmissionEndedError as ended:
-        bench.spoil()
-        diagnosis, message = endings.of_call(ended.life, bench.job)
-        raise Failed(replace(evidence, got="the program ended"), message, diagnosis) from None
+        raise Failed(replace(evidence, got="the program ended"), ended.message, ended.diagnosis) from None
     answered = sum(response is not None for response in responses)
     if answered == len(requests):
         return responses
@@ -55,8 +53,8 @@ def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Loa
         raise unanswered(bench, evidence.sent, evidence.expected)
     each = load.seconds / answered
     message = (
-        f"Within {load.seconds:g} s {answered} of {len(requests)} requests were answered, one about every {each:.2f} s. "
-        f"The last of ten clients asking together waits {10 * each:.1f} s."
+        f"Within {load.seconds:g} s {answered} of {len(requests)} requests were answered, one in {each:.2f} s: "
+        f"the last of ten clients asking together waits {10 * each:.1f} s."
     )
     raise Failed(replace(evidence, got=f"{answered} answers within {load.seconds:g} s"), message, "service.blocks")
 

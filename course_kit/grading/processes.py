@@ -9,6 +9,7 @@ import os
 import signal
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ class Usage:
 def descendants(root: int) -> list[int]:
     """All living or unreaped processes below `root`, parents before children."""
     children: dict[int, list[int]] = {}
-    for name in os.listdir("/proc"):
+    for name in os.listdir("/proc"):  # noqa: PTH208 - hot
         if name.isdecimal():
             with suppress(OSError, ValueError, IndexError):
                 children.setdefault(int(_stat(int(name))[1]), []).append(int(name))
@@ -52,7 +53,7 @@ def descendants(root: int) -> list[int]:
 
 def this_process() -> int:
     """The number of this process as /proc knows it."""
-    return int(os.readlink("/proc/self"))
+    return int(Path("/proc/self").readlink().name)
 
 
 def usage(process_ids: Iterable[int]) -> Usage:
@@ -96,7 +97,7 @@ def end_descendants(keep: Container[int] = ()) -> None:
 
 def _children(parent: int) -> list[int]:
     found = []
-    for name in os.listdir("/proc"):
+    for name in os.listdir("/proc"):  # noqa: PTH208 - hot
         if name.isdecimal():
             with suppress(OSError, ValueError, IndexError):
                 if int(_stat(int(name))[1]) == parent:
@@ -113,7 +114,7 @@ def _stat(process_id: int) -> list[str]:
 def _waited(process_id: int) -> float:
     nanoseconds = 0
     folder = f"/proc/{process_id}/task"
-    for thread in os.listdir(folder):
+    for thread in os.listdir(folder):  # noqa: PTH208 - hot
         with suppress(OSError, ValueError, IndexError), open(f"{folder}/{thread}/schedstat", encoding="ascii") as file:  # noqa: PTH123
             nanoseconds += int(file.read().split()[1])
     return nanoseconds / 1e9

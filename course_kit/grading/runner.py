@@ -75,6 +75,7 @@ def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
         status = 0
     except SystemExit as wish:
         status = _exit_status(wish.code)
+        _note(evidence, exit_in_callback=_in_callback(wish))
     except BaseException as problem:  # noqa: BLE001 - whatever it is ends the program and is shown, as Python does
         _show(problem)
         _note_exception(problem, evidence)
@@ -89,22 +90,25 @@ def _arrange_streams(inside: Streams) -> int:
         os.dup2(source, target)
     os.closerange(3, evidence)
     os.closerange(evidence + 1, os.sysconf("SC_OPEN_MAX"))
-    sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: PTH123, SIM115 - it stays open
-    sys.stdout = sys.__stdout__ = _text(1)
-    sys.stderr = sys.__stderr__ = _text(2)
+    sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115 - it stays open
+    for name, descriptor in (("stdout", 1), ("stderr", 2)):
+        stream = _text(descriptor)
+        setattr(sys, name, stream)
+        setattr(sys, f"__{name}__", stream)
     return evidence
 
 
 def _text(descriptor: int) -> io.TextIOWrapper:
-    raw = open(descriptor, "wb", buffering=8192, closefd=False)  # noqa: PTH123, SIM115 - it stays open
+    raw = open(descriptor, "wb", buffering=8192, closefd=False)  # noqa: SIM115 - it stays open
     return io.TextIOWrapper(raw, encoding="utf-8", errors="backslashreplace", line_buffering=True)
 
 
 def _execute(program: Program) -> None:
     try:
-        os.execvpe(program.command[0], program.command, os.environ)  # noqa: S606 - the user's own command
+        os.execvpe(program.command[0], program.command, os.environ)
     except OSError as problem:
-        print(f"{program.command[0]}: {problem.strerror}", file=sys.stderr)
+        sys.stderr.write(f"{program.command[0]}: {problem.strerror}\n")
+        sys.stderr.flush()
         os._exit(127)
 
 
@@ -153,7 +157,9 @@ def _find_class(module: ModuleType, wanted: str, evidence: int) -> Any:
     if named or len(own) == 1:
         return (named or list(own))[0]
     functions = [name for name, thing in vars(module).items() if callable(thing) and not isinstance(thing, type)]
-    classes = [name for name, thing in vars(module).items() if isinstance(thing, type) and thing.__module__ == "__main__"]
+    classes = [
+        name for name, thing in vars(module).items() if isinstance(thing, type) and thing.__module__ == "__main__"
+    ]
     _note(evidence, node_classes=sorted(thing.__name__ for thing in own), classes=classes, functions=functions)
     return None
 
@@ -185,7 +191,7 @@ def _exit_status(code: Any) -> int:
         return 0
     if isinstance(code, int):
         return code & 0xFF
-    print(code, file=sys.stderr)
+    sys.stderr.write(f"{code}\n")
     return 1
 
 
@@ -218,6 +224,10 @@ def _note_exception(problem: BaseException, evidence: int) -> None:
         trace = trace.tb_next
 
 
+def _in_callback(problem: BaseException) -> bool:
+    return any(frame.f_code.co_name == "await_or_execute" for frame, _ in traceback.walk_tb(problem.__traceback__))
+
+
 def _type_name(value: object) -> str:
     return "None" if value is None else type(value).__name__
 
@@ -229,7 +239,7 @@ def _note(evidence: int, **what: Any) -> None:
 def _finish(status: int) -> None:
     """End as an interpreter does (other threads first, then atexit), without going back into the grader's code."""
     try:
-        threading._shutdown()  # noqa: SLF001 - what the interpreter itself calls; there is no public way
+        threading._shutdown()  # type: ignore[attr-defined]  # noqa: SLF001 - what the interpreter calls; nothing public
         atexit._run_exitfuncs()  # noqa: SLF001
         sys.stdout.flush()
         sys.stderr.flush()

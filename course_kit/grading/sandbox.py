@@ -25,12 +25,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from course_kit.grading import guard, namespaces, processes
-from course_kit.grading.isolation import Isolation, enter_processes
-from course_kit.grading.limits import Limits
+from course_kit.grading.isolation import enter_processes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from course_kit.grading.isolation import Isolation
+    from course_kit.grading.limits import Limits
     from course_kit.grading.runner import Program
 
 
@@ -104,15 +105,13 @@ class Sandbox:
 
 
 def _pipes() -> tuple[Streams, Streams]:
-    ours, inside = [], []
-    for _ in ("stdout", "stderr", "status", "evidence"):
-        reader, writer = os.pipe()
-        os.set_blocking(reader, False)
-        ours.append(reader)
-        inside.append(writer)
-    reader, writer = os.pipe()
-    os.set_blocking(writer, False)
-    return Streams(*ours, writer), Streams(*inside, reader)
+    pipes = [os.pipe() for _ in range(5)]
+    (stdout, stderr, status, evidence, control) = pipes
+    ours = Streams(stdout[0], stderr[0], status[0], evidence[0], control[1])
+    inside = Streams(stdout[1], stderr[1], status[1], evidence[1], control[0])
+    for descriptor in (ours.stdout, ours.stderr, ours.status, ours.evidence, ours.control):
+        os.set_blocking(descriptor, False)
+    return ours, inside
 
 
 def _gate(program: Program, cell: Cell, folder: str, inside: Streams) -> None:

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import ast
 import difflib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import endings
+from course_kit.grading import endings, silence
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.traces import Activity, activity
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.bench import Bench, Life
+    from course_kit.grading.bench import Bench
 
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has made the services it will make
+_NODE_S = 1.5  # a node's name arrives a moment after its endpoints
 _OTHER_TYPE_S = 0.5  # the right name with another type: the node was seen to offer just that
 _NUDGE_S = 1.0  # an executor with several threads notices a callback's exception with the next request only
 _STUCK_S = 3.0  # a callback seen waiting in rclpy for so long waits for itself
-_ANSWER_S = 5.0  # one answer
-_LOOK_S = 0.3  # how long it is watched to tell which
-_IDLE_SHARE = 0.5  # below this share of one processor a program that does not answer is waiting, not computing
 
 
 @dataclass(frozen=True)
@@ -49,8 +45,14 @@ class Answer:
     latency_s: float
 
 
-def expect_offered(bench: Bench, service: Service) -> Evidence:
-    """The service is on the graph, with its type.
+def expect_offered(bench: Bench, service: Service, request: Any) -> Evidence:
+    """The service is on the graph, with its type, and its program is there to be asked.
+
+    Args:
+        bench: the test bench.
+        service: what is expected.
+        request: any request; whether and how it is answered is for other checks. It tells a server from a
+            program that offers a service and ends at once, however fast each is discovered.
 
     Raises:
         Failed: it is not; with start.*, name.service, type.interface or limit.*.
@@ -65,7 +67,7 @@ def expect_offered(bench: Bench, service: Service) -> Evidence:
         )
 
     def settled() -> bool:
-        return clock.wall() > _SETTLED_S and bool(bench.tester.nodes()) and clock.past(_SETTLED_S) and _spins(bench)
+        return clock.past(_SETTLED_S) and bool(bench.tester.nodes()) and silence.spins(bench)
 
     def decided() -> bool:
         return client.service_is_ready() or other_type() or settled()
@@ -73,27 +75,31 @@ def expect_offered(bench: Bench, service: Service) -> Evidence:
     try:
         bench.wait_until(decided, bench.job.limits.start_s)
     except SubmissionEndedError as ended:
-        bench.spoil()
         diagnosis, message = endings.of_start(ended.life, bench.job)
         raise Failed(Evidence("", expected, "a program that has ended"), message, diagnosis) from None
-    if client.service_is_ready():
-        return Evidence("", expected, expected)
-    raise _not_offered(bench, service, expected)
+    if not client.service_is_ready():
+        raise _not_offered(bench, service, expected)
+    try:
+        bench.wait_until(client.call_async(request).done, _NUDGE_S)
+    except SubmissionEndedError as ended:
+        if ended.diagnosis == "start.exit":
+            evidence = Evidence("", expected, "a program that has ended")
+            raise Failed(evidence, ended.message, ended.diagnosis) from None
+    return Evidence("", expected, expected)
 
 
-def expect_node(bench: Bench, name: str) -> Evidence:
-    """A node of this full name is on the graph.
+def expect_node(bench: Bench, name: str, service: Service) -> Evidence:
+    """A node of this full name is on the graph, beside the service.
 
     Raises:
         Failed: it is not; with name.node.
     """
     expected = f"a node called {name}"
     try:
-        found = bench.wait_until(lambda: name in bench.tester.nodes(), _SETTLED_S)
+        ensure_ready(bench, service)
+        found = bench.wait_until(lambda: name in bench.tester.nodes(), _NODE_S)
     except SubmissionEndedError as ended:
-        bench.spoil()
-        diagnosis, message = endings.of_call(ended.life, bench.job)
-        raise Failed(Evidence("", expected, "a program that has ended"), message, diagnosis) from None
+        raise Failed(Evidence("", expected, "a program that has ended"), ended.message, ended.diagnosis) from None
     if found:
         return Evidence("", expected, expected)
     nodes = bench.tester.nodes()
@@ -110,7 +116,15 @@ def ensure_ready(bench: Bench, service: Service) -> None:
     """
     if bench.spoiled:
         bench.launch()
-        expect_offered(bench, service)
+        client = bench.tester.client(service.interface, service.name)
+        try:
+            if bench.wait_until(client.service_is_ready, bench.job.limits.start_s):
+                return
+        except SubmissionEndedError:
+            pass
+        bench.spoil()
+        evidence = Evidence("", f"the service {service.name}, started again", "no service")
+        raise Failed(evidence, "An earlier check ended your program, and started again it did not come up.")
 
 
 def call(bench: Bench, service: Service, request: Any, shown: str, expected: str) -> Answer:
@@ -127,6 +141,9 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
         Failed: none came; with the reason if it can be established.
     """
     ensure_ready(bench, service)
+    if bench.time_is_up():
+        message = f"Each answer came, but so slowly that the {bench.deadline_s:g} s for this check were over."
+        raise Failed(Evidence(shown, expected, "too late to be asked"), message, "service.blocks")
     clock = bench.clock()
     first = bench.tester.client(service.interface, service.name)
     futures = [first.call_async(request)]
@@ -141,78 +158,18 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
             futures.append(other.call_async(request))
         if not looked and clock.wall() > _STUCK_S and clock.past(_STUCK_S):
             looked = True
-            return _doing(bench).waits_for_ros
+            return silence.doing(bench).waits_for_ros
         return False
 
     try:
-        bench.wait_until(decided, _ANSWER_S)
+        bench.wait_until(decided, silence.ANSWER_S)
     except SubmissionEndedError as ended:
-        bench.spoil()
-        diagnosis, message = endings.of_call(ended.life, bench.job)
-        raise Failed(Evidence(shown, expected, "no answer: the program ended"), message, diagnosis) from None
+        evidence = Evidence(shown, expected, "no answer: the program ended")
+        raise Failed(evidence, ended.message, ended.diagnosis) from None
     for future in futures:
         if future.done():
             return Answer(future.result(), clock.fair() if clock.wall() > _NUDGE_S else clock.wall())
-    raise unanswered(bench, shown, expected)
-
-
-def unanswered(bench: Bench, shown: str, expected: str) -> Failed:
-    """Establish why a program that lives on does not answer."""
-    bench.spoil()
-    clock = bench.clock()
-    before = bench.life(fresh=True)
-    doing = _doing(bench)
-    bench.wait_until(lambda: clock.wall() > _LOOK_S, _LOOK_S)
-    life = bench.life(fresh=True)
-    busy = _computes(before, life, clock.wall())
-    evidence = Evidence(shown, expected, f"no answer within {_ANSWER_S:g} s; the program is still running")
-    diagnosis, message = _why_silent(bench, doing, busy=busy)
-    if diagnosis is None and (logged := endings.of_logged(life.stderr, bench.job)):
-        diagnosis, message = logged
-    return Failed(evidence, message, diagnosis)
-
-
-def _why_silent(bench: Bench, doing: Activity, *, busy: bool) -> endings.Cause:
-    job = bench.job
-    if doing.callback is not None:
-        where = endings.source_line(job, doing.callback.line)
-        if doing.waits_for_ros or _waits_for_a_future(job.source, doing.callback.line):
-            return "service.deadlock", f"Your callback has stopped in {where}: it waits there for ROS, and ROS waits for it."
-        if busy:
-            return "limit.time", f"Your callback was still computing in {where} after {_ANSWER_S:g} s."
-        return "service.blocks", f"Your callback stands still in {where}, and meanwhile nobody is answered."
-    if doing.spinning and _awaits(job.source):
-        return "service.deadlock", "Your callback awaits something that never comes: nobody is left to deliver it."
-    if job.mode == "run" and not doing.spinning:
-        where = f" It is in {endings.source_line(job, doing.own.line)}." if doing.own else ""
-        return "start.nothing", f"Your node is on the graph, but nothing spins it, so no callback ever runs.{where}"
-    return None, "Your service is there and did not answer."
-
-
-def _computes(before: Life, after: Life, seconds: float) -> bool:
-    """Whether a program used a processor, or stood in the queue for one, most of the time."""
-    return after.cpu_s + after.waited_s - before.cpu_s - before.waited_s > _IDLE_SHARE * seconds
-
-
-def _doing(bench: Bench) -> Activity:
-    return activity(bench.stacks(), bench.job.name)
-
-
-def _spins(bench: Bench) -> bool:
-    return bench.job.mode != "run" or _doing(bench).spinning
-
-
-def _awaits(source: str) -> bool:
-    return any(isinstance(node, ast.Await) for node in ast.walk(ast.parse(source)))
-
-
-def _waits_for_a_future(source: str, line: int) -> bool:
-    """Whether the function around `line` makes an asynchronous call and looks at its future itself."""
-    names = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.lineno <= line <= (node.end_lineno or 0):
-            names = {inner.attr for inner in ast.walk(node) if isinstance(inner, ast.Attribute)}
-    return bool(names & {"call_async", "send_goal_async"}) and bool(names & {"done", "result", "wait"})
+    raise silence.unanswered(bench, shown, expected)
 
 
 def _not_offered(bench: Bench, service: Service, expected: str) -> Failed:
@@ -238,9 +195,9 @@ def _nothing_there(bench: Bench, service: Service) -> endings.Cause:
         return "start.nothing", f"Nobody on the graph of ROS domain {bench.tester.domain} offers {service.name}."
     clock = bench.clock()
     before = bench.life(fresh=True)
-    doing = _doing(bench)
-    bench.wait_until(lambda: clock.wall() > _LOOK_S, _LOOK_S)
-    busy = _computes(before, bench.life(fresh=True), clock.wall())
+    doing = silence.doing(bench)
+    bench.wait_until(lambda: clock.wall() > silence.LOOK_S, silence.LOOK_S)
+    busy = silence.computes(before, bench.life(fresh=True), clock.wall())
     where = f" It is in {endings.source_line(bench.job, doing.own.line)}." if doing.own else ""
     start_s = bench.job.limits.start_s
     if busy:

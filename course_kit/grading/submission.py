@@ -7,8 +7,10 @@ import json
 import re
 import stat
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 LARGEST = 1024 * 1024  # bytes
 _MAGIC = re.compile(r"^%%submission\s+(?P<exercise>\S+)\s*$")

@@ -101,7 +101,8 @@ def activity(dump: str, program: str) -> Activity:
 def _below_handler(stack: list[Frame], place: int) -> bool:
     """Whether the frame at `place` was called by an executor running a callback, not by `main` on its way to spin."""
     return any(
-        frame.file.endswith(("rclpy/executors.py", "rclpy/task.py")) and frame.function in ("await_or_execute", "_execute", "handler", "__call__")
+        frame.file.endswith(("rclpy/executors.py", "rclpy/task.py"))
+        and frame.function in ("await_or_execute", "_execute", "handler", "__call__")
         for frame in stack[place + 1 :]
     )
 

@@ -1,30 +1,28 @@
 """A warm process that grades one submission after another.
 
 Importing rclpy and loading a service type takes ten times as long as checking a submission, so a worker does it
-once and forks (never after rclpy.init, which does not survive a fork). Several workers grade side by side.
-`Worker` is the handle in the trusted parent; the rest of this module is the process itself.
+once and forks. Several workers grade side by side. This is the handle in the trusted parent; the process itself is
+`worker_process`.
 """
 
 from __future__ import annotations
 
-import os
-import signal
 import socket
 import subprocess
 import sys
-import tempfile
-from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.job import Job
 from course_kit.grading.wire import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
     from types import TracebackType
+
+    from typing_extensions import Self
+
+    from course_kit.grading.job import Job
 
 PROFILE = Path(__file__).with_name("loopback.xml")
 _START_S = 60.0  # importing everything from a cold disk on a loaded machine
@@ -32,8 +30,27 @@ _GRACE_S = 60.0  # beyond the wall time; a worker that is later than that hangs,
 _STOP_S = 5.0
 # What a program needs to run ROS; everything else, tokens among it, stays out of a submission's reach.
 _PASSED_ON = ("LANG", "LANGUAGE", "TZ", "PATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "HOME", "TMPDIR", "XDG_STATE_HOME")
-_PASSED_ON_PREFIXES = ("LC_", "PYTHON", "ROS", "_ROS", "RMW_", "RCUTILS_", "FAST", "CYCLONEDDS_", "AMENT_", "COLCON_", "CONDA_", "COURSE_KIT_")
-_OTHER_GRAPHS = ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "ROS_DISCOVERY_SERVER", "ROS_SUPER_CLIENT", "ROS_SECURITY_ENABLE")
+_PASSED_ON_PREFIXES = (
+    "LC_",
+    "PYTHON",
+    "ROS",
+    "_ROS",
+    "RMW_",
+    "RCUTILS_",
+    "FAST",
+    "CYCLONEDDS_",
+    "AMENT_",
+    "COLCON_",
+    "CONDA_",
+    "COURSE_KIT_",
+)
+_OTHER_GRAPHS = (
+    "ROS_STATIC_PEERS",
+    "ROS_LOCALHOST_ONLY",
+    "ROS_DISCOVERY_SERVER",
+    "ROS_SUPER_CLIENT",
+    "ROS_SECURITY_ENABLE",
+)
 
 
 class Worker:
@@ -49,7 +66,7 @@ class Worker:
         ours, theirs = socket.socketpair()
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "course_kit.grading.worker", str(theirs.fileno())],
+                [sys.executable, "-m", "course_kit.grading.worker_process", str(theirs.fileno())],
                 env=_environment(whole=whole_environment, own_graph=own_graph),
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
@@ -60,7 +77,7 @@ class Worker:
         self._channel = Channel(ours)
         self._greeting: dict[str, Any] | None = None
 
-    def __enter__(self) -> Worker:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -134,82 +151,5 @@ def _environment(*, whole: bool, own_graph: bool) -> dict[str, str]:
     if whole:
         return variables
     return {
-        name: value
-        for name, value in variables.items()
-        if name in _PASSED_ON or name.startswith(_PASSED_ON_PREFIXES)
+        name: value for name, value in variables.items() if name in _PASSED_ON or name.startswith(_PASSED_ON_PREFIXES)
     }
-
-
-def serve(channel: Channel) -> None:
-    """The process: get warm, then grade job after job until the other end closes."""
-    import gc
-
-    from course_kit.grading import isolation, namespaces, probing, warden
-
-    os.environ["ROS_LOG_DIR"] = tempfile.gettempdir()  # of the probe, which logs nothing
-    namespaces.adopt_orphans()
-    found = isolation.try_out()
-    probing.warm_up()
-    del warden
-    gc.freeze()  # keeps the forks from copying what they only look at
-    channel.send({"isolation": found.to_mapping()})
-    while True:
-        job = replace(Job.from_mapping(channel.receive()["job"]), isolation=found)
-        with suppress(Exception):  # the probe meets it again, and says what is wrong with the grader
-            probing.load(job.exercise)
-        channel.send(_grade(job, channel))
-
-
-def _grade(job: Job, channel: Channel) -> dict[str, Any]:
-    from course_kit.grading import processes
-    from course_kit.grading.warden import Warden
-
-    ours, theirs = Channel.pair()
-    child = os.fork()
-    if child == 0:
-        status = 1
-        try:
-            ours.close()
-            theirs.send(Warden(job).run())
-            status = 0
-        except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the worker reports it
-            sys.excepthook(*sys.exc_info())
-        finally:
-            os._exit(status)
-    theirs.close()
-    try:
-        return _outcome(ours, channel)
-    finally:
-        ours.close()
-        processes.end_descendants()
-
-
-def _outcome(warden: Channel, parent: Channel) -> dict[str, Any]:
-    import select
-
-    poll = select.poll()
-    poll.register(warden.fileno(), select.POLLIN)
-    poll.register(parent.fileno(), select.POLLIN)
-    ready = [descriptor for descriptor, _ in poll.poll()]
-    if parent.fileno() in ready:
-        raise ChannelClosedError("the parent has gone, or speaks out of turn")
-    try:
-        return warden.receive()
-    except ChannelClosedError:
-        return {"results": [], "stdout": "", "stderr": "", "problem": "the grader's warden was killed", "timings": {}}
-
-
-def _main() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channel
-    channel = Channel(socket.socket(fileno=int(sys.argv[1])))
-    try:
-        serve(channel)
-    except ChannelClosedError:
-        pass
-    except Exception as problem:  # noqa: BLE001 - the parent tells a person
-        with suppress(ChannelClosedError):
-            channel.send({"problem": f"The grader could not start: {problem}"})
-
-
-if __name__ == "__main__":
-    _main()

@@ -60,7 +60,7 @@ def make_message_class(
         "__slots__": [*(f"_{field.name}" for field in fields), _CHECK_SLOT],
         "_fields_and_field_types": {field.name: str(field.type) for field in fields},
         "SLOT_TYPES": tuple(to_slot_type(field.type) for field in fields),
-        "__init__": _initialiser([(field, _initial_value(field, defaults.get(field.name))) for field in fields]),
+        "__init__": _initialiser(fields, defaults),
         "__repr__": _repr,
         "__eq__": _equality(fields),
         "__hash__": None,
@@ -104,12 +104,14 @@ def _default(field: Field) -> property:
     return property(lambda _: _python_value(field.type, field.default))
 
 
-def _initialiser(initial: Sequence[tuple[MessageField, Callable[[], Any]]]) -> Callable[..., None]:
-    slots = [(field.name, f"_{field.name}", make) for field, make in initial]
+def _initialiser(fields: Sequence[MessageField], defaults: Mapping[str, Any]) -> Callable[..., None]:
+    slots = [(field.name, f"_{field.name}", _initial_value(field, defaults.get(field.name))) for field in fields]
     number_lists = {
         field.name: field.type.primitive.array_code
-        for field, _ in initial
+        for field in fields
         if field.type.is_numeric_container and field.type.container == "sequence" and field.type.primitive
+        # rosidl_generator_py turns a list into an array.array before it looks at it, unless there is a default.
+        if field.name not in defaults
     }
     known = {*(name for name, _, _ in slots), _CHECK_SLOT[1:]}
     checked = checks_by_default()

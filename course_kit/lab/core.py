@@ -63,6 +63,10 @@ class Lab:
                 _at_exit(self.close)
             return self._scripts
 
+    def watch_output(self) -> None:
+        """In a notebook: see to it from now on that lines land in the right cell; otherwise from the first node on."""
+        self._notebook.watch_output()
+
     def start(self, node_class: type, /, *arguments: Any, **options: Any) -> Any:
         """See `course_kit.lab.start`."""
         self._not_in_callback("lab.start()")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_kit.lab.errors import DeadlockError
-from course_kit.lab.tapping import WrongResponseError
+from course_kit.lab.tapping import WrongResponseError, failure_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -84,16 +84,10 @@ def examine(error: BaseException, entity: Any, node: Any, locate: Locate) -> Cra
     if isinstance(error, WrongResponseError):
         code = getattr(inspect.unwrap(callback), "__code__", None) if callback else None
         place, source = _definition(code, locate)
-        return Crash(name, function, str(error), place, source)
+        return Crash(name, function, error.what, place, source)
     place, source = own_line(own[-1][0].f_code.co_filename, own[-1][1], locate) if own else ("", "")
     stopped = isinstance(error, DeadlockError)
-    return Crash(name, function, f"was stopped: {error}" if stopped else f"raised {summary(error)}", place, source)
-
-
-def summary(error: BaseException) -> str:
-    """The error's type and the first line of its text."""
-    first = (str(error).splitlines() or [""])[0]
-    return f"{type(error).__name__}: {first}" if first else type(error).__name__
+    return Crash(name, function, f"was stopped: {error}" if stopped else f"raised {failure_text(error)}", place, source)
 
 
 def where_is(frame: FrameType | None, locate: Locate) -> tuple[str, str] | None:

@@ -155,8 +155,10 @@ def own_traceback(error: BaseException, path: str) -> str:
     report = traceback.TracebackException.from_exception(error)
     for part in _chain(report):
         own = [frame for frame in part.stack if frame.filename == path]
-        part.stack = traceback.StackSummary.from_list(own or list(part.stack)[-1:])
-    return "".join(report.format(chain=True)).replace(path, Path(path).name)
+        part.stack = traceback.StackSummary.from_list(own)
+    text = "".join(report.format(chain=True)).replace(path, Path(path).name)
+    # To rclpy it is a TypeError without a text; ours has one, and a name that says nothing to a learner.
+    return text.replace("course_kit.lab.tapping.WrongResponseError", "TypeError")
 
 
 def _chain(report: traceback.TracebackException | None) -> list[traceback.TracebackException]:

@@ -33,10 +33,15 @@ _SILENT_TOPICS = frozenset({"/parameter_events", "/rosout"})
 
 
 class WrongResponseError(TypeError):
-    """A service callback returned something that is not its service's response."""
+    """A service callback returned something that is not its service's response.
+
+    Attributes:
+        what: the part of the message after "the service callback".
+    """
 
     def __init__(self, returned: Any, service_type: Any) -> None:
-        super().__init__(_wrong_response(returned, service_type))
+        self.what = _wrong_response(returned, service_type)
+        super().__init__(f"the service callback {self.what}")
 
 
 class Tapping:
@@ -113,7 +118,7 @@ class Tapping:
             except InvalidHandle:
                 return
             except Exception as error:
-                self._emit("callback_failed", service, f"{type(error).__name__}: {error}", sequence)
+                self._emit("callback_failed", service, failure_text(error), sequence)
                 on_failure(service, request, sequence, error)
                 raise
 
@@ -178,6 +183,14 @@ def _sequence_of(client: Any, future: Any) -> int:
         return next((number for number in reversed(pending) if pending[number] is future), 0)
 
 
+def failure_text(error: BaseException) -> str:
+    """An error's name and the first line of its text."""
+    first = (str(error).splitlines() or [""])[0]
+    if isinstance(error, WrongResponseError):
+        return first
+    return f"{type(error).__name__}: {first}" if first else type(error).__name__
+
+
 async def _run(callback: Any, *arguments: Any) -> Any:
     if inspect.iscoroutinefunction(callback):
         return await callback(*arguments)
@@ -191,7 +204,7 @@ def _sequence(header: Any) -> int:
 
 def _wrong_response(returned: Any, service_type: Any) -> str:
     if returned is None:
-        return "returned nothing. End a service callback with `return response`."
+        return "returned nothing. End it with `return response`."
     if isinstance(returned, service_type.Request):
         return "returned the request. Fill in the response and end with `return response`."
     return (

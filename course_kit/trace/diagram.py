@@ -90,11 +90,8 @@ class Diagram:
 
 
 def _label(arrow: Arrow) -> str:
-    if arrow.style == "failure":
-        return f"{arrow.channel} {arrow.text}"
-    return (
-        f"{arrow.channel} {arrow.style}: {arrow.text}" if arrow.style != "message" else f"{arrow.channel} {arrow.text}"
-    )
+    kind = f"{arrow.style}: " if arrow.style in {"request", "response"} else ""
+    return f"{arrow.channel} {kind}{arrow.text}"
 
 
 def _pointer(arrow: Arrow) -> str:

@@ -97,7 +97,7 @@ class Decoder(CodeWriter):
         self.emit("if e > end: truncated()")
         if wide:
             units = f"struct_unpack('{self._order}%dI' % {length}, u, o)"
-            self.emit(f"{value} = struct_pack('<%dH' % {length}, *{units}).decode('utf-16-le', 'surrogatepass')")
+            self.emit(f"{value} = struct_pack('<%dH' % {length}, *{units}).decode('utf-16-le')")
         else:
             self.emit(f"{value} = u[o:e].partition(NUL)[0].decode('utf-8', 'replace')")
         self.emit("o = e")
@@ -169,8 +169,8 @@ def _elements(primitive: Primitive, data: str, positions: str, slice_: str) -> s
 def make_decoder(cls: type[Any]) -> Callable[[bytes], Any]:
     """Make the function that turns a CDR payload, header included, into a message of `cls`.
 
-    The function raises ValueError or struct.error for a malformed payload. It does not look at what the native
-    helper has looked at before: booleans other than 0 and 1.
+    The function raises ValueError or struct.error for a malformed payload. The native
+    helper has looked at a payload before and lets through only what can be decoded.
     """
     unusual: dict[int, Callable[[bytes], Any]] = {}
 

@@ -92,9 +92,7 @@ static bool assign(struct live_message *message, const char *data, size_t size)
 
 /* A malformed payload has to fail in live_deserialize, where it is dropped as with a compiled type; rclpy gives
  * up a subscription whose messages cannot be converted to Python.
- *
- * Data behind the last field mean that the sender has another definition in mind: it may be running since before
- * the type was defined anew. RTPS pads a payload to a multiple of 4, more is not accepted. */
+ */
 enum step {
   RUN = 1,       /* align, size, count     that many values of a fixed size */
   BOOLEANS,      /* count                  each 0 or 1, as Fast CDR demands */
@@ -109,24 +107,36 @@ enum step {
 struct walk {
   const unsigned char *payload;
   size_t at, end, max_align;
+  size_t estimate;                               /* where rmw_serialize would expect to be, see live_valid */
   bool swap;                                     /* the payload is big-endian */
 };
 
-static bool skip(struct walk *walk, size_t align, size_t bytes)
+static size_t aligned(const struct walk *walk, size_t position, size_t align)
 {
   if (align > walk->max_align) align = walk->max_align;
-  size_t start = walk->at + ((HEADER - walk->at) & (align - 1));  /* alignment counts from behind the header */
+  return position + ((HEADER - position) & (align - 1));  /* alignment counts from behind the header */
+}
+
+static bool skip(struct walk *walk, size_t align, size_t bytes)
+{
+  size_t start = aligned(walk, walk->at, align);
   if (start > walk->end || bytes > walk->end - start) return false;
   walk->at = start + bytes;
+  walk->estimate = aligned(walk, walk->estimate, align) + bytes;
   return true;
+}
+
+static uint32_t word_at(const struct walk *walk, size_t position)
+{
+  const unsigned char *b = walk->payload + position;
+  return walk->swap ? (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3]
+                    : (uint32_t)b[3] << 24 | (uint32_t)b[2] << 16 | (uint32_t)b[1] << 8 | b[0];
 }
 
 static bool read_length(struct walk *walk, size_t *length)
 {
   if (!skip(walk, 4, 4)) return false;
-  const unsigned char *b = walk->payload + walk->at - 4;
-  *length = walk->swap ? (size_t)b[0] << 24 | (size_t)b[1] << 16 | (size_t)b[2] << 8 | b[3]
-                       : (size_t)b[3] << 24 | (size_t)b[2] << 16 | (size_t)b[1] << 8 | b[0];
+  *length = word_at(walk, walk->at - 4);
   return true;
 }
 
@@ -141,6 +151,22 @@ static bool booleans(struct walk *walk, size_t count)
   for (const unsigned char *b = walk->payload + walk->at - count; count; count--, b++)
     if (*b > 1) return false;
   return true;
+}
+
+/* UTF-16, one unit in each 4 bytes; surrogates only in pairs, or there is no Python string for it. */
+static bool wide_string(struct walk *walk)
+{
+  size_t count;
+  if (!read_length(walk, &count) || !skip(walk, 1, 4 * count)) return false;
+  walk->estimate += 4;
+  bool in_pair = false;
+  for (size_t position = walk->at - 4 * count; position < walk->at; position += 4) {
+    uint32_t unit = word_at(walk, position);
+    bool second = unit >= 0xDC00 && unit < 0xE000;
+    if (unit > 0xFFFF || second != in_pair) return false;
+    in_pair = unit >= 0xD800 && unit < 0xDC00;
+  }
+  return !in_pair;
 }
 
 static bool follow(struct walk *walk, const uint32_t *step, const uint32_t *end)
@@ -161,12 +187,13 @@ static bool follow(struct walk *walk, const uint32_t *step, const uint32_t *end)
       step += 1;
       break;
     case WSTRING:
-      if (!read_length(walk, &n) || !skip(walk, 1, 4 * n)) return false;
+      if (!wide_string(walk)) return false;
       step += 1;
       break;
     case VALUES:
       if (!read_bounded_length(walk, step[2], &n)) return false;
-      if (n && !skip(walk, step[1], n * step[1])) return false;  /* an empty sequence has no padding */
+      if (n && !skip(walk, step[1], n * step[1])) return false;
+      if (!n) walk->estimate = aligned(walk, walk->estimate, step[1]);  /* an empty sequence has no padding */
       step += 3;
       break;
     case BOOLEAN_LIST:
@@ -188,14 +215,20 @@ static bool follow(struct walk *walk, const uint32_t *step, const uint32_t *end)
   return true;
 }
 
+/* Data behind the last field mean that the sender has another definition in mind: it may be running since before
+ * the type was defined anew. Two things may follow all the same: padding to a multiple of 4, by RTPS; and what
+ * rmw_serialize appends to a message it has estimated to be longer than it is, since the generated
+ * get_serialized_size counts a terminator for wide strings and padding in front of empty sequences. */
 bool live_valid(const struct live_type *type, const char *payload, size_t size)
 {
   const unsigned char *header = (const unsigned char *)payload;
   if (size < HEADER || header[0] != 0) return false;
   unsigned encoding = header[1];                 /* 0, 1: XCDR1 big, little endian; 6, 7: XCDR2 */
   if (encoding != 0 && encoding != 1 && encoding != 6 && encoding != 7) return false;
-  struct walk walk = {header, HEADER, size, encoding > 1 ? 4 : 8, !(encoding & 1)};
-  return follow(&walk, type->program, type->program + type->program_length) && size - walk.at <= PADDING;
+  struct walk walk = {header, HEADER, size, encoding > 1 ? 4 : 8, HEADER, !(encoding & 1)};
+  if (!follow(&walk, type->program, type->program + type->program_length)) return false;
+  size_t longest = walk.estimate > walk.at ? walk.estimate : walk.at;
+  return size <= longest + PADDING;
 }
 
 /* Once for each type, on stderr: a silent loss would be a riddle. Neither Python nor ROS's logging may be called

@@ -1,0 +1,150 @@
+"""`%%submission` and `%grade`: hand in from a notebook, and see the grade there."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import nbformat
+from IPython.core.magic import Magics, cell_magic, line_magic, magics_class
+from IPython.display import display
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+    from course_kit.grading import Report
+
+USAGE = "Use it as %grade EXERCISE, for example %grade temperature_service, or %grade EXERCISE FILE [--seed N]."
+
+
+class Card:
+    """A report as a notebook shows it: a card where there is HTML, plain text elsewhere."""
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+
+    def _repr_html_(self) -> str:
+        from course_kit import grading
+
+        return grading.render_html(self._report)
+
+    def __repr__(self) -> str:
+        from course_kit import grading
+
+        return grading.render_text(self._report)
+
+
+class SubmissionCells:
+    """The `%%submission` cells of this session as last run, in the notebook's order."""
+
+    def __init__(self) -> None:
+        self._cells: dict[str, dict[str, str]] = {}
+
+    def keep(self, exercise: str, cell_id: str | None, source: str) -> None:
+        """Remember a cell's text; a cell without an id (no JupyterLab behind it) replaces all of its exercise."""
+        cells = self._cells.setdefault(exercise, {})
+        if cell_id is None:
+            cells.clear()
+        cells[cell_id or ""] = source
+
+    def of(self, exercise: str) -> list[str]:
+        """The texts that make up the submission, magic lines included."""
+        order = {cell_id: place for place, cell_id in enumerate(_ids_in_file())}
+        cells = self._cells.get(exercise, {})
+        return [cells[cell_id] for cell_id in sorted(cells, key=lambda cell_id: order.get(cell_id, len(order)))]
+
+
+def _ids_in_file() -> list[str]:
+    """Cell ids of the notebook this kernel belongs to, as last saved; empty where the server does not name it."""
+    path = Path(os.environ.get("JPY_SESSION_NAME", ""))
+    try:
+        return [cell.get("id", "") for cell in nbformat.read(path, as_version=4).cells]
+    except Exception:  # noqa: BLE001 - no such file, not saved yet, half written: the order of running will do
+        return []
+
+
+@magics_class
+class GradeMagics(Magics):
+    """The magics of exercises."""
+
+    def __init__(self, shell: InteractiveShell) -> None:
+        super().__init__(shell)
+        self._submissions = SubmissionCells()
+
+    @cell_magic
+    def submission(self, line: str, cell: str) -> None:
+        """Run the cell as usual, and keep it for `%grade`: `%%submission EXERCISE`."""
+        exercise = line.strip()
+        if not exercise:
+            complain("Name the exercise: %%submission temperature_service")
+            return
+        self._submissions.keep(exercise, self._cell_id(), f"%%submission {line}\n{cell}")
+        # A script's last lines start its node for ever; in the notebook the lab does that.
+        namespace_name = self.shell.user_ns.get("__name__")
+        self.shell.user_ns["__name__"] = exercise
+        try:
+            self.shell.run_cell(cell)
+        finally:
+            self.shell.user_ns["__name__"] = namespace_name
+
+    @line_magic
+    def grade(self, line: str) -> None:
+        """Grade the notebook's submission, or a file: `%grade EXERCISE [FILE] [--seed N]`."""
+        try:
+            exercise, file, seed = parse(line)
+        except ValueError:
+            complain(USAGE)
+            return
+        from course_kit import grading
+
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                report = grading.grade(exercise, file or self._handed_in(exercise, Path(folder)), seed=seed)
+        except grading.GradingError as problem:
+            complain(str(problem))
+            return
+        display(Card(report))
+
+    def _handed_in(self, exercise: str, folder: Path) -> Path:
+        from course_kit import grading
+
+        cells = self._submissions.of(exercise)
+        if not cells:
+            raise grading.GradingError(
+                f"Nothing to grade yet: run the cell that begins with %%submission {exercise}, then grade again."
+            )
+        path = folder / "notebook.ipynb"
+        nbformat.write(nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells]), path)
+        return path
+
+    def _cell_id(self) -> str | None:
+        get_parent = getattr(self.shell, "get_parent", None)
+        parent: dict[str, Any] = get_parent() if get_parent else {}
+        cell_id = parent.get("metadata", {}).get("cellId")
+        return cell_id if isinstance(cell_id, str) else None
+
+
+def parse(line: str) -> tuple[str, str | None, int | None]:
+    """Exercise, file and seed of a `%grade` line.
+
+    Raises:
+        ValueError: it is something else.
+    """
+    words = shlex.split(line)
+    seed = None
+    if "--seed" in words:
+        place = words.index("--seed")
+        seed = int(words[place + 1]) if place + 1 < len(words) else int("")
+        del words[place : place + 2]
+    if not 1 <= len(words) <= 2 or any(word.startswith("-") for word in words):  # noqa: PLR2004 - exercise and file
+        raise ValueError(line)
+    return words[0], words[1] if len(words) > 1 else None, seed
+
+
+def complain(sentence: str) -> None:
+    """Say what is wrong, without a traceback."""
+    print(sentence, file=sys.stderr)

@@ -1,0 +1,79 @@
+"""Why a program that lives on does not answer: from what its threads are doing, and whether it computes."""
+
+from __future__ import annotations
+
+import ast
+from typing import TYPE_CHECKING
+
+from course_kit.grading import endings
+from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.traces import Activity, activity
+
+if TYPE_CHECKING:
+    from course_kit.grading.bench import Bench, Life
+
+ANSWER_S = 5.0  # how long one answer is waited for
+LOOK_S = 0.3  # how long a program is watched to tell whether it computes
+_IDLE_SHARE = 0.5  # below this share of one processor it is waiting, not computing
+
+
+def unanswered(bench: Bench, shown: str, expected: str) -> Failed:
+    """Establish why a program that lives on does not answer."""
+    bench.spoil()
+    clock = bench.clock()
+    before = bench.life(fresh=True)
+    seen = doing(bench)
+    bench.wait_until(lambda: clock.wall() > LOOK_S, LOOK_S)
+    life = bench.life(fresh=True)
+    busy = computes(before, life, clock.wall())
+    evidence = Evidence(shown, expected, f"no answer within {ANSWER_S:g} s; the program is still running")
+    diagnosis, message = _why_silent(bench, seen, busy=busy)
+    if diagnosis is None and (logged := endings.of_logged(life.stderr, bench.job)):
+        diagnosis, message = logged
+    return Failed(evidence, message, diagnosis)
+
+
+def _why_silent(bench: Bench, seen: Activity, *, busy: bool) -> endings.Cause:
+    job = bench.job
+    if seen.callback is not None:
+        where = endings.source_line(job, seen.callback.line)
+        if seen.waits_for_ros or _waits_for_a_future(job.source, seen.callback.line):
+            message = f"Your callback has stopped in {where}: it waits there for ROS, and ROS waits for it."
+            return "service.deadlock", message
+        if busy:
+            return "limit.time", f"Your callback was still computing in {where} after {ANSWER_S:g} s."
+        return "service.blocks", f"Your callback stands still in {where}, and meanwhile nobody is answered."
+    if seen.spinning and _awaits(job.source):
+        return "service.deadlock", "Your callback awaits something that never comes: nobody is left to deliver it."
+    if job.mode == "run" and not seen.spinning:
+        where = f" It is in {endings.source_line(job, seen.own.line)}." if seen.own else ""
+        return "start.nothing", f"Your node is on the graph, but nothing spins it, so no callback ever runs.{where}"
+    return None, "Your service is there and did not answer."
+
+
+def computes(before: Life, after: Life, seconds: float) -> bool:
+    """Whether a program used a processor, or stood in the queue for one, most of the time."""
+    return after.cpu_s + after.waited_s - before.cpu_s - before.waited_s > _IDLE_SHARE * seconds
+
+
+def doing(bench: Bench) -> Activity:
+    """What the submission's threads are doing now; unknown for other than Python source."""
+    return activity(bench.stacks(), bench.job.name)
+
+
+def spins(bench: Bench) -> bool:
+    """Whether an executor is at work, so that the node's making is over."""
+    return bench.job.mode != "run" or doing(bench).spinning
+
+
+def _awaits(source: str) -> bool:
+    return any(isinstance(node, ast.Await) for node in ast.walk(ast.parse(source)))
+
+
+def _waits_for_a_future(source: str, line: int) -> bool:
+    """Whether the function around `line` makes an asynchronous call and looks at its future itself."""
+    names = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.lineno <= line <= (node.end_lineno or 0):
+            names = {inner.attr for inner in ast.walk(node) if isinstance(inner, ast.Attribute)}
+    return bool(names & {"call_async", "send_goal_async"}) and bool(names & {"done", "result", "wait"})

@@ -1,0 +1,46 @@
+# service.deadlock: a synchronous call inside the callback
+import math
+
+import rclpy
+from course_interfaces.srv import ConvertTemperature
+from rclpy.node import Node
+
+UNITS = ("celsius", "fahrenheit")
+
+
+class TemperatureService(Node):
+    def __init__(self):
+        super().__init__("temperature_service")
+        self.client = self.create_client(ConvertTemperature, "convert_temperature")
+        self.service = self.create_service(ConvertTemperature, "convert_temperature", self.convert)
+
+    def convert(self, request, response):
+        if request.from_unit not in UNITS or request.to_unit not in UNITS:
+            response.success = False
+            response.message = "unknown unit"
+            return response
+        limit = -273.15 if request.from_unit == "celsius" else -459.67
+        if not math.isfinite(request.value) or request.value < limit:
+            response.success = False
+            response.message = "not a temperature"
+            return response
+        if request.from_unit == request.to_unit:
+            response.value = request.value
+        elif request.to_unit == "fahrenheit":
+            response.value = request.value * 9.0 / 5.0 + 32.0
+        else:
+            response.value = (request.value - 32.0) * 5.0 / 9.0
+        if request.value != 0.0:
+            self.client.call(ConvertTemperature.Request(value=0.0, from_unit="celsius", to_unit="celsius"))
+        response.success = True
+        return response
+
+
+def main():
+    rclpy.init()
+    node = TemperatureService()
+    rclpy.spin(node)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,45 @@
+"""What a field takes and what it refuses, with and without ROS_PYTHON_CHECK_FIELDS, is as in compiled classes."""
+
+from __future__ import annotations
+
+import array
+from typing import Any
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import Point, Pose
+
+from tests.interfaces.twins import message_twins
+
+ODD_VALUES: list[Any] = [
+    *(None, 1, -1, 256, 2**31, 2**63, -(2**63) - 1, 1.5, 1e39, float("inf"), float("nan"), True),
+    *("", "x", "x" * 9, "é" * 8, b"", b"a", b"ab", bytearray(b"a"), range(3), (1, 2), {1}),
+    *([], [1], [True], [1, 2, 3], [1, 2, 3, 4], ["a", "b", "c"], ["a"], [b"a"], [b"ab"], [b"a"] * 3, [1.5] * 3),
+    *(Pose(), Point(), [Pose()], [Point()], [300, 1, 1], [1e39, 1.0, 1.0]),
+    *(array.array("B", [1]), array.array("d", [1]), array.array("q", [1, 2, 3, 4]), array.array("i", [1])),
+    *(np.zeros(3, "f4"), np.zeros(3, "f8"), np.zeros(4, "f4"), np.zeros(3, "u1")),
+]
+
+
+def outcome(cls: Any, name: str, value: Any, how: str) -> str:
+    try:
+        if how == "constructor":
+            message = cls(check_fields=True, **{name: value})
+        else:
+            message = cls(check_fields=how == "checked")
+            setattr(message, name, value)
+    except AssertionError as error:
+        return f"refused: {error}"
+    except Exception as error:  # noqa: BLE001 - which one is the outcome compared
+        return f"failed: {type(error).__name__}"
+    return f"{type(getattr(message, name)).__name__} {getattr(message, name)!r}"
+
+
+@pytest.mark.parametrize("package", ["test_msgs", "sensor_msgs", "std_srvs", "unique_identifier_msgs"])
+def test_fields_accept_and_refuse_the_same(package: str) -> None:
+    for compiled, live in message_twins(package):
+        for name in compiled.get_fields_and_field_types():
+            for value in ODD_VALUES:
+                for how in ("checked", "unchecked", "constructor"):
+                    theirs, ours = outcome(compiled, name, value, how), outcome(live, name, value, how)
+                    assert ours == theirs, (compiled, name, value, how)

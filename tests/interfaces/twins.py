@@ -1,0 +1,120 @@
+"""Compiled types of the wheels, live types made from the same texts, and messages filled with random values."""
+
+from __future__ import annotations
+
+import array
+import ctypes
+import random
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from course_kit.interfaces import catalogue, types
+from course_kit.interfaces.definition import TypeName
+from course_kit.interfaces.library import Library
+from course_kit.interfaces.live_record import record_of
+from course_kit.interfaces.message_fields import MessageField, message_class, message_fields
+from course_kit.interfaces.native.memory import pointer
+
+# Texts say all there is to say about a type, but these exist as .idl only, or not as classes at all.
+PACKAGES = sorted(catalogue.installed_packages())
+LETTERS = "abc é漢😀 xyz"
+
+
+@cache
+def twins_of(package: str) -> list[tuple[Any, Any]]:
+    """Pairs of a compiled and a live class: all messages, services and actions of a package, and their parts."""
+    library = Library(lambda name: catalogue.installed_text(*name))
+    pairs = []
+    for full_name in types(package):
+        name = TypeName(*full_name.split("/"))
+        built = library.get(name)
+        assert built is not None, full_name
+        for part, live in built.classes.items():
+            pairs.append((compiled_class(f"{package}/{name.kind}/{part}"), live))
+    return pairs
+
+
+def message_twins(package: str) -> list[tuple[Any, Any]]:
+    return [pair for pair in twins_of(package) if hasattr(pair[0], "SLOT_TYPES")]
+
+
+def compiled_class(full_name: str) -> Any:
+    cls = message_class(full_name)
+    assert record_of(cls) is None, f"{full_name} is not a compiled class here"
+    return cls
+
+
+def type_support(cls: Any) -> int:
+    if type(cls)._TYPE_SUPPORT is None:
+        type(cls).__import_type_support__()
+    return pointer(type(cls)._TYPE_SUPPORT)
+
+
+def read_words(address: int, count: int = 1) -> tuple[int, ...]:
+    return tuple((ctypes.c_uint64 * count).from_address(address))
+
+
+def described_by_c(cls: Any, getter: int) -> int:
+    """Call one of the three last functions of a type support: 0 the hash, 1 the description, 2 the sources."""
+    first = 40 if hasattr(cls, "Impl") else 64 if hasattr(cls, "Request") else 24
+    support = type_support(cls)
+    function = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(read_words(support + first + 8 * getter)[0])
+    return function(support)
+
+
+def hash_by_c(cls: Any) -> bytes:
+    return ctypes.string_at(described_by_c(cls, 0), 33)
+
+
+def random_message(cls: Any, rng: random.Random, depth: int = 0) -> Any:
+    message = cls()
+    for field in message_fields(cls):
+        setattr(message, field.name, random_value(field, rng, depth))
+    return message
+
+
+def random_value(field: MessageField, rng: random.Random, depth: int) -> Any:
+    kind = field.type
+    if not kind.container:
+        return random_single(field, rng, depth)
+    count = kind.size
+    if kind.container == "sequence":
+        count = rng.choice([0, 0, 1, 2, 3, 5] if depth < 3 else [0, 1])
+        count = min(count, kind.size) if kind.size else count
+    values = [random_single(field, rng, depth) for _ in range(count)]
+    if kind.is_numeric_container and kind.primitive:
+        if kind.container == "array":
+            return np.array(values, dtype=kind.primitive.numpy)
+        return array.array(kind.primitive.array_code, values)
+    return values
+
+
+def random_single(field: MessageField, rng: random.Random, depth: int) -> Any:
+    kind = field.type
+    if field.nested is not None:
+        return random_message(field.nested, rng, depth + 1)
+    if kind.primitive is None:
+        length = rng.choice([0, 1, 2, 3, 4, 5, 7, 11])
+        return "".join(rng.choice(LETTERS) for _ in range(min(length, kind.string_bound or length)))
+    if kind.primitive.integer_range:
+        return rng.randint(*kind.primitive.integer_range)
+    if kind.base == "boolean":
+        return rng.random() < 0.5
+    if kind.base == "octet":
+        return bytes([rng.randrange(256)])
+    value = rng.uniform(-1e5, 1e5)
+    return float(np.float32(value)) if kind.base == "float" else value
+
+
+def as_message_of(cls: Any, message: Any) -> Any:
+    """The same content as a message of another class with the same fields."""
+    copy = cls()
+    for field in message_fields(cls):
+        value = getattr(message, field.name)
+        if field.nested is not None:
+            many = field.type.container
+            value = [as_message_of(field.nested, item) for item in value] if many else as_message_of(field.nested, value)
+        setattr(copy, field.name, value)
+    return copy
