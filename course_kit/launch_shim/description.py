@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.launch_shim.errors import LaunchError
@@ -12,6 +11,7 @@ from course_kit.launch_shim.substitutions import Text, as_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
+    from pathlib import Path
 
     from course_kit.launch_shim.context import LaunchContext
 
@@ -76,7 +76,9 @@ def load(path: Path) -> LaunchDescription:
     finally:
         sys.dont_write_bytecode = writes
     if not isinstance(description, LaunchDescription):
-        raise LaunchError(f"{path.name} has no function generate_launch_description() that returns a LaunchDescription.")
+        raise LaunchError(
+            f"{path.name} has no function generate_launch_description() that returns a LaunchDescription."
+        )
     return description
 
 

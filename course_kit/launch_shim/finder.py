@@ -57,4 +57,20 @@ def is_ours(module: ModuleType | None) -> bool:
 def install() -> None:
     """Put the finder in place, once."""
     if not any(isinstance(finder, LaunchFinder) for finder in sys.meta_path):
-        sys.meta_path.append(LaunchFinder())  # type: ignore[arg-type]
+        sys.meta_path.append(LaunchFinder())
+
+
+def come_before_folders() -> None:
+    """Have the finder asked first, unless a real package is there.
+
+    The folder `launch/` that every ROS package has would be taken for a namespace package when its parent is on
+    `sys.path`, before the last finder is asked.
+    """
+    from importlib.machinery import PathFinder
+
+    install()
+    for root in _ROOTS:
+        spec = PathFinder.find_spec(root)
+        if spec is not None and spec.origin is not None:  # a namespace package has no origin
+            return
+    sys.meta_path.sort(key=lambda finder: not isinstance(finder, LaunchFinder))

@@ -53,4 +53,3 @@ def fill(module: ModuleType) -> None:
     namespace: dict[str, Any] = vars(module)
     namespace["__getattr__"] = missing
     namespace["__all__"] = list(CONTENTS[module.__name__])
-

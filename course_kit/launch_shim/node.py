@@ -38,7 +38,7 @@ class Node(Action):
         emulate_tty: taken for the programs' sake; their output is never held back here.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - launch_ros has them
         self,
         *,
         executable: Text,
@@ -65,7 +65,7 @@ class Node(Action):
         if output not in _OUTPUTS:
             raise LaunchError(f"Node(output={output!r}): the course kit knows {', '.join(_OUTPUTS)}.")
         command = self._program(context)
-        label = Path(command[-1]).name
+        label = Path(as_text(self._executable, context)).name
         temporary: list[Path] = []
         command += [as_text(argument, context) for argument in self._arguments]
         command += ["--ros-args", *self._ros_arguments(context, temporary)]

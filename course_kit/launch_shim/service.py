@@ -69,7 +69,9 @@ class LaunchService:
         """Start a process."""
         self._started += 1
         try:
-            child = Child(command, f"{label}-{self._started}", self._environ, show_stdout=show_stdout, temporary=temporary)
+            child = Child(
+                command, f"{label}-{self._started}", self._environ, show_stdout=show_stdout, temporary=temporary
+            )
         except OSError as error:
             raise LaunchError(f"{command[0]} cannot be started: {error.strerror}.") from error
         self._children.append(child)

@@ -83,6 +83,6 @@ def _print_error(line: str) -> None:
 
 def _silence_stdout() -> None:
     """Python flushes stdout once more at its end, which must not fail again."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, sys.stdout.fileno())
+    os.close(null)

@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import socket
 import sys
 import time
 from typing import TYPE_CHECKING
@@ -19,6 +18,8 @@ from course_kit.ros2 import sockets
 from course_kit.ros2.meeting import Meeting
 
 if TYPE_CHECKING:
+    import socket
+
     from course_kit.ros2.observe import Observer
 
 ALONE_FOR = 2.0  # seconds without another node in the domain; as long as a killed node is remembered

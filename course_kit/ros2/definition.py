@@ -10,9 +10,8 @@ from course_kit.ros2.errors import CommandError, did_you_mean
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_PRIMITIVES = frozenset(
-    "bool byte char float32 float64 int8 uint8 int16 uint16 int32 uint32 int64 uint64 string wstring".split()
-)
+_INTEGERS = {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
+_PRIMITIVES = _INTEGERS | {"bool", "byte", "char", "float32", "float64", "string", "wstring"}
 _FIELD = re.compile(r"\s*(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]\w*")
 # A # inside quotes belongs to a default value.
 _CODE = re.compile(r"""(?:[^#"']|"[^"]*"|'[^']*'|["'](?=[^"']*$))*""")
@@ -38,7 +37,7 @@ def unknown(name: str) -> CommandError:
     """What to say about an interface that does not exist."""
     from course_kit import interfaces
 
-    package = name.split("/")[0]
+    package = name.partition("/")[0]
     names = interfaces.types(package if package in interfaces.packages() else None)
     return CommandError(f"Unknown interface '{name}'.{did_you_mean(name, names)}")
 
@@ -57,7 +56,7 @@ def shown_lines(name: str, *, comments: bool, inner_comments: bool) -> Iterator[
         text = interfaces.text_of(name)
     except LookupError as problem:
         raise unknown(name) from problem
-    yield from _lines(text.rstrip("\n"), name.split("/")[0], comments, inner_comments, "")
+    yield from _lines(text.rstrip("\n"), name.partition("/")[0], comments, inner_comments, "")
 
 
 def _lines(text: str, package: str, comments: bool, inner_comments: bool, indent: str) -> Iterator[str]:
@@ -70,7 +69,7 @@ def _lines(text: str, package: str, comments: bool, inner_comments: bool, indent
         inner = _inner_type(_without_comment(written), package)
         if inner:
             inner_text = interfaces.text_of(inner).rstrip("\n")
-            yield from _lines(inner_text, inner.split("/")[0], inner_comments, inner_comments, f"{indent}\t")
+            yield from _lines(inner_text, inner.partition("/")[0], inner_comments, inner_comments, f"{indent}\t")
 
 
 def _without_comment(line: str) -> str:
@@ -81,7 +80,7 @@ def _without_comment(line: str) -> str:
 def _inner_type(code: str, package: str) -> str | None:
     """The message a field is of, None for anything else."""
     field = _FIELD.match(code)
-    if field is None or field["type"] in _PRIMITIVES or field["type"].startswith(("string<", "wstring<")):
+    if field is None or field["type"] in _PRIMITIVES:
         return None
     parts = field["type"].split("/")
     return f"{parts[0] if len(parts) > 1 else package}/msg/{parts[-1]}"

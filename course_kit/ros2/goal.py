@@ -97,7 +97,7 @@ class Goal:
         from course_kit.ros2.graph import actions_among
 
         with handle:
-            actions = actions_among(dict(rclpy_implementation.rclpy_get_topic_names_and_types(handle, False)))  # noqa: FBT003
+            actions = actions_among(dict(rclpy_implementation.rclpy_get_topic_names_and_types(handle, False)))
         hint = did_you_mean(self._name, set(actions) - {self._name})
         raise CommandError(f"No action server for {self._name} within {self._timeout:g} s.{hint}")
 

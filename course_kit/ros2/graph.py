@@ -60,13 +60,17 @@ class Graph(NamedTuple):
     def action_clients(self, action: str) -> dict[str, list[str]]:
         """Node to the types it uses `action` with."""
         return {
-            node: found[action] for node, has in self.entities.items() if action in (found := actions_among(has.subscribers))
+            node: found[action]
+            for node, has in self.entities.items()
+            if action in (found := actions_among(has.subscribers))
         }
 
     def action_servers(self, action: str) -> dict[str, list[str]]:
         """Node to the types it serves `action` with."""
         return {
-            node: found[action] for node, has in self.entities.items() if action in (found := actions_among(has.publishers))
+            node: found[action]
+            for node, has in self.entities.items()
+            if action in (found := actions_among(has.publishers))
         }
 
 

@@ -6,6 +6,7 @@ import math
 import statistics
 import time
 from collections import deque
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2 import types
@@ -102,14 +103,14 @@ class Listener:
     def _field(self, message: Any) -> Any:
         for name in (self._options.field or "").split(".") if self._options.field else ():
             if not hasattr(message, "get_fields_and_field_types") or name not in message.get_fields_and_field_types():
-                known = getattr(message, "get_fields_and_field_types", dict)()
+                known: dict[str, str] = getattr(message, "get_fields_and_field_types", dict)()
                 raise CommandError(f"There is no field {name!r} in the message.{did_you_mean(name, known)}")
             message = getattr(message, name)
         return message
 
 
 def _print_rate(times: list[float]) -> None:
-    gaps = [later - earlier for earlier, later in zip(times, times[1:], strict=False)]
+    gaps = [later - earlier for earlier, later in pairwise(times)]
     mean = statistics.fmean(gaps)
     print(
         f"average rate: {1.0 / mean if mean else math.inf:.3f}\n"

@@ -84,7 +84,7 @@ class Observer:
         return (
             self._participants(),
             node.get_node_names_and_namespaces(),
-            self._rcl.rclpy_get_topic_names_and_types(node, True),  # noqa: FBT003 - a C function: no keywords
+            self._rcl.rclpy_get_topic_names_and_types(node, True),
         )
 
     def _is_complete(self, now: float) -> bool:
@@ -100,26 +100,26 @@ class Observer:
         return False
 
     def _participants(self) -> frozenset[bytes]:
-        infos = self._rcl.rclpy_get_publishers_info_by_topic(self._node, _DISCOVERY_TOPIC, True)  # noqa: FBT003
+        infos = self._rcl.rclpy_get_publishers_info_by_topic(self._node, _DISCOVERY_TOPIC, True)
         return frozenset(bytes(info["endpoint_gid"][:_GUID_PREFIX]) for info in infos)
 
     def _all_named(self) -> bool:
         """Whether the node of each endpoint is known: names arrive after the endpoints."""
         if len(self._node.get_node_names_and_namespaces()) < len(self._participants()):
             return False
-        for topic, _ in self._rcl.rclpy_get_topic_names_and_types(self._node, True):  # noqa: FBT003
+        for topic, _ in self._rcl.rclpy_get_topic_names_and_types(self._node, True):
             if topic != _DISCOVERY_TOPIC and any(info["node_name"] == _UNKNOWN for info in self._both_ends(topic)):
                 return False
         return True
 
     def _both_ends(self, topic: str) -> Iterator[dict[str, Any]]:
-        yield from self._rcl.rclpy_get_publishers_info_by_topic(self._node, topic, True)  # noqa: FBT003
-        yield from self._rcl.rclpy_get_subscriptions_info_by_topic(self._node, topic, True)  # noqa: FBT003
+        yield from self._rcl.rclpy_get_publishers_info_by_topic(self._node, topic, True)
+        yield from self._rcl.rclpy_get_subscriptions_info_by_topic(self._node, topic, True)
 
     def _read(self) -> Graph:
         rcl, node = self._rcl, self._node
         pairs = [(n, ns) for n, ns in node.get_node_names_and_namespaces() if _joined(ns, n) != self.name]
-        topics = dict(rcl.rclpy_get_topic_names_and_types(node, False))  # noqa: FBT003
+        topics = dict(rcl.rclpy_get_topic_names_and_types(node, False))
         services = dict(rcl.rclpy_get_service_names_and_types(node))
         return Graph(
             nodes=[_joined(namespace, name) for name, namespace in pairs],
@@ -134,8 +134,8 @@ class Observer:
         rcl, node = self._rcl, self._node
         try:
             return Entities(
-                dict(rcl.rclpy_get_subscriber_names_and_types_by_node(node, False, name, namespace)),  # noqa: FBT003
-                dict(rcl.rclpy_get_publisher_names_and_types_by_node(node, False, name, namespace)),  # noqa: FBT003
+                dict(rcl.rclpy_get_subscriber_names_and_types_by_node(node, False, name, namespace)),
+                dict(rcl.rclpy_get_publisher_names_and_types_by_node(node, False, name, namespace)),
                 dict(rcl.rclpy_get_service_names_and_types_by_node(node, name, namespace)),
                 dict(rcl.rclpy_get_client_names_and_types_by_node(node, name, namespace)),
             )
@@ -143,8 +143,8 @@ class Observer:
             return Entities({}, {}, {}, {})
 
     def _endpoints(self, topic: str) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-        publishers = self._rcl.rclpy_get_publishers_info_by_topic(self._node, topic, False)  # noqa: FBT003
-        subscriptions = self._rcl.rclpy_get_subscriptions_info_by_topic(self._node, topic, False)  # noqa: FBT003
+        publishers = self._rcl.rclpy_get_publishers_info_by_topic(self._node, topic, False)
+        subscriptions = self._rcl.rclpy_get_subscriptions_info_by_topic(self._node, topic, False)
         return [_plain(info) for info in publishers], [_plain(info) for info in subscriptions]
 
 

@@ -41,9 +41,7 @@ def for_listening(options: Any, publishers: list[Any]) -> Any:
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
     reliable = all(info.qos_profile.reliability == ReliabilityPolicy.RELIABLE for info in publishers)
-    local = publishers and all(
-        info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in publishers
-    )
+    local = publishers and all(info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in publishers)
     matching = QoSProfile(
         depth=10,
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,

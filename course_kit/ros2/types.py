@@ -24,15 +24,16 @@ def find_type(name: str, kind: str) -> Any:
     parts = name.split("/")
     wanted = f"{parts[0]}/{kind}/{parts[1]}" if len(parts) == 2 else name  # noqa: PLR2004 - package and name
     try:
-        if wanted.split("/")[1:2] != [kind]:
-            raise LookupError
-        return interfaces.get_type(wanted)
+        interface = interfaces.get_type(wanted)
     except (LookupError, ValueError) as problem:
         text = f"The passed {_WORDS[kind]} type is invalid: "
         if isinstance(problem, ValueError):
             raise CommandError(f"{text}{problem}") from problem
         near = did_you_mean(wanted, interfaces.types(kind=kind))
         raise CommandError(f"{text}there is no {wanted}.{near}") from problem
+    if f"/{kind}/" not in wanted:
+        raise CommandError(f"The passed {_WORDS[kind]} type is invalid: {wanted} is no {_WORDS[kind]}.")
+    return interface
 
 
 def name_of(interface: Any) -> str:

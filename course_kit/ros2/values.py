@@ -64,7 +64,7 @@ def _fill(message: Any, values: dict[Any, Any], owner: str, path: str) -> None:
         setattr(message, name, _fit(value, known[name], field, getattr(message, name)))
 
 
-def _fit(value: Any, field_type: str, field: str, current: Any = None) -> Any:
+def _fit(value: Any, field_type: str, field: str, current: Any = None) -> Any:  # noqa: PLR0911 - a table of types
     """The value as the field takes it."""
     if listed := _ARRAY.fullmatch(field_type) or _SEQUENCE.fullmatch(field_type):
         return _fit_list(value, listed, field_type, field)
@@ -102,7 +102,9 @@ def _fit_integer(value: Any, bits: int, field: str, *, signed: bool) -> int:
         raise _unfit(value, field_type, field)
     lowest, highest = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
     if not lowest <= value <= highest:
-        raise CommandError(f"The field {field!r} is a {field_type}, from {lowest} to {highest}; {value} is out of range.")
+        raise CommandError(
+            f"The field {field!r} is a {field_type}, from {lowest} to {highest}; {value} is out of range."
+        )
     return value
 
 
@@ -132,7 +134,7 @@ def _fit_list(value: Any, listed: re.Match[str], field_type: str, field: str) ->
 def _fit_message(value: Any, field_type: str, field: str, current: Any) -> Any:
     from course_kit import interfaces
 
-    package, name = field_type.split("/")[0], field_type.split("/")[-1]
+    package, name = field_type.split("/")
     message = type(current)() if current is not None else interfaces.get_type(f"{package}/msg/{name}")()
     if value == "now" and field_type == "builtin_interfaces/Time":
         return _now(message)

@@ -40,9 +40,7 @@ def add_to(place: argparse.ArgumentParser) -> None:
 
 
 def _list(options: Any, session: Session) -> None:
-    print_names(
-        visible(graph_of(options, session).actions()), types=options.show_types, count=options.count_actions
-    )
+    print_names(visible(graph_of(options, session).actions()), types=options.show_types, count=options.count_actions)
 
 
 def _type(options: Any, session: Session) -> None:

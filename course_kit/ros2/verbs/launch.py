@@ -38,7 +38,7 @@ def _launch(options: Any, session: Session) -> int:
     from course_kit.launch_shim import finder
     from course_kit.launch_shim.errors import LaunchError
 
-    finder.install()  # also where the autoload is turned off
+    finder.come_before_folders()
     try:
         return _run(file, arguments, show=options.show_args)
     except LaunchError as error:

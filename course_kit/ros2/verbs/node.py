@@ -50,8 +50,10 @@ def _info(options: Any, session: Session) -> None:
     if name not in graph.entities:
         raise CommandError(f"Unable to find node '{name}'.{did_you_mean(name, graph.nodes)}")
     if (same := graph.nodes.count(name)) > 1:
-        print(f'There are {same} nodes in the graph with the exact name "{name}". You are seeing information about only '
-              "one of them.")  # fmt: skip
+        print(
+            f'There are {same} nodes in the graph with the exact name "{name}". '
+            "You are seeing information about only one of them."
+        )
     has = graph.entities[name]
     print(name)
     for title, names in (
