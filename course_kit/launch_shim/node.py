@@ -11,9 +11,8 @@ import yaml
 
 from course_kit.launch_shim.actions import Action, Runner
 from course_kit.launch_shim.errors import LaunchError, refuse
+from course_kit.launch_shim.executables import find
 from course_kit.launch_shim.substitutions import Substitution, Text, as_text, has_substitution
-from course_kit.ros2.errors import CommandError
-from course_kit.ros2.executables import find
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -73,10 +72,7 @@ class Node(Action):
 
     def _program(self, context: LaunchContext) -> list[str]:
         package = None if self._package is None else as_text(self._package, context)
-        try:
-            return find(package, as_text(self._executable, context), [context.file.parent])
-        except CommandError as error:
-            raise LaunchError(str(error)) from error
+        return find(package, as_text(self._executable, context), [context.file.parent])
 
     def _ros_arguments(self, context: LaunchContext, temporary: list[Path]) -> list[str]:
         arguments: list[str] = []

@@ -97,7 +97,7 @@ def interface_packages(**about: Any) -> list[str]:
 def run_packages(**about: Any) -> list[str]:
     """The packages that have programs."""
     del about
-    from course_kit.ros2.executables import packages
+    from course_kit.launch_shim.executables import packages
 
     return packages()
 
@@ -105,7 +105,7 @@ def run_packages(**about: Any) -> list[str]:
 def run_executables(*, parsed_args: Any, **about: Any) -> list[str]:
     """The programs of the package named before."""
     del about
-    from course_kit.ros2.executables import executables
+    from course_kit.launch_shim.executables import executables
 
     return executables(parsed_args.package_name)
 

@@ -76,7 +76,7 @@ def _file_and_arguments(first: str, words: list[str]) -> tuple[Path, dict[str, s
 
 
 def _in_package(package: str, name: str) -> Path:
-    from course_kit.ros2.executables import package_folders
+    from course_kit.launch_shim.executables import package_folders
 
     known: list[str] = []
     for folder in package_folders(package):

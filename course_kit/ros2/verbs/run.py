@@ -25,10 +25,14 @@ def add_to(place: argparse.ArgumentParser) -> None:
 
 def _run(options: Any, session: Session) -> int:
     from course_kit import environment
+    from course_kit.launch_shim.errors import LaunchError
+    from course_kit.launch_shim.executables import find
     from course_kit.ros2.errors import CommandError
-    from course_kit.ros2.executables import find
 
-    program = find(options.package_name, options.executable_name)
+    try:
+        program = find(options.package_name, options.executable_name)
+    except LaunchError as error:
+        raise CommandError(str(error)) from error
     command = [*shlex.split(options.prefix), *program, *options.arguments]
     if session.in_kernel:
         from course_kit.ros2.child import run_and_show

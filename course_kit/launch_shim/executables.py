@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.ros2.errors import CommandError, did_you_mean
+from course_kit.interfaces.hints import nearest
+from course_kit.launch_shim.errors import LaunchError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -31,7 +32,7 @@ def find(package: str | None, executable: str, near: Sequence[Path] = ()) -> lis
         near: folders looked into first, such as the launch file's.
 
     Raises:
-        CommandError: no such package or executable, with the nearest right name.
+        LaunchError: no such package or executable, with the nearest right name.
     """
     if package is None:
         return _program(executable, near)
@@ -113,7 +114,7 @@ def _program(executable: str, near: Sequence[Path]) -> list[str]:
             return _command(path)
     if found := which(executable):
         return [found]
-    raise CommandError(f"There is no program {executable}.")
+    raise LaunchError(f"There is no program {executable}.")
 
 
 def _programs(folder: Path) -> list[str]:
@@ -144,14 +145,14 @@ def _entry_point(package: str, executable: str) -> list[str] | None:
     return [sys.executable, "-c", code]
 
 
-def _not_found(package: str, executable: str, folders: list[Path]) -> CommandError:
+def _not_found(package: str, executable: str, folders: list[Path]) -> LaunchError:
     known = executables(package, folders)
     if known:
-        hint = did_you_mean(executable, known) or f" It has {', '.join(known)}."
-        return CommandError(f"No executable found: package '{package}' has no '{executable}'.{hint}")
-    hint = did_you_mean(package, packages(folders))
+        hint = _did_you_mean(executable, known) or f" It has {', '.join(known)}."
+        return LaunchError(f"No executable found: package '{package}' has no '{executable}'.{hint}")
+    hint = _did_you_mean(package, packages(folders))
     places = ", ".join(dict.fromkeys(str(folder) for folder in folders[:3]))
-    return CommandError(
+    return LaunchError(
         f"Package '{package}' not found, nor a script {executable}.py in {places}. {hint.strip()}".rstrip()
     )
 
@@ -160,3 +161,8 @@ def package_folders(package: str) -> list[Path]:
     """The folders that may hold a package's launch files."""
     shared = [lib.parent / "share" / package for lib in _installed()]
     return [*shared, *_package_places(package, list(_folders(())))]
+
+
+def _did_you_mean(name: str, names: list[str]) -> str:
+    found = nearest(name, names)
+    return f" Did you mean {found}?" if found else ""
