@@ -49,8 +49,8 @@ def catalogue() -> dict[str, Diagnosis]:
 
 
 def complete(message: str, code: str | None) -> str:
-    """What happened in this case, followed by why, how to go on and where to read, when the cause is known."""
+    """What happened in this case, followed by why and by where to read, when the cause is known."""
     if code is None:
         return message
     found = catalogue()[code]
-    return f"{message} {found.explanation} {found.hint} Read on: {found.link}"
+    return f"{message} {found.explanation} Read on: {found.link}"

@@ -150,8 +150,15 @@ def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
         got=result["got"],
         diagnosis=result["diagnosis"],
         message=message,
-        hint=task.next_hint(result["id"]) if failed else None,
+        hint=_hint(task, result["id"], result["diagnosis"]) if failed else None,
     )
+
+
+def _hint(task: Exercise, check: str, code: str | None) -> str | None:
+    """The exercise's own hint for the cause, else the catalogue's; for an unknown cause the ladder of the check."""
+    if code is None:
+        return task.next_hint(check)
+    return task.next_hint(code) or diagnosis.catalogue()[code].hint
 
 
 def _without_checks(task: Exercise, shown: str, status: str, problem: str, began: float) -> Report:

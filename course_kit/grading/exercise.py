@@ -26,9 +26,9 @@ _TEXTS = ("id", "title", "starter", "notebook", "class_name")
 
 @dataclass(frozen=True)
 class Hint:
-    """One rung of the ladder, and the checks it helps with."""
+    """One rung of the ladder, and what it helps with: ids of checks, codes of diagnoses."""
 
-    checks: tuple[str, ...]
+    topics: tuple[str, ...]
     text: str
 
 
@@ -62,9 +62,9 @@ class Exercise:
     limits: Limits
     hints: tuple[Hint, ...]
 
-    def next_hint(self, check: str, seen: int = 0) -> str | None:
-        """The hint for `check` after the first `seen`; the last when there are no more, None when there is none."""
-        ladder = [hint.text for hint in self.hints if check in hint.checks]
+    def next_hint(self, topic: str, seen: int = 0) -> str | None:
+        """The hint after the first `seen` for a check or a diagnosis; the last when there are no more, None if none."""
+        ladder = [hint.text for hint in self.hints if topic in hint.topics]
         return ladder[min(seen, len(ladder) - 1)] if ladder else None
 
 

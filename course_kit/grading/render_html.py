@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 _STATES = {
     "passed": ("✓", "passed"),
     "failed": ("✗", "not passed"),
-    "skipped": ("–", "not run"),
+    "skipped": ("○", "not run"),
     "error": ("!", "grader's error"),
-}  # noqa: E501, RUF001
+}
 _STYLE = """
 .course-kit-report{font-family:var(--jp-ui-font-family,sans-serif);border:1px solid #888;border-radius:4px;
 padding:.6em .9em;max-width:60em;color:var(--jp-ui-font-color1,#111);background:var(--jp-layout-color1,#fff)}

@@ -173,7 +173,8 @@ def _spin(node_class: Any) -> None:
 
         def wait_for_ready_callbacks(self, *args: Any, **kwargs: Any) -> Any:
             task, entity, node = super().wait_for_ready_callbacks(*args, **kwargs)
-            task.add_done_callback(lambda _: None)  # its own event: wakes the executor, which then looks
+            if entity is not None:  # a callback; what follows is a task itself and must not be followed again
+                task.add_done_callback(lambda _: None)  # its own event: wakes the executor, which then looks
             return task, entity, node
 
     if not rclpy.ok():

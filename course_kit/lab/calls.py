@@ -11,6 +11,8 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+from rclpy.exceptions import InvalidHandle
+
 from course_kit.lab import graph
 from course_kit.lab.errors import FieldError, NoAnswerError, ServiceFailedError, ServiceNotFoundError
 from course_kit.lab.messages import build, is_service_type, type_name
@@ -42,6 +44,9 @@ class Surroundings(Protocol):
 
     def why_no_answer(self, service: str) -> str:
         """What is known about a server that does not answer."""
+
+    def before_blaming(self) -> None:
+        """A server has gone: let a script that is about to end say why first."""
 
     def settle(self) -> None:
         """Show what callbacks have printed; called in the caller's thread."""
@@ -97,7 +102,7 @@ class Exchange:
         Raises:
             ServiceNotFoundError: it has been waited for long enough.
         """
-        if self._client.service_is_ready():
+        if self._is_there():
             return True
         waited = min(APPEARANCE, self._timeout)
         if time.monotonic() - self._start < waited:
@@ -126,11 +131,18 @@ class Exchange:
         if time.monotonic() - self._start >= self._timeout:
             why = self._lab.why_no_answer(self._service)
             raise NoAnswerError(f"{self._service} did not answer within {self._timeout:g} s. {why}")
-        if not self._client.service_is_ready():
+        if not self._is_there():
+            self._lab.before_blaming()
             raise NoAnswerError(
                 f"The server of {self._service} went away before it answered: "
                 "its program ended or its node was stopped. Its own output says why."
             )
+
+    def _is_there(self) -> bool:
+        try:
+            return bool(self._client.service_is_ready())
+        except InvalidHandle:  # the lab is being closed
+            return False
 
     def result(self) -> Any:
         """The response.
@@ -174,7 +186,7 @@ async def call_async(exchange: Exchange) -> Any:
             nonlocal timer
             try:
                 exchange.check()
-            except NoAnswerError as error:
+            except Exception as error:  # noqa: BLE001 - whatever it is, the caller must not wait for ever
                 if not answered.done():
                     answered.set_exception(error)
             else:

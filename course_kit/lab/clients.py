@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from course_kit.lab.spinner import Spinner
     from course_kit.lab.tapping import Tapping
 
+HIDDEN_NAME = "_lab_"  # and the process's number, so that two notebooks do not share it
 _KEPT = 32  # clients and publishers; the one unused for longest goes first
 
 
@@ -49,7 +50,7 @@ class Clients:
         """The node, made on first use. The underscore in its name hides it from `ros2 node list`."""
         if self.known_node is None:
             node = Node(
-                f"_lab_{os.getpid()}",
+                f"{HIDDEN_NAME}{os.getpid()}",
                 context=self._spinner.context,
                 use_global_arguments=False,
                 enable_rosout=False,
@@ -80,8 +81,9 @@ class Clients:
 
     def forget(self, channels: set[str]) -> None:
         """Let go of these services and topics, so that they can come back with another type."""
-        for key in [key for key, client in self._clients.items() if client.service_name in channels]:
-            self._drop_client(self._clients.pop(key))
+        for key, client in list(self._clients.items()):
+            if client.service_name in channels and not client._pending_requests:  # noqa: SLF001 - somebody waits
+                self._drop_client(self._clients.pop(key))
         for key in [key for key, publisher in self._publishers.items() if publisher.topic_name in channels]:
             self._drop_publisher(self._publishers.pop(key))
 

@@ -175,9 +175,16 @@ class Lab:
             self._notebook.locate,
             notebook=self._notebook.present,
         )
+        engine.on_server_gone = self._let_scripts_end
         self._notebook.attach(engine.spinner.thread_id)
         _at_exit(self.close)
         return engine
+
+    def _let_scripts_end(self) -> None:
+        if self._scripts is not None and self._engine is not None:
+            node = self._engine.node
+            seen = {graph.full_name(*one) for one in node.get_node_names_and_namespaces()}
+            self._scripts.wait_for_end_of_those_without_node(seen)
 
     def _require_recorder(self) -> Recorder:
         if self._recorder is None:

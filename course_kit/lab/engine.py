@@ -17,6 +17,7 @@ from course_kit.lab import bridge, graph, guards
 from course_kit.lab.clients import Clients, OtherTypeError
 from course_kit.lab.describe import display_name, is_alive
 from course_kit.lab.errors import DeadlockError, ServiceFailedError, ServiceNotFoundError
+from course_kit.lab.executor import Turn
 from course_kit.lab.live_nodes import Nodes
 from course_kit.lab.messages import type_name
 from course_kit.lab.patches import Patches
@@ -28,10 +29,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.lab.events import Taps
-    from course_kit.lab.executor import Turn
     from course_kit.lab.output import Output
 
 LAB_NAME = "lab"
+_SHOWN = "_shown_by_course_kit"  # on an exception: it has been
 _REPEATS = 3  # times the same error of the same callback is shown in a row
 
 
@@ -44,6 +45,9 @@ class Engine:
         ros_arguments: for rclpy.init; None for the program's own command line.
         locate: the name a file of the learner's has for the learner.
         notebook: whether someone reads along, and wants to be told that `rclpy.init()` was not needed.
+
+    Attributes:
+        on_server_gone: called before a caller is told that its server went away.
     """
 
     def __init__(
@@ -56,6 +60,7 @@ class Engine:
         notebook: bool,
     ) -> None:
         self.output = output
+        self.on_server_gone: Callable[[], None] = lambda: None
         self._locate = locate
         self._notebook = notebook
         self._patches = Patches()
@@ -133,6 +138,10 @@ class Engine:
             "or have returned nothing. Look at the server's own output."
         )
 
+    def before_blaming(self) -> None:
+        """A server has gone: let a script that is about to end say why first."""
+        self.on_server_gone()
+
     def settle(self) -> None:
         """Show what callbacks have printed, unless this is a callback."""
         if not self.spinner.is_current_thread():
@@ -176,6 +185,10 @@ class Engine:
 
     def callback_crashed(self, error: BaseException, turn: Turn) -> None:
         """Say what went wrong in a callback, in three lines; the same error over and over is said three times."""
+        if getattr(error, _SHOWN, False):
+            return
+        with contextlib.suppress(AttributeError):
+            setattr(error, _SHOWN, True)
         node = turn.node
         if node is self.clients.known_node:
             node = None
@@ -192,8 +205,11 @@ class Engine:
             ending += " (It happens again and again; this is the last time it is shown.)"
         self.output.put(crash.text(ending), "stderr")
 
-    def request_failed(self, service: Any, request: Any, sequence: int, error: Exception) -> None:
+    def request_failed(self, service: Any, sequence: int, error: BaseException) -> None:
         """Give the one who waits for this answer an error, if it is a client in this lab."""
+        turn = self.spinner.executor.turn
+        if turn is not None:  # before its caller goes on, so that the two are shown in this order
+            self.callback_crashed(error, Turn(service, turn.node, turn.since))
         crash = examine(error, service, None, self._locate)
         owner = display_name(self._tapping.where(service)[0])
         place = f" ({crash.place})" if crash.place else ""
@@ -203,7 +219,6 @@ class Engine:
             for client in self._all_clients()
             if client.service_name == service.service_name and sequence in client._pending_requests  # noqa: SLF001
         ]
-        del request
         if len(waiting) == 1:  # two clients may have used the same number; then each waits for its timeout
             waiting[0].set_exception(ServiceFailedError(text))
             waiting[0].exception()  # marks it as seen: a caller that lost interest is no news

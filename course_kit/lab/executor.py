@@ -39,8 +39,8 @@ class FailureListener(Protocol):
     def callback_crashed(self, error: BaseException, turn: Turn) -> None:
         """A callback raised `error`; called while its traceback is still there."""
 
-    def request_failed(self, service: Any, request: Any, sequence: int, error: Exception) -> None:
-        """A service's callback gave no response to this request."""
+    def request_failed(self, service: Any, sequence: int, error: BaseException) -> None:
+        """A service's callback gave no response to this request; `callback_crashed` follows."""
 
 
 class LabExecutor(Executor):  # type: ignore[misc] # rclpy has no type information

@@ -18,7 +18,7 @@ import threading
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from course_kit.lab.clients import incompatible
+from course_kit.lab.clients import HIDDEN_NAME, incompatible
 from course_kit.lab.describe import channels_of
 from course_kit.lab.errors import LabError
 from course_kit.lab.graph import full_name
@@ -90,7 +90,7 @@ class Nodes:
 
         def initialise(node: Any, node_name: str, *arguments: Any, **options: Any) -> None:
             __tracebackhide__ = True  # IPython: the learner's own lines are what matters
-            if self._start.made is not None:
+            if self._start.made is not None and not str(node_name).startswith(HIDDEN_NAME):
                 self._start.made.append(node)
                 with contextlib.suppress(AttributeError):  # a name that is no string is rclpy's to complain about
                     self._stop_named(full_name(node_name, "/" + (options.get("namespace") or "").strip("/")))

@@ -6,6 +6,7 @@ rclpy checks fields with assertions, whose text names neither the message nor a 
 from __future__ import annotations
 
 import difflib
+import re
 import textwrap
 from typing import Any
 
@@ -79,7 +80,7 @@ def _unfit(name: str, value: Any, field_type: str, owner: str) -> str:
         wanted = _HINTS[field_type]
         if field_type in {"double", "float"} and isinstance(value, int) and not isinstance(value, bool):
             wanted = f"a float: write {float(value)}"
-    elif "int" in field_type and "[" not in field_type and "sequence" not in field_type:
+    elif re.fullmatch(r"u?int\d+", field_type):
         wanted = "a whole number in its range"
     else:
         wanted = f"a value of that type, such as {_example(field_type)}"

@@ -95,7 +95,7 @@ class Tapping:
         patches.set(Client, "call_async", call_async_seen)
         patches.set(Publisher, "publish", publish_seen)
 
-    def take_service(self, service: Any, on_failure: Callable[[Any, Any, int, Exception], None]) -> Work | None:
+    def take_service(self, service: Any, on_failure: Callable[[Any, int, BaseException], None]) -> Work | None:
         """Take a request and return the work of answering it, as `Executor._take_service` does."""
         try:
             with service.handle:
@@ -117,9 +117,9 @@ class Tapping:
                 service.send_response(response, header)
             except InvalidHandle:
                 return
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 self._emit("callback_failed", service, failure_text(error), sequence)
-                on_failure(service, request, sequence, error)
+                on_failure(service, sequence, error)
                 raise
 
         return answer

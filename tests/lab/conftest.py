@@ -9,7 +9,7 @@ import pytest
 from course_kit import lab
 from course_kit.lab.core import Lab
 
-from .kernel import Kernel
+from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

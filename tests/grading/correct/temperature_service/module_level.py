@@ -1,0 +1,28 @@
+"""No function but the callback, everything at the top level."""
+
+import math
+
+import rclpy
+from course_interfaces.srv import ConvertTemperature
+
+
+def fill(request, response):
+    scale = {"celsius": (1.0, 0.0), "fahrenheit": (1.8, 32.0)}
+    if request.from_unit not in scale or request.to_unit not in scale:
+        response.message = "unbekannte Einheit"
+        return response
+    factor, offset = scale[request.from_unit]
+    celsius = (request.value - offset) / factor
+    if not math.isfinite(celsius) or celsius < -273.15:
+        response.message = "keine Temperatur"
+        return response
+    factor, offset = scale[request.to_unit]
+    response.value = celsius * factor + offset
+    response.success = True
+    return response
+
+
+rclpy.init()
+node = rclpy.create_node("temperature_service")
+node.create_service(ConvertTemperature, "/convert_temperature", fill)
+rclpy.spin(node)

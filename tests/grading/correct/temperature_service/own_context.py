@@ -1,0 +1,39 @@
+"""A context of its own, shut down in the end."""
+
+import math
+
+import rclpy
+from course_interfaces.srv import ConvertTemperature
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+
+def fill(request, response):
+    scale = {"celsius": (1.0, 0.0), "fahrenheit": (1.8, 32.0)}
+    if request.from_unit not in scale or request.to_unit not in scale:
+        response.message = "unbekannte Einheit"
+        return response
+    factor, offset = scale[request.from_unit]
+    celsius = (request.value - offset) / factor
+    if not math.isfinite(celsius) or celsius < -273.15:
+        response.message = "keine Temperatur"
+        return response
+    factor, offset = scale[request.to_unit]
+    response.value = celsius * factor + offset
+    response.success = True
+    return response
+
+
+def main():
+    context = Context()
+    rclpy.init(context=context)
+    node = Node("temperature_service", context=context)
+    node.create_service(ConvertTemperature, "convert_temperature", fill)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    executor.spin()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,249 @@
+"""One of two processes that exchange test_msgs and std_srvs; each uses compiled or live types.
+
+    python peer.py server|client compiled|live FOLDER
+
+FOLDER holds copies of the definitions, which the live side imports in place of the installed packages.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import sys
+import threading
+import time
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+TOPICS = "Arrays BasicTypes BoundedSequences Builtins Defaults Empty MultiNested Nested Strings UnboundedSequences WStrings"
+DEADLINE = 20.0
+
+
+def use_live_types(folder: str) -> None:
+    """Let the definitions in a folder win over installed packages; the course itself never does this."""
+    from course_kit.interfaces import finder
+
+    os.environ["COURSE_KIT_INTERFACE_PATH"] = folder
+    ours = finder.installed()
+    sys.meta_path.remove(ours)
+    sys.meta_path.insert(0, ours)
+
+
+def wait_for(what: str, condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + DEADLINE
+    while not condition():
+        assert time.monotonic() < end, f"waited {DEADLINE} s for {what}"
+        threading.Event().wait(0.01)  # the graph offers nothing to wait on that names a topic
+
+
+def result(future: Any, what: str) -> Any:
+    done = threading.Event()
+    future.add_done_callback(lambda _: done.set())
+    assert done.wait(DEADLINE), f"waited {DEADLINE} s for {what}"
+    return future.result()
+
+
+class Server:
+    """Answers whatever it is asked, and sends back each message it gets."""
+
+    def __init__(self, node: Any) -> None:
+        from rclpy.action import ActionServer, CancelResponse, GoalResponse
+        from rclpy.callback_groups import ReentrantCallbackGroup
+        from std_srvs.srv import SetBool
+        from test_msgs import msg as messages
+        from test_msgs.action import Fibonacci, NestedMessage
+        from test_msgs.srv import Arrays
+
+        self.fibonacci, self.nested = Fibonacci, NestedMessage
+        group = ReentrantCallbackGroup()
+        self.finished = threading.Event()
+        node.create_service(SetBool, "finish", self.finish, callback_group=group)
+        node.create_service(Arrays, "arrays", self.arrays, callback_group=group)
+        for name in TOPICS.split():
+            cls = getattr(messages, name)
+            publisher = node.create_publisher(cls, f"back_{name}", 10)
+            node.create_subscription(cls, f"to_{name}", publisher.publish, 10, callback_group=group)
+        self.actions = [
+            ActionServer(
+                node,
+                Fibonacci,
+                "fibonacci",
+                self.compute,
+                goal_callback=lambda goal: GoalResponse.REJECT if goal.order > 1000 else GoalResponse.ACCEPT,
+                cancel_callback=lambda _: CancelResponse.ACCEPT,
+                callback_group=group,
+            ),
+            ActionServer(node, NestedMessage, "nested", self.nest, callback_group=group),
+        ]
+
+    def finish(self, request: Any, response: Any) -> Any:
+        response.success, response.message = request.data, "finished ✓"
+        self.finished.set()
+        return response
+
+    def arrays(self, request: Any, response: Any) -> Any:
+        for name in response.get_fields_and_field_types():
+            setattr(response, name, getattr(request, name))
+        return response
+
+    def compute(self, goal: Any) -> Any:
+        feedback = self.fibonacci.Feedback(sequence=[0, 1])
+        while len(feedback.sequence) <= goal.request.order:
+            if goal.is_cancel_requested:
+                goal.canceled()
+                return self.fibonacci.Result(sequence=feedback.sequence)
+            feedback.sequence.append((feedback.sequence[-1] + feedback.sequence[-2]) & 0x7FFFFFFF)
+            goal.publish_feedback(feedback)
+            threading.Event().wait(0.01)
+        goal.succeed()
+        return self.fibonacci.Result(sequence=feedback.sequence)
+
+    def nest(self, goal: Any) -> Any:
+        feedback = self.nested.Feedback()
+        feedback.nested_different_pkg.sec = goal.request.nested_different_pkg.sec
+        goal.publish_feedback(feedback)
+        goal.succeed()
+        return self.nested.Result(nested_field_no_pkg=goal.request.nested_field_no_pkg)
+
+    def close(self) -> None:
+        for action in self.actions:
+            action.destroy()
+
+
+class Client:
+    """Uses everything the server offers and checks each answer."""
+
+    def __init__(self, node: Any) -> None:
+        from rclpy.callback_groups import ReentrantCallbackGroup
+
+        self.node, self.group = node, ReentrantCallbackGroup()
+        self.random = random.Random(7)
+
+    def run(self) -> None:
+        self.topics()
+        self.service()
+        self.fibonacci()
+        self.nested_action()
+        self.hashes()
+        self.finish()
+
+    def topics(self) -> None:
+        from test_msgs import msg as messages
+        from tests.interfaces.twins import random_message
+
+        for name in TOPICS.split():
+            cls, got = getattr(messages, name), []
+            self.node.create_subscription(cls, f"back_{name}", got.append, 10, callback_group=self.group)
+            publisher = self.node.create_publisher(cls, f"to_{name}", 10)
+            wait_for(f"{name} both ways", lambda p=publisher, n=name: self.is_connected(p, f"back_{n}"))
+            sent = [random_message(cls, self.random) for _ in range(5)]
+            for message in sent:
+                publisher.publish(message)
+            wait_for(f"{name} to come back", lambda g=got: len(g) >= 5)
+            # The server's threads may send them back in another order.
+            assert sorted(map(repr, got)) == sorted(map(repr, sent))
+
+    def is_connected(self, publisher: Any, back: str) -> bool:
+        return publisher.get_subscription_count() > 0 and self.node.count_publishers(back) > 0
+
+    def service(self) -> None:
+        from test_msgs.srv import Arrays
+        from tests.interfaces.twins import random_message
+
+        client = self.node.create_client(Arrays, "arrays", callback_group=self.group)
+        wait_for("/arrays", client.service_is_ready)
+        for _ in range(10):
+            request = random_message(Arrays.Request, self.random)
+            answer = result(client.call_async(request), "/arrays")
+            assert repr(answer).partition("(")[2] == repr(request).partition("(")[2]
+
+    def fibonacci(self) -> None:
+        from rclpy.action import ActionClient
+        from test_msgs.action import Fibonacci
+
+        client = ActionClient(self.node, Fibonacci, "fibonacci", callback_group=self.group)
+        wait_for("/fibonacci", client.server_is_ready)
+        feedback: list[list[int]] = []
+        goal = result(
+            client.send_goal_async(Fibonacci.Goal(order=10), lambda m: feedback.append(list(m.feedback.sequence))),
+            "a goal's acceptance",
+        )
+        assert goal.accepted
+        answer = result(goal.get_result_async(), "a result")
+        assert list(answer.result.sequence) == [0, 1, 1, 2, 3, 5, 8, 13, 21, 34, 55]
+        assert feedback[0] == [0, 1, 1]
+        endless = result(client.send_goal_async(Fibonacci.Goal(order=900)), "a goal's acceptance")
+        assert len(result(endless.cancel_goal_async(), "cancelling").goals_canceling) == 1
+        assert result(endless.get_result_async(), "the result of a cancelled goal").status == 5
+        assert not result(client.send_goal_async(Fibonacci.Goal(order=1001)), "a goal's rejection").accepted
+        client.destroy()
+
+    def nested_action(self) -> None:
+        from rclpy.action import ActionClient
+        from test_msgs.action import NestedMessage
+        from tests.interfaces.twins import random_message
+
+        client = ActionClient(self.node, NestedMessage, "nested", callback_group=self.group)
+        wait_for("/nested", client.server_is_ready)
+        wanted = random_message(NestedMessage.Goal, self.random)
+        goal = result(client.send_goal_async(wanted), "a goal's acceptance")
+        answer = result(goal.get_result_async(), "a result").result
+        assert repr(answer.nested_field_no_pkg) == repr(wanted.nested_field_no_pkg)
+        client.destroy()
+
+    def hashes(self) -> None:
+        """Both sides announce the same type under each name."""
+        names = [f"/back_{name}" for name in TOPICS.split()] + ["rq/arraysRequest", "rr/arraysReply"]
+        for name in names:
+            plain = not name.startswith("/")
+            ends = self.node.get_publishers_info_by_topic(name, no_mangle=plain)
+            ends += self.node.get_subscriptions_info_by_topic(name, no_mangle=plain)
+            assert len(ends) == 2, (name, ends)
+            assert len({str(end.topic_type_hash) for end in ends}) == 1, name
+
+    def finish(self) -> None:
+        from std_srvs.srv import SetBool
+
+        client = self.node.create_client(SetBool, "finish", callback_group=self.group)
+        wait_for("/finish", client.service_is_ready)
+        answer = result(client.call_async(SetBool.Request(data=True)), "/finish")
+        assert (answer.success, answer.message) == (True, "finished ✓")
+
+
+def main(role: str, how: str, folder: str) -> None:
+    if how == "live":
+        use_live_types(folder)
+    import rclpy
+    from course_kit.interfaces.live_record import record_of
+    from rclpy.executors import MultiThreadedExecutor
+    from test_msgs.msg import Arrays
+
+    import faulthandler
+
+    faulthandler.dump_traceback_later(50, exit=True)  # a hang ends with a stack trace
+    assert (record_of(Arrays) is not None) == (how == "live")
+    rclpy.init()
+    node = rclpy.create_node(role)
+    side = Server(node) if role == "server" else Client(node)
+    executor = MultiThreadedExecutor(4)
+    executor.add_node(node)
+    thread = threading.Thread(target=executor.spin)
+    thread.start()
+    try:
+        if isinstance(side, Client):
+            side.run()
+        else:
+            assert side.finished.wait(60), "waited 60 s for the client"
+    finally:
+        executor.shutdown()
+        thread.join()
+        if isinstance(side, Server):
+            side.close()
+        node.destroy_node()
+        rclpy.shutdown()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,300 @@
+from __future__ import annotations
+
+import asyncio
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import rclpy
+from geometry_msgs.msg import Point, Pose
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import SingleThreadedExecutor
+from std_msgs.msg import String
+from std_srvs.srv import SetBool, Trigger
+
+from course_kit import lab
+from course_kit.lab.messages import build
+from tests.lab.nodes import Faulty, Switch, Talker
+
+if TYPE_CHECKING:
+    from course_kit.lab.core import Lab
+
+pytestmark = pytest.mark.usefixtures("own_lab")
+
+
+def call(service: str, kind: Any = Trigger, timeout: float = 5.0, **fields: Any) -> Any:
+    return asyncio.run(lab.call(service, kind, timeout=timeout, **fields))
+
+
+def test_a_call_returns_the_response() -> None:
+    lab.start(Switch)
+    assert call("/switch", SetBool, data=True).success is True
+    assert call("switch", SetBool, data=False).success is False
+    ready = SetBool.Request(data=True)
+    assert lab.call_blocking("/switch", SetBool, ready).success is True
+
+
+def test_many_calls_at_once_get_their_own_answers() -> None:
+    lab.start(Switch)
+
+    async def several() -> list[Any]:
+        return await asyncio.gather(*(lab.call("/switch", SetBool, data=number % 2 == 0) for number in range(8)))
+
+    assert [answer.success for answer in asyncio.run(several())] == [True, False] * 4
+
+
+def test_a_misspelt_name_gets_the_nearest_one() -> None:
+    lab.start(Switch)
+    with pytest.raises(lab.ServiceNotFoundError, match=r"No node serves /swich \(waited 0.3 s\).*/switch \[std_srvs"):
+        call("/swich", SetBool, timeout=0.3)
+
+
+def test_a_service_in_a_namespace_is_the_nearest_name() -> None:
+    class Inside(Switch):
+        def __init__(self) -> None:
+            super().__init__()
+            self.create_service(Trigger, "/robot/far/reset", lambda _, response: response)
+
+    lab.start(Inside)
+    with pytest.raises(lab.ServiceNotFoundError, match="/robot/far/reset"):
+        call("/reset", timeout=0.3)
+
+
+def test_without_any_service_the_graph_is_said_to_be_empty() -> None:
+    with pytest.raises(lab.ServiceNotFoundError, match="No service at all is on the graph"):
+        lab.call_blocking("/switch", SetBool, timeout=0.2)
+
+
+def test_another_type_is_named() -> None:
+    lab.start(Switch)
+    expected = "/switch has the type std_srvs/srv/SetBool, and was called as std_srvs/srv/Trigger"
+    with pytest.raises(lab.ServiceNotFoundError, match=expected):
+        call("/switch", Trigger)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"dat": True}, r"no field 'dat' in a std_srvs/srv/SetBool request; it has data. Did you mean 'data'"),
+        ({"data": 1}, r"'data' in .* has the type bool and takes True or False; it was given 1, an int"),
+    ],
+)
+def test_wrong_fields(fields: dict[str, Any], message: str) -> None:
+    lab.start(Switch)
+    with pytest.raises(lab.FieldError, match=message):
+        call("/switch", SetBool, **fields)
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "message"),
+    [
+        (Point, {"x": 20}, r"takes a float: write 20\.0"),
+        (String, {"data": 5}, "takes a str"),
+        (Pose, {"position": {"x": 1.0, "q": 2.0}}, "no field 'q' in position"),
+        (Pose, {"position": 3}, "a dict of its fields"),
+    ],
+)
+def test_wrong_values(kind: Any, fields: dict[str, Any], message: str) -> None:
+    with pytest.raises(lab.FieldError, match=message):
+        build(kind, fields, "a message")
+
+
+def test_a_dict_fills_a_message_inside() -> None:
+    assert build(Pose, {"position": {"x": 1.5}}, "a pose").position.x == 1.5
+
+
+@pytest.mark.parametrize("kind", [SetBool.Request, String, "SetBool", 3])
+def test_what_is_no_service_type(kind: Any) -> None:
+    with pytest.raises(lab.FieldError, match="is not a service type"):
+        call("/switch", kind)
+
+
+def test_names_that_ros_refuses() -> None:
+    with pytest.raises(lab.LabError, match="'add two' is not a ROS name"):
+        call("add two")
+    with pytest.raises(lab.LabError, match="name comes first"):
+        call(SetBool, SetBool)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("service", "reason"),
+    [
+        ("raises", "faulty sent no response: raises raised RuntimeError: the sensor is unplugged"),
+        ("forgets", "forgets returned nothing. End it with `return response`."),
+        ("returns_number", "returned int, which is not a response of std_srvs/srv/Trigger"),
+        ("returns_request", "returned the request"),
+        ("calls", r"call\(\) of /fine inside a callback would wait for ever"),
+        ("spins", r"rclpy.spin_until_future_complete\(\) inside a callback would wait for ever"),
+        ("waits", "share one callback group"),
+    ],
+)
+def test_a_callback_without_a_response_fails_its_caller_at_once(
+    service: str, reason: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lab.start(Faulty)
+    with pytest.raises(lab.ServiceFailedError, match=reason):
+        call(service, timeout=30)
+    shown = capsys.readouterr().err
+    assert shown.startswith(f"faulty: {service} ")
+    assert "nodes.py, line " in shown
+    assert call("fine").success is True  # the others live on
+
+
+def test_sys_exit_in_a_callback_is_an_error_like_others(capsys: pytest.CaptureFixture[str]) -> None:
+    lab.start(Faulty)
+    with pytest.raises(lab.ServiceFailedError):
+        call("exits", timeout=30)
+    assert "exits raised SystemExit: 3" in capsys.readouterr().err
+    assert call("fine").success is True
+
+
+def test_an_error_repeated_by_a_timer_is_shown_three_times(capsys: pytest.CaptureFixture[str]) -> None:
+    class Broken(Talker):
+        def tick(self) -> None:
+            super().tick()
+            raise KeyError("map")  # noqa: EM101
+
+    node = lab.start(Broken)
+    asyncio.run(lab.next_messages("/count", String, 10))
+    lab.stop(node)
+    shown = capsys.readouterr().err
+    assert shown.count("talker: tick raised KeyError: 'map'") == 3
+    assert shown.count("this is the last time it is shown") == 1
+
+
+def test_a_slow_callback_is_named_when_time_is_over() -> None:
+    faulty = lab.start(Faulty)
+    with pytest.raises(
+        lab.NoAnswerError, match=r"within 0.5 s. faulty is still in blocks \(nodes.py, line \d+: self.rel"
+    ):
+        call("blocks", timeout=0.5)
+    faulty.release.set()
+
+
+def test_a_server_that_goes_away_ends_the_wait(own_lab: Lab) -> None:
+    lab.start(Faulty)
+
+    async def ask() -> None:
+        asked = asyncio.ensure_future(lab.call("/waits_for_nobody", Trigger, timeout=30))
+        await asyncio.sleep(0)
+        await asked
+
+    class Silent(Switch):
+        def __init__(self) -> None:
+            super().__init__("silent")
+            self.create_service(Trigger, "/waits_for_nobody", self.wait_long)
+
+        async def wait_long(self, _request: Any, response: Any) -> Any:
+            never = self.create_client(Trigger, "/never", callback_group=ReentrantCallbackGroup())
+            await never.call_async(Trigger.Request())
+            return response
+
+    silent = lab.start(Silent)
+    stopper = own_lab.engine.node.create_timer(0.3, lambda: own_lab.engine.nodes.stop_soon(silent))
+    with pytest.raises(lab.NoAnswerError, match="went away before it answered"):
+        asyncio.run(ask())
+    stopper.cancel()
+
+
+def test_awaiting_a_clients_future_uses_no_time() -> None:
+    faulty = lab.start(Faulty)
+
+    async def wait() -> float:
+        before = time.thread_time()
+        future = faulty.client.call_async(Trigger.Request())
+        assert (await future).success is True
+        blocked = faulty.create_client(Trigger, "blocks").call_async(Trigger.Request())
+        with pytest.raises(asyncio.TimeoutError):
+            await asyncio.wait_for(as_coroutine(blocked), 0.5)
+        return time.thread_time() - before
+
+    async def as_coroutine(future: Any) -> Any:
+        return await future
+
+    assert asyncio.run(wait()) < 0.2  # rclpy's own future would take the whole half second
+    faulty.release.set()
+
+
+def test_rclpys_functions_in_a_cell_leave_the_node_to_the_lab() -> None:
+    node = lab.start(Faulty)
+    future = node.client.call_async(Trigger.Request())
+    rclpy.spin_until_future_complete(node, future, timeout_sec=5)
+    assert future.result().success is True
+    future = node.client.call_async(Trigger.Request())
+    deadline = time.monotonic() + 10
+    while not future.done() and time.monotonic() < deadline:
+        rclpy.spin_once(node)
+    assert future.result().success is True
+    rclpy.spin(node)
+    executor = SingleThreadedExecutor()
+    assert executor.add_node(node) is False
+    executor.shutdown()
+    rclpy.init()
+    rclpy.shutdown()
+    assert call("fine").success is True
+    assert node.client.call(Trigger.Request()).success is True
+
+
+def test_spinning_a_node_of_ones_own_works_as_ever(own_lab: Lab) -> None:
+    lab.start(Faulty)
+    assert own_lab.engine
+    mine = rclpy.create_node("mine")
+    client = mine.create_client(Trigger, "fine")
+    assert client.wait_for_service(5)
+    future = client.call_async(Trigger.Request())
+    rclpy.spin_until_future_complete(mine, future, timeout_sec=10)
+    assert future.result().success is True
+    mine.destroy_node()
+
+
+def test_shutdown_in_a_callback_stops_that_node_only(own_lab: Lab) -> None:
+    class Quits(Switch):
+        def answer(self, request: Any, response: Any) -> Any:
+            rclpy.shutdown()
+            return super().answer(request, response)
+
+    lab.start(Talker)
+    lab.start(Quits)
+    assert call("/switch", SetBool, data=True).success is True
+    assert own_lab.engine.spinner.run_between_callbacks(lambda: None, 10)
+    assert [live.name for live in lab.nodes()] == ["/talker"]
+
+
+def test_the_lab_refuses_to_be_waited_for_in_a_callback(capsys: pytest.CaptureFixture[str]) -> None:
+    class Asks(Switch):
+        def answer(self, _request: Any, _response: Any) -> Any:
+            return lab.call_blocking("/fine", Trigger)
+
+    lab.start(Asks)
+    with pytest.raises(lab.ServiceFailedError, match=r"lab.call_blocking\(\) inside a callback"):
+        call("/switch", SetBool)
+    assert "switch: answer was stopped" in capsys.readouterr().err
+
+
+def test_topics() -> None:
+    lab.start(Talker)
+    numbers = [int(message.data) for message in asyncio.run(lab.next_messages("/count", String, 3))]
+    assert numbers == list(range(numbers[0], numbers[0] + 3))
+
+    heard: list[str] = []
+
+    class Listener(Switch):
+        def __init__(self) -> None:
+            super().__init__("listener")
+            self.create_subscription(String, "/said", lambda message: heard.append(message.data), 10)
+
+    lab.start(Listener)
+    lab.publish("/said", String, data="hello")
+    deadline = time.monotonic() + 10
+    while not heard and time.monotonic() < deadline:
+        rclpy.spin_once(lab.nodes()[0].node)
+    assert heard == ["hello"]
+
+
+def test_no_message_says_why() -> None:
+    with pytest.raises(lab.NoAnswerError, match="No message came on /count within 0.2 s. No node publishes it."):
+        asyncio.run(lab.next_messages("/count", String, timeout=0.2))
+    with pytest.raises(lab.FieldError, match="is not a message type"):
+        asyncio.run(lab.next_messages("/count", SetBool, timeout=0.2))
+    with pytest.raises(lab.FieldError, match="no field 'text'"):
+        lab.publish("/count", String, text="x")
