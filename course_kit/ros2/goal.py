@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import signal
 import sys
+import threading
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +13,8 @@ from course_kit.ros2.errors import CommandError, did_you_mean
 from course_kit.ros2.text import to_yaml
 
 if TYPE_CHECKING:
+    from typing_extensions import Self
+
     from course_kit.ros2.session import Session
 
 _STATUS = {0: "UNKNOWN", 1: "ACCEPTED", 2: "EXECUTING", 3: "CANCELING", 4: "SUCCEEDED", 5: "CANCELED", 6: "ABORTED"}
@@ -56,9 +60,9 @@ class Goal:
             return
         print(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n", flush=True)
         result = handle.get_result_async()
-        try:
-            self._wait_for_result(result)
-        except KeyboardInterrupt:
+        with _Interrupt() as interrupt:
+            self._wait_for_result(result, interrupt)
+        if not result.done():
             self._cancel(handle)
             self._wait_for_result(result)
         answer = result.result()
@@ -74,15 +78,17 @@ class Goal:
         else:
             sys.stderr.write(f"{self._name} does not cancel the goal; waiting for its result.\n")
 
-    def _wait_for_result(self, result: Any) -> None:
+    def _wait_for_result(self, result: Any, interrupt: _Interrupt | None = None) -> None:
         """Wait as long as feedback comes; shown or not, it is the only sign that the goal is worked on."""
         self._heard = time.monotonic()
 
         def is_over() -> bool:
+            if interrupt is not None and interrupt.seen:
+                return True
             return bool(result.done()) or time.monotonic() - self._heard > self._timeout
 
         self._session.spin_until(is_over, math.inf)
-        if not result.done():
+        if not result.done() and not (interrupt is not None and interrupt.seen):
             raise CommandError(
                 f"Neither feedback nor a result from {self._name} for {self._timeout:g} s; the goal has not been "
                 "canceled. A longer wait: --timeout SECONDS."
@@ -108,3 +114,32 @@ class Goal:
     def _on_feedback(self, message: Any) -> None:
         self._on_sign_of_life(message)
         print(f"Feedback:\n    {to_yaml(message.feedback)}", flush=True)
+
+
+class _Interrupt:
+    """The first Ctrl-C as a fact; as an exception it would come inside a callback or a half-printed line.
+
+    A second one is a KeyboardInterrupt again.
+    """
+
+    def __init__(self) -> None:
+        self.seen = False
+        self._before: Any = None
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is threading.main_thread():
+            self._before = signal.signal(signal.SIGINT, self._take)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._restore()
+
+    def _take(self, number: int, frame: object) -> None:
+        del number, frame
+        self.seen = True
+        self._restore()
+
+    def _restore(self) -> None:
+        if self._before is not None:
+            signal.signal(signal.SIGINT, self._before)
+            self._before = None

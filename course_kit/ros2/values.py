@@ -103,7 +103,7 @@ def _fit_integer(value: Any, bits: int, field: str, *, signed: bool) -> int:
     lowest, highest = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
     if not lowest <= value <= highest:
         raise CommandError(
-            f"The field {field!r} is a {field_type}, from {lowest} to {highest}; {value} is out of range."
+            f"The field {field!r} is {_article(field_type)} {field_type}, from {lowest} to {highest}; {value} is out of range."
         )
     return value
 
@@ -160,5 +160,8 @@ def _unfit(value: Any, field_type: str, field: str) -> CommandError:
     given = kinds.get(type(value), "nothing" if value is None else type(value).__name__)
     if listed := _ARRAY.fullmatch(field_type) or _SEQUENCE.fullmatch(field_type):
         word = f"list of {_ROS_WORDS.get(listed['element'], listed['element'])}"
-    article = "an" if word[0] in "aeio" else "a"
-    return CommandError(f"The field {field!r} is {article} {word}; {value!r} is {given}.")
+    return CommandError(f"The field {field!r} is {_article(word)} {word}; {value!r} is {given}.")
+
+
+def _article(word: str) -> str:
+    return "an" if word[0] in "aeio" else "a"

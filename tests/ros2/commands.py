@@ -15,6 +15,8 @@ from course_kit import environment
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from typing_extensions import Self
+
 HERE = Path(__file__).resolve().parent
 GOLDEN = HERE / "golden"
 SEED = HERE.parent / "seed"
@@ -76,7 +78,7 @@ class Ros2:
         wait_until(is_there, f"{node} on the graph")
         return program
 
-    def __enter__(self) -> Ros2:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:

@@ -57,5 +57,7 @@ def normal(text: str) -> str:
     for pattern, replacement in _VARYING:
         text = re.sub(pattern, replacement, text)
     # Feedback may come before the answers to the goal and to the request to cancel it (README of the recordings).
-    text = text.replace("<feedback>\nGoal accepted with ID: <id>\n\n<feedback>\n", "Goal accepted with ID: <id>\n\n<feedback>\n")
+    text = text.replace(
+        "<feedback>\nGoal accepted with ID: <id>\n\n<feedback>\n", "Goal accepted with ID: <id>\n\n<feedback>\n"
+    )
     return re.sub(r"(Canceling goal\.\.\.\n)(<feedback>\n)?(Goal canceled\.\n)(<feedback>\n)?", r"\1\3", text)

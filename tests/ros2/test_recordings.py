@@ -41,9 +41,7 @@ LAUNCHES = ["launch_exe_path", "launch_package_ok"]
 INTERRUPTED = ["pr956_action_send_goal_feedback_ctrl_c"]
 PAIR = [name for name in recordings.all_names() if name.startswith("B_")]
 EMPTY = ["empty_graph_service_list"]
-ASKING = [
-    name for name in recordings.all_names() if name not in [*SETTING, *LAUNCHES, *INTERRUPTED, *PAIR, *EMPTY]
-]
+ASKING = [name for name in recordings.all_names() if name not in [*SETTING, *LAUNCHES, *INTERRUPTED, *PAIR, *EMPTY]]
 LAUNCH_FILE = """
 from launch import LaunchDescription
 from launch_ros.actions import Node
@@ -101,7 +99,7 @@ def compare(name: str, exit_code: int, stdout: str, stderr: str, table: dict[str
 def cleanly_ended(recorded: str) -> str:
     *lines, last = recorded.splitlines()
     assert "process has died" in last
-    return "\n".join([*lines, "[INFO] [robot_node-1]: process has finished cleanly [pid <pid>", ""])
+    return "\n".join([*lines, "[INFO] [robot_node-1]: process has finished cleanly [pid <pid>]", ""])
 
 
 def run_and_compare(name: str, command: Ros2, table: dict[str, str]) -> None:
@@ -135,7 +133,9 @@ def test_ctrl_c_cancels_the_goal(name: str, robot: Ros2, table: dict[str, str]) 
 
 @pytest.mark.parametrize("name", SETTING)
 def test_parameters_one_after_another(name: str, robot: Ros2, table: dict[str, str]) -> None:
-    (robot.folder / "_load.yaml").write_text("/robot:\n  ros__parameters:\n    max_velocity: 2.5\n    robot_name: r2d2\n")
+    (robot.folder / "_load.yaml").write_text(
+        "/robot:\n  ros__parameters:\n    max_velocity: 2.5\n    robot_name: r2d2\n"
+    )
     run_and_compare(name, robot, table)
 
 
