@@ -18,6 +18,7 @@ _UNKNOWN = "_NODE_NAME_UNKNOWN_"
 _GUID_PREFIX = 12  # bytes of an endpoint's identifier that name its participant
 _LOOK_EVERY = 0.002
 _QUIET = 0.02  # endpoints of one node arrive in one or two bursts, less than a millisecond apart
+_NAMELESS = 1.0  # what has no node's name by then will not get one
 _OPEN_DISCOVERY = 1.0  # beyond loopback nobody can tell who is still to answer
 PATIENCE = 5.0
 
@@ -65,7 +66,7 @@ class Observer:
             state = self._state()
             if state != seen:
                 seen, seen_at = state, now
-            elif now - seen_at >= _QUIET and self._is_complete(now):
+            elif now - seen_at >= _QUIET and self._is_complete(now, now - seen_at):
                 return
             time.sleep(_LOOK_EVERY)
 
@@ -87,30 +88,36 @@ class Observer:
             self._rcl.rclpy_get_topic_names_and_types(node, True),
         )
 
-    def _is_complete(self, now: float) -> bool:
+    def _is_complete(self, now: float, quiet: float) -> bool:
+        """Whether everybody is there, `quiet` seconds after the last change."""
         if not sockets.is_local_only():
-            return now - self._started >= _OPEN_DISCOVERY and self._all_named()
+            return now - self._started >= _OPEN_DISCOVERY and (self._all_named() or quiet >= _NAMELESS)
         bound, found = sockets.participants(self._domain_id), self._participants()
         # Counted from the last complete look: one that has just died may still be known, and must not stand
         # for one that has just come.
         arrived = len(found - self._found) >= len(bound - self._bound) and len(found) >= len(bound)
-        if arrived and self._all_named():
+        if arrived and (self._all_named() or quiet >= _NAMELESS):
             self._found, self._bound = found, bound
             return True
         return False
 
     def _participants(self) -> frozenset[bytes]:
         infos = self._rcl.rclpy_get_publishers_info_by_topic(self._node, _DISCOVERY_TOPIC, True)
-        return frozenset(bytes(info["endpoint_gid"][:_GUID_PREFIX]) for info in infos)
+        return frozenset(_participant_of(info) for info in infos)
 
     def _all_named(self) -> bool:
-        """Whether the node of each endpoint is known: names arrive after the endpoints."""
+        """Whether each participant has told its nodes: names arrive after the endpoints.
+
+        Single endpoints without a node may stay: rclpy leaves a service behind when it destroys a node.
+        """
         if len(self._node.get_node_names_and_namespaces()) < len(self._participants()):
             return False
+        named: dict[bool, set[bytes]] = {True: set(), False: set()}
         for topic, _ in self._rcl.rclpy_get_topic_names_and_types(self._node, True):
-            if topic != _DISCOVERY_TOPIC and any(info["node_name"] == _UNKNOWN for info in self._both_ends(topic)):
-                return False
-        return True
+            if topic != _DISCOVERY_TOPIC:
+                for info in self._both_ends(topic):
+                    named[info["node_name"] != _UNKNOWN].add(_participant_of(info))
+        return named[False] <= named[True]
 
     def _both_ends(self, topic: str) -> Iterator[dict[str, Any]]:
         yield from self._rcl.rclpy_get_publishers_info_by_topic(self._node, topic, True)
@@ -170,6 +177,10 @@ def observer(context: Any = None, name: str | None = None) -> Iterator[Observer]
 
 def _joined(namespace: str, name: str) -> str:
     return f"{namespace.rstrip('/')}/{name}"
+
+
+def _participant_of(info: dict[str, Any]) -> bytes:
+    return bytes(info["endpoint_gid"][:_GUID_PREFIX])
 
 
 def _plain(info: dict[str, Any]) -> dict[str, Any]:

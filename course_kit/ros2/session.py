@@ -41,6 +41,7 @@ class Session:
         if self._node is None:
             from rclpy.executors import SingleThreadedExecutor
             from rclpy.node import Node
+            from rclpy.parameter import Parameter
 
             self._node = Node(
                 f"_ros2cli_{os.getpid()}",
@@ -48,6 +49,8 @@ class Session:
                 use_global_arguments=False,
                 enable_rosout=False,
                 start_parameter_services=False,
+                # rclpy leaves this service on the graph when the node is destroyed but its context lives on.
+                parameter_overrides=[Parameter("start_type_description_service", value=False)],
             )
             self._executor = SingleThreadedExecutor(context=self._context)
             self._executor.add_node(self._node)

@@ -112,6 +112,7 @@ def test_in_a_kernel_the_nodes_of_the_kernel_are_there_at_once(ros2: Ros2) -> No
         "node list -a",
         "service call /set_power std_srvs/srv/SetBool '{data: true}'",
         "param list /server",
+        "service list -c",
         "service type /set_powr",
         "service list 'unfinished",
         "run nowhere nothing",
@@ -121,6 +122,7 @@ def test_in_a_kernel_the_nodes_of_the_kernel_are_there_at_once(ros2: Ros2) -> No
     assert "/set_power" in stdout
     assert "SetBool_Response(success=True, message='')" in stdout
     assert "  use_sim_time" in stdout
+    assert "> service list -c\n8\n" in stdout  # the command's own nodes have left nothing
     assert "Did you mean /set_power?" in stderr
     assert "No closing quotation" in stderr
     assert "Package 'nowhere' not found" in stderr
