@@ -6,6 +6,7 @@ for real in a child process that is thrown away. The grader then uses what worke
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import subprocess
@@ -16,6 +17,13 @@ from typing import Any
 
 from course_kit.grading import namespaces
 
+_REASONS = {
+    errno.ENOSPC: "this machine allows no more user namespaces (sysctl user.max_user_namespaces): ",
+    errno.EPERM: "this machine forbids user namespaces (AppArmor on Ubuntu, or the container it runs in): ",
+    errno.EACCES: "this machine forbids user namespaces (AppArmor on Ubuntu, or the container it runs in): ",
+    errno.ENOSYS: "this kernel is too old: ",
+    errno.EINVAL: "this kernel lacks a kind of namespace: ",
+}
 _PATIENCE_S = 20.0  # a hang of the trial is a fault of ours; a noisy machine needs less than one second
 
 
@@ -139,8 +147,11 @@ def _try_network(writer: int) -> None:
 def _stands(writer: int, name: str, build: Any) -> bool:
     try:
         build()
-    except OSError as problem:
-        _say(writer, f"! {problem.strerror or problem}")
+    except Exception as problem:  # noqa: BLE001 - a trial that breaks says so, and the wall counts as missing
+        if not isinstance(problem, OSError):
+            _say(writer, f"! {type(problem).__name__}: {problem}")
+            return False
+        _say(writer, f"! {_REASONS.get(problem.errno or 0, '')}{problem.strerror or problem}")
         return False
     if name:
         _say(writer, name)

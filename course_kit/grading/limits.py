@@ -59,13 +59,19 @@ class Limits:
         return asdict(self)
 
 
-def apply_to_this_process(limits: Limits) -> None:
-    """Have the kernel hold this process, and everything it starts, to `limits`."""
+def apply_to_this_process(limits: Limits, others: int) -> None:
+    """Have the kernel hold this process, and everything it starts, to `limits`.
+
+    Args:
+        limits: what to hold it to.
+        others: processes and threads that the kernel counts together with the submission's.
+    """
     data = (limits.memory_mb + _RESERVED_MB) * _MB
     # One second between the signal that ends the program (SIGXCPU) and the one nobody can catch.
     _lower(resource.RLIMIT_CPU, limits.cpu_s, limits.cpu_s + 1)
     _lower(resource.RLIMIT_DATA, data, data)
-    _lower(resource.RLIMIT_NPROC, limits.tasks + _SPARE_TASKS, limits.tasks + _SPARE_TASKS)
+    tasks = limits.tasks + _SPARE_TASKS + others
+    _lower(resource.RLIMIT_NPROC, tasks, tasks)
     _lower(resource.RLIMIT_FSIZE, limits.file_mb * _MB, limits.file_mb * _MB)
     _lower(resource.RLIMIT_NOFILE, limits.open_files, limits.open_files)
     _lower(resource.RLIMIT_CORE, 0, 0)

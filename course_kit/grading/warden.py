@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from course_kit.grading.job import Job
 
 _ANSWER_S = 1.0  # how long the guard, or a dump of stacks, is waited for
+_COUNTS_BY_NAMESPACE = (5, 14)  # Linux
 _QUIET_S = 0.04  # a dump is complete when nothing more came for so long
 _PROBE_GRACE_S = 20.0  # the probe stops by itself at the wall time; a probe that hangs is stopped this much later
 
@@ -119,7 +120,8 @@ class Warden:
         domain = self._domain()
         job = self._job
         program = Program(job.name, job.source, job.class_name, arguments, job.command, job.folder)
-        cell = Cell(job.limits, job.isolation, {"ROS_DOMAIN_ID": str(domain)}, job.hidden)
+        variables = {"ROS_DOMAIN_ID": str(domain)}
+        cell = Cell(job.limits, job.isolation, variables, job.hidden, job.priority, self._others())
         self._sandbox = Sandbox(program, cell)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain}
@@ -130,6 +132,12 @@ class Warden:
             return self._launches
         self._domains.close()
         return self._domains.enter_context(environment.exclusive_domain())
+
+    def _others(self) -> int:
+        """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""
+        version = tuple(int(part) for part in os.uname().release.split(".")[:2])
+        counted_apart = self._job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
+        return 0 if counted_apart else processes.tasks_of_user(os.getuid())
 
     def _facts(self, *, fresh: bool) -> dict[str, Any]:
         if self._life is None or self._sandbox is None:

@@ -85,6 +85,11 @@ class Worker:
     ) -> None:
         self.close()
 
+    @property
+    def process_id(self) -> int:
+        """Of the worker process."""
+        return self._process.pid
+
     def ready(self) -> dict[str, Any]:
         """Wait until it can take a job; returns the isolation it has found.
 
@@ -115,7 +120,7 @@ class Worker:
 
     def close(self) -> None:
         """End the process and everything it has started."""
-        self._channel.close()  # it notices, ends what it has under way, and stops
+        self._channel.hang_up()  # it notices, ends what it has under way, and stops
         try:
             self._process.wait(_STOP_S)
         except subprocess.TimeoutExpired:

@@ -10,7 +10,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from course_kit.interfaces.define import define
+    from course_kit.interfaces.defining import define
     from course_kit.interfaces.errors import InterfaceDefinitionError, InterfaceNotFoundError, NativeHelperError
     from course_kit.interfaces.finder import install
     from course_kit.interfaces.known_types import get_type, packages, text_of, types
@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "define": "define",
+    "define": "defining",
     "install": "finder",
     **dict.fromkeys(("InterfaceDefinitionError", "InterfaceNotFoundError", "NativeHelperError"), "errors"),
     **dict.fromkeys(("get_type", "packages", "text_of", "types"), "known_types"),

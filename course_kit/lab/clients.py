@@ -10,6 +10,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from course_kit.lab.errors import LabError
 from course_kit.lab.messages import type_name
@@ -55,6 +56,7 @@ class Clients:
                 use_global_arguments=False,
                 enable_rosout=False,
                 start_parameter_services=False,
+                parameter_overrides=[Parameter("start_type_description_service", value=False)],  # see spinner
             )
             self._tapping.aliases[node.get_fully_qualified_name()] = self._alias
             self._spinner.executor.add_node(node)

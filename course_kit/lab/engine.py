@@ -42,7 +42,7 @@ class Engine:
     Args:
         taps: told what crosses.
         output: takes what callbacks say.
-        ros_arguments: for rclpy.init; None for the program's own command line.
+        ros_arguments: for rclpy.init.
         locate: the name a file of the learner's has for the learner.
         notebook: whether someone reads along, and wants to be told that `rclpy.init()` was not needed.
 
@@ -54,7 +54,7 @@ class Engine:
         self,
         taps: Taps,
         output: Output,
-        ros_arguments: list[str] | None,
+        ros_arguments: list[str],
         locate: Callable[[str], str | None],
         *,
         notebook: bool,

@@ -30,7 +30,7 @@ class Notebook:
     Attributes:
         present: whether there is one.
         ros_arguments: for rclpy.init: none of the kernel's own, and no log lines on file descriptor 2, as they are
-            shown by us; None in a plain program, whose command line may have ROS arguments.
+            shown by us; in a plain program its command line, which may have ROS arguments.
     """
 
     def __init__(self, shell: Any, output: Output) -> None:
@@ -56,9 +56,9 @@ class Notebook:
         return self._shell is not None
 
     @property
-    def ros_arguments(self) -> list[str] | None:
+    def ros_arguments(self) -> list[str]:
         """What rclpy.init is given."""
-        return ["--ros-args", "--disable-stdout-logs"] if self.present else None
+        return ["--ros-args", "--disable-stdout-logs"] if self.present else sys.argv
 
     def locate(self, filename: str) -> str | None:
         """The name of a cell, such as "In[3]", by the file name its code was compiled with."""

@@ -30,20 +30,22 @@ class Writer:
 
     def __init__(self) -> None:
         library = ros_library("libfastcdr.so.2")
-        self._new_buffer = _function(
-            library, "_ZN8eprosima7fastcdr10FastBufferC1EPcm", None, _ADDRESS, _ADDRESS, _SIZE
-        )
+        self._new_buffer = _function(library, "_ZN8eprosima7fastcdr10FastBufferC1EPcm", None, _ADDRESS, _ADDRESS, _SIZE)
         self._new_cdr = _function(
-            library, f"{_CDR}C1ERNS0_10FastBufferENS1_10EndiannessENS0_10CdrVersionE", None, _ADDRESS, _ADDRESS, _BYTE, _BYTE
+            library,
+            f"{_CDR}C1ERNS0_10FastBufferENS1_10EndiannessENS0_10CdrVersionE",
+            None,
+            _ADDRESS,
+            _ADDRESS,
+            _BYTE,
+            _BYTE,
         )
         flag_name = f"{_CDR}17set_encoding_flagENS0_21EncodingAlgorithmFlagE"
         self._set_flag = _function(library, flag_name, ctypes.c_bool, _ADDRESS, _BYTE)
         self._header = _function(library, f"{_CDR}23serialize_encapsulationEv", _ADDRESS, _ADDRESS)
         self._length = _function(library, "_ZNK8eprosima7fastcdr3Cdr26get_serialized_data_lengthEv", _SIZE, _ADDRESS)
         handle = "get_message_typesupport_handle"
-        self._handle = _function(
-            ros_library("librosidl_runtime_c.so"), handle, _ADDRESS, _ADDRESS, ctypes.c_char_p
-        )
+        self._handle = _function(ros_library("librosidl_runtime_c.so"), handle, _ADDRESS, _ADDRESS, ctypes.c_char_p)
         self._memory = ctypes.create_string_buffer(_BUFFER_SIZE)
         self._buffer, self._cdr = ctypes.create_string_buffer(256), ctypes.create_string_buffer(2048)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from typing import Any
 
 import pytest
@@ -12,9 +11,12 @@ from course_kit.interfaces.type_description import type_hash
 from tests.interfaces.twins import (
     PACKAGES,
     as_message_of,
+    description_by_c,
     hash_by_c,
     message_twins,
     random_message,
+    seeded,
+    sources_by_c,
     twins_of,
 )
 
@@ -34,20 +36,29 @@ def test_hashes_are_equal(package: str) -> None:
         assert b"\1" + type_hash(compiled) == hash_by_c(compiled), compiled
 
 
+def test_descriptions_and_sources_are_equal(package: str) -> None:
+    for compiled, live in twins_of(package):
+        assert description_by_c(live) == description_by_c(compiled), compiled
+        for ours, theirs in zip(sources_by_c(live), sources_by_c(compiled), strict=True):
+            assert ours[:2] == theirs[:2]
+            # rosidl's generator miscounts texts with backslashes and cuts them off.
+            assert ours[2].rstrip() == theirs[2].rstrip() or ("\\" in ours[2] and ours[2].startswith(theirs[2]))
+
+
 def test_bytes_are_equal(package: str) -> None:
-    rng = random.Random(package)
+    rng = seeded(package)
     for compiled, live in message_twins(package):
         for message in [compiled(), *(random_message(compiled, rng) for _ in range(MESSAGES_EACH))]:
             theirs, ours = serialize_message(message), serialize_message(as_message_of(live, message))
             # rmw_serialize estimates the length, never too short, and compiled code leaves padding uninitialised.
             assert len(ours) <= len(theirs)
-            assert all(a == b or b == 0 for a, b in zip(theirs, ours, strict=False)), (compiled, theirs, ours)
+            assert all(b in (a, 0) for a, b in zip(theirs, ours, strict=False)), (compiled, theirs, ours)
             assert repr(deserialize_message(ours, compiled)) == repr(message)
             assert repr(deserialize_message(theirs, live)) == repr(message)
 
 
 def test_decoded_values_have_the_same_python_types(package: str) -> None:
-    rng = random.Random(package)
+    rng = seeded(package)
     for compiled, live in message_twins(package):
         payload = serialize_message(random_message(compiled, rng))
         theirs, ours = deserialize_message(payload, compiled), deserialize_message(payload, live)
@@ -92,7 +103,7 @@ def slot_facts(slot: Any) -> Any:
 
 
 def test_equality_and_unknown_arguments(package: str) -> None:
-    rng = random.Random(package)
+    rng = seeded(package)
     for _, live in message_twins(package):
         message = random_message(live, rng)
         assert message == message  # noqa: PLR0124 - equality is what is tested

@@ -1,0 +1,56 @@
+"""One warm worker for all gradings of a test run, and ways to write submissions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from course_kit import environment, grading
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+EXERCISE = "temperature_service"
+ROOT = environment.checkout() or Path()
+
+
+@pytest.fixture(scope="session")
+def worker() -> Iterator[grading.Worker]:
+    with grading.Worker() as running:
+        yield running
+
+
+@pytest.fixture
+def grade_source(worker: grading.Worker, tmp_path: Path) -> Callable[..., grading.Report]:
+    """Grades a text as submission to exercise 1."""
+
+    def run(source: str | bytes, name: str = "answer.py", **options: Any) -> grading.Report:
+        path = tmp_path / name
+        path.write_bytes(source if isinstance(source, bytes) else source.encode())
+        return grading.grade(EXERCISE, path, worker=worker, seed=3, **options)
+
+    return run
+
+
+@pytest.fixture
+def solution() -> str:
+    return (ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py").read_text()
+
+
+@pytest.fixture
+def strict_exercises(tmp_path: Path) -> Callable[..., Path]:
+    """A folder with exercise 1 under other limits."""
+
+    def make(**limits: float) -> Path:
+        folder = tmp_path / "exercises" / EXERCISE
+        folder.mkdir(parents=True)
+        text = (ROOT / "exercises" / EXERCISE / "exercise.toml").read_text()
+        head, _, tail = text.partition("[limits]\n")
+        kept = [line for line in tail.split("\n") if line.partition(" =")[0] not in limits]
+        lines = [f"{name} = {value}" for name, value in limits.items()]
+        (folder / "exercise.toml").write_text("\n".join([head + "[limits]", *lines, *kept]))
+        return folder.parent
+
+    return make

@@ -1,0 +1,80 @@
+"""Programs that are right, whatever their style, get full marks."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import grading
+from tests.grading.conftest import EXERCISE, ROOT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+CORRECT = sorted((ROOT / "tests" / "grading" / "correct" / EXERCISE).glob("*.py"))
+
+
+def failures(report: grading.Report) -> list[tuple[str, str, str]]:
+    return [(check.id, check.status, check.message) for check in report.checks if check.status != "passed"]
+
+
+def test_there_are_at_least_eight_styles() -> None:
+    assert len(CORRECT) >= 8
+
+
+@pytest.mark.parametrize("path", CORRECT, ids=lambda path: path.stem)
+def test_correct_program_gets_full_marks(path: Path, worker: grading.Worker) -> None:
+    report = grading.grade(EXERCISE, path, worker=worker)
+    assert failures(report) == []
+    assert (report.status, report.score, report.passed) == ("graded", 10.0, True)
+
+
+def test_solution_gets_full_marks_in_a_worker_of_its_own() -> None:
+    report = grading.grade(EXERCISE, ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py")
+    assert failures(report) == []
+    assert grading.exit_code(report) == 0
+
+
+def test_starter_fails_with_the_first_hint(worker: grading.Worker) -> None:
+    report = grading.grade(EXERCISE, ROOT / "exercises" / EXERCISE / f"{EXERCISE}.py", worker=worker)
+    first = next(check for check in report.checks if check.status == "failed")
+    assert not report.passed
+    assert grading.exit_code(report) == 1
+    assert first.id == "answers"
+    assert first.hint is not None
+    assert "empty response to fill in" in first.hint
+
+
+def test_windows_line_ends_and_byte_order_mark(grade_source: Callable[..., grading.Report], solution: str) -> None:
+    data = b"\xef\xbb\xbf" + solution.replace("\n", "\r\n").encode()
+    assert grade_source(data).score == 10.0
+
+
+def test_notebook(grade_source: Callable[..., grading.Report], solution: str) -> None:
+    imports, _, rest = solution.partition("CELSIUS =")
+    cells = [
+        {"cell_type": "markdown", "source": ["# Exercise\n"]},
+        {"cell_type": "code", "source": [f"%%submission {EXERCISE}\n", *imports.splitlines(keepends=True)]},
+        {"cell_type": "code", "source": "%matplotlib inline\nraise SystemExit('not part of it')"},
+        {"cell_type": "code", "source": f"%%submission {EXERCISE}\nCELSIUS ={rest}"},
+    ]
+    report = grade_source(json.dumps({"cells": cells}), "answer.ipynb")
+    assert failures(report) == []
+
+
+def test_same_seed_asks_the_same(grade_source: Callable[..., grading.Report], solution: str) -> None:
+    sent = [[check.sent for check in grade_source(solution).checks] for _ in range(2)]
+    assert sent[0] == sent[1]
+
+
+def test_starter_notebook_holds_the_starter() -> None:
+    from course_kit.grading import submission
+
+    folder = ROOT / "exercises" / EXERCISE
+    starter = submission.read(folder / f"{EXERCISE}.py", EXERCISE)
+    notebook = submission.read(folder / f"{EXERCISE}.ipynb", EXERCISE)
+    assert "class TemperatureService" in starter.source
+    assert "class TemperatureService" in notebook.source

@@ -1,0 +1,116 @@
+"""Each limit at its edge: below it a submission is graded, above it the report says which was hit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.grading.limits import Limits
+
+if TYPE_CHECKING:
+    from course_kit import grading
+
+Grade = "Callable[..., grading.Report]"
+Strict = "Callable[..., Path]"
+
+
+def first_diagnosis(report: grading.Report) -> str | None:
+    return next((check.diagnosis for check in report.checks if check.status == "failed"), None)
+
+
+def before(solution: str, code: str) -> str:
+    """The solution with `code` run before its node is made."""
+    return solution.replace("    rclpy.init()\n", f"    {code}\n    rclpy.init()\n")
+
+
+@pytest.mark.parametrize(("megabytes", "expected"), [(100, None), (450, "limit.memory")])
+def test_memory(
+    megabytes: int, expected: str | None, grade_source: Grade, strict_exercises: Strict, solution: str
+) -> None:
+    folder = strict_exercises(memory_mb=300)
+    source = before(solution, f"global kept; kept = bytearray(b'x' * 1_000_000 * {megabytes})")
+    assert first_diagnosis(grade_source(source, exercises=folder)) == expected
+
+
+@pytest.mark.parametrize(("threads", "expected"), [(10, None), (80, "limit.processes")])
+def test_tasks(
+    threads: int, expected: str | None, grade_source: Grade, strict_exercises: Strict, solution: str
+) -> None:
+    folder = strict_exercises(tasks=64)
+    code = (
+        f"import threading, time; [threading.Thread(target=time.sleep, args=(60,), daemon=True).start() "
+        f"for _ in range({threads})]; time.sleep(0.3)"
+    )
+    assert first_diagnosis(grade_source(before(solution, code), exercises=folder)) == expected
+
+
+@pytest.mark.parametrize(("kilobytes", "expected"), [(60, None), (140, "limit.output")])
+def test_output(
+    kilobytes: int, expected: str | None, grade_source: Grade, strict_exercises: Strict, solution: str
+) -> None:
+    folder = strict_exercises(output_kb=100)
+    report = grade_source(before(solution, f"print('a' * 1024 * {kilobytes})"), exercises=folder)
+    assert first_diagnosis(report) == expected
+    assert len(report.stdout) < 9000
+    assert "bytes left out" in report.stdout
+
+
+@pytest.mark.parametrize(("megabytes", "expected"), [(0.9, None), (1.1, "start.crash")])
+def test_file_size(
+    megabytes: float, expected: str | None, grade_source: Grade, strict_exercises: Strict, solution: str
+) -> None:
+    folder = strict_exercises(file_mb=1)
+    report = grade_source(
+        before(solution, f"open('data', 'wb').write(b'x' * int({megabytes} * 1024 * 1024))"), exercises=folder
+    )
+    assert first_diagnosis(report) == expected
+    assert ("File too large" in report.stderr) == (expected is not None)
+
+
+@pytest.mark.parametrize(("files", "expected"), [(60, None), (140, "start.crash")])
+def test_open_files(
+    files: int, expected: str | None, grade_source: Grade, strict_exercises: Strict, solution: str
+) -> None:
+    folder = strict_exercises(open_files=128)
+    code = f"global kept; kept = [open('/dev/null') for _ in range({files})]"
+    report = grade_source(before(solution, code), exercises=folder)
+    assert first_diagnosis(report) == expected
+    assert ("Too many open files" in report.stderr) == (expected is not None)
+
+
+def test_computing_time(grade_source: Grade, strict_exercises: Strict) -> None:
+    folder = strict_exercises(cpu_s=1, start_s=30.0)
+    report = grade_source("while True:\n    pass\n", exercises=folder)
+    assert first_diagnosis(report) == "limit.time"
+    assert report.duration_s < 30
+
+
+def test_wall_time(grade_source: Grade, strict_exercises: Strict) -> None:
+    folder = strict_exercises(wall_s=2.0, start_s=50.0)
+    report = grade_source("import time\nwhile True:\n    time.sleep(1)\n", exercises=folder)
+    assert first_diagnosis(report) == "limit.time"
+    assert report.duration_s < 40
+
+
+def test_slow_start_within_the_limit(grade_source: Grade, strict_exercises: Strict, solution: str) -> None:
+    folder = strict_exercises(start_s=4.0)
+    report = grade_source(before(solution, "import time; time.sleep(1.5)"), exercises=folder)
+    assert report.score == 10.0
+
+
+def test_infinite_loop_in_a_callback_names_its_line(grade_source: Grade, solution: str) -> None:
+    source = solution.replace(
+        "    if not math.isfinite(request.value):\n",
+        "    while request.value != request.value:\n        pass\n    if not math.isfinite(request.value):\n",
+    )
+    report = grade_source(source)
+    failed = [check for check in report.checks if check.status == "failed"]
+    assert [(check.id, check.diagnosis) for check in failed] == [("not_a_number", "limit.time")]
+    assert report.score == 9.0
+
+
+@pytest.mark.parametrize("values", [{"memory": 5}, {"tasks": 0}, {"cpu_s": "10"}, {"wall_s": True}])
+def test_a_mistake_in_the_limits_is_named(values: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match=next(iter(values))):
+        Limits.from_mapping(values)

@@ -1,0 +1,277 @@
+"""A type is defined anew while nodes of the old definition live, on the same names: nobody gets anything wrong."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import textwrap
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import rclpy
+from rclpy.action import ActionClient, ActionServer
+from rclpy.executors import SingleThreadedExecutor
+
+from course_kit import environment, interfaces
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+DEADLINE = 10.0
+
+
+class Graph:
+    """Two nodes in one process, spun while a test waits."""
+
+    def __init__(self, domain: int) -> None:
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=domain)
+        self.old, self.new = (rclpy.create_node(name, context=self.context) for name in ("old", "new"))
+        self.executor = SingleThreadedExecutor(context=self.context)
+        for node in (self.old, self.new):
+            self.executor.add_node(node)
+
+    def wait_for(self, condition: Callable[[], Any], what: str) -> None:
+        clock = self.old.get_clock()
+        end = clock.now().nanoseconds + DEADLINE * 1e9
+        while not condition():
+            assert clock.now().nanoseconds < end, f"waited {DEADLINE} s for {what}"
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def answer(self, client: Any, request: Any) -> Any:
+        self.wait_for(client.service_is_ready, client.srv_name)
+        future = client.call_async(request)
+        self.wait_for(future.done, f"an answer of {client.srv_name}")
+        return future.result()
+
+    def close(self) -> None:
+        self.executor.shutdown()
+        self.old.destroy_node()
+        self.new.destroy_node()
+        rclpy.shutdown(context=self.context)
+
+
+@pytest.fixture
+def graph(domain: int) -> Iterator[Graph]:
+    made = Graph(domain)
+    yield made
+    made.close()
+
+
+@pytest.fixture(autouse=True)
+def own_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """Definitions of tests are not saved among the learner's."""
+    monkeypatch.setattr(environment, "run_dir", lambda: tmp_path)
+    return tmp_path / "interfaces"
+
+
+OLD_INFO, NEW_INFO = "string name\nint32 age\n", "float64[] values\nstring name\nbool ok\n"
+OLD_ASK, NEW_ASK = (
+    "string question\n---\nint64 answer\n",
+    "int64[] question\nfloat64 weight\n---\nstring answer\nbool sure\n",
+)
+
+
+def test_topic_with_old_and_new_endpoints(graph: Graph, capfd: pytest.CaptureFixture[str]) -> None:
+    old = interfaces.define("redefined_topic/msg/Info", OLD_INFO)
+    got: dict[str, list[Any]] = {"old": [], "new": []}
+    old_publisher = graph.old.create_publisher(old, "info", 10)
+    graph.old.create_subscription(old, "info", got["old"].append, 10)
+
+    new = interfaces.define("redefined_topic/msg/Info", NEW_INFO)
+    assert new is not old
+    from redefined_topic.msg import Info
+
+    assert Info is new
+    new_publisher = graph.new.create_publisher(new, "info", 10)
+    graph.new.create_subscription(new, "info", got["new"].append, 10)
+    graph.wait_for(lambda: old_publisher.get_subscription_count() == 2, "both subscriptions")
+    graph.wait_for(lambda: new_publisher.get_subscription_count() == 2, "both subscriptions")
+    big = [0.5] * 100_000  # far beyond what the first type of that name has ever needed
+    for age in range(5):
+        old_publisher.publish(old(name="old", age=age))
+        new_publisher.publish(new(values=big, name="new", ok=True))
+    graph.wait_for(lambda: len(got["old"]) == len(got["new"]) == 5, "five messages each")
+    assert [message.age for message in got["old"]] == list(range(5))
+    assert all(message.values.tolist() == big and message.ok for message in got["new"])
+    assert capfd.readouterr().err.count("dropped a message that is not a redefined_topic/msg/Info") == 2
+
+
+def test_old_objects_do_not_pass_for_new_ones(graph: Graph) -> None:
+    old = interfaces.define("redefined_objects/msg/Info", OLD_INFO)
+    new = interfaces.define("redefined_objects/msg/Info", NEW_INFO)
+    publisher = graph.new.create_publisher(new, "info", 10)
+    with pytest.raises(TypeError):
+        publisher.publish(old())
+    assert old(name="a") != new(name="a")
+
+
+def test_service_with_old_and_new_endpoints(graph: Graph) -> None:
+    asked = []
+    old = interfaces.define("redefined_service/srv/Ask", OLD_ASK)
+
+    def old_answer(request: Any, response: Any) -> Any:
+        asked.append(request)
+        response.answer = len(request.question)
+        return response
+
+    def new_answer(request: Any, response: Any) -> Any:
+        asked.append(request)
+        response.answer, response.sure = f"{list(request.question)} {request.weight}", True
+        return response
+
+    old_service = graph.old.create_service(old, "ask", old_answer)
+    old_client = graph.old.create_client(old, "ask")
+    new = interfaces.define("redefined_service/srv/Ask", NEW_ASK)
+    new_client = graph.new.create_client(new, "ask")
+    lost = [new_client.call_async(new.Request(question=question, weight=2.0)) for question in ([], [1, 2, 3])]
+    assert graph.answer(old_client, old.Request(question="abc")).answer == 3
+    assert not any(future.done() for future in lost)
+    assert [type(request) for request in asked] == [old.Request]
+
+    graph.old.destroy_service(old_service)
+    graph.new.create_service(new, "ask", new_answer)
+    lost.append(old_client.call_async(old.Request(question="abc")))
+    for _ in range(3):
+        answer = graph.answer(new_client, new.Request(question=[1, 2], weight=0.5))
+        assert (answer.answer, answer.sure) == ("[1, 2] 0.5", True)
+    assert not any(future.done() for future in lost)
+    assert {type(request) for request in asked[1:]} == {new.Request}
+
+
+OLD_ACTION = "int32 order\n---\nint32[] sequence\n---\nint32 last\n"
+NEW_ACTION = "string word\n---\nstring[] letters\nbool complete\n---\nfloat64 progress\nstring letter\n"
+
+
+def test_action_with_old_and_new_endpoints(graph: Graph) -> None:
+    old = interfaces.define("redefined_action/action/Do", OLD_ACTION)
+
+    def old_execute(goal: Any) -> Any:
+        goal.publish_feedback(old.Feedback(last=1))
+        goal.succeed()
+        return old.Result(sequence=range(goal.request.order))
+
+    old_server = ActionServer(graph.old, old, "do", old_execute)
+    old_client = ActionClient(graph.old, old, "do")
+    new = interfaces.define("redefined_action/action/Do", NEW_ACTION)
+
+    def new_execute(goal: Any) -> Any:
+        for letter in goal.request.word:
+            goal.publish_feedback(new.Feedback(letter=letter))
+        goal.succeed()
+        return new.Result(letters=list(goal.request.word), complete=True)
+
+    new_server = ActionServer(graph.new, new, "do_new", new_execute)
+    new_client, astray = (ActionClient(graph.new, new, name) for name in ("do_new", "do"))
+    graph.wait_for(lambda: all(c.server_is_ready() for c in (old_client, new_client, astray)), "the servers")
+    lost = astray.send_goal_async(new.Goal(word="lost in the old server"))
+    assert list(run(graph, old_client, old.Goal(order=4), []).sequence) == [0, 1, 2, 3]
+    letters: list[str] = []
+    result = run(graph, new_client, new.Goal(word="abc"), letters)
+    assert (result.letters, result.complete) == (["a", "b", "c"], True)
+    assert [message.feedback.letter for message in letters] == ["a", "b", "c"]
+    assert not lost.done()
+    for each in (old_server, old_client, new_server, new_client, astray):
+        each.destroy()
+
+
+def run(graph: Graph, client: Any, goal: Any, feedback: list[Any]) -> Any:
+    sent = client.send_goal_async(goal, feedback_callback=feedback.append)
+    graph.wait_for(sent.done, "a goal's acceptance")
+    done = sent.result().get_result_async()
+    graph.wait_for(done.done, "a result")
+    return done.result().result
+
+
+def test_a_message_within_a_service_is_defined_anew() -> None:
+    interfaces.define("redefined_part/msg/Address", "string street\n")
+    before = interfaces.define("redefined_part/srv/Move", "Address to\n---\n")
+    address = interfaces.define("redefined_part/msg/Address", "string street\nint32 number\n")
+    after = interfaces.get_type("redefined_part/srv/Move")
+    assert after is not before
+    assert isinstance(after.Request().to, address)
+    assert not hasattr(before.Request().to, "number")
+    from redefined_part.srv import Move
+
+    assert Move is after
+
+
+def test_the_same_text_again_is_the_same_class() -> None:
+    first = interfaces.define("redefined_same/msg/Info", OLD_INFO)
+    assert interfaces.define("redefined_same/msg/Info", OLD_INFO) is first
+
+
+def test_an_invalid_text_leaves_the_old_definition() -> None:
+    first = interfaces.define("redefined_invalid/msg/Info", OLD_INFO)
+    with pytest.raises(interfaces.InterfaceDefinitionError):
+        interfaces.define("redefined_invalid/msg/Info", "sting name\n")
+    assert interfaces.get_type("redefined_invalid/msg/Info") is first
+
+
+PROGRAM = """
+    import sys
+    import rclpy
+    from redefined_elsewhere.srv import Ask
+
+    rclpy.init()
+    node = rclpy.create_node("elsewhere")
+    def answer(request, response):
+        print("asked", request, flush=True)
+        response.answer = type(response.answer)(len(request.question))
+        return response
+    node.create_service(Ask, "ask", answer)
+    print("ready", flush=True)
+    rclpy.spin(node)
+"""
+
+
+@contextmanager
+def program(stderr: Path) -> Iterator[None]:
+    """A process with a service of the definition that is saved at this moment."""
+    environ = environment.child_environment(COURSE_KIT_INTERFACE_PATH=os.environ["COURSE_KIT_INTERFACE_PATH"])
+    command = [sys.executable, "-c", textwrap.dedent(PROGRAM)]
+    with (
+        stderr.open("w") as errors,
+        subprocess.Popen(command, env=environ, stdout=subprocess.PIPE, stderr=errors, text=True) as started,
+    ):
+        try:
+            assert started.stdout is not None
+            assert started.stdout.readline() == "ready\n", stderr.read_text()
+            yield
+        finally:
+            started.kill()
+
+
+def test_another_process_keeps_the_old_definition(
+    graph: Graph, own_folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("COURSE_KIT_INTERFACE_PATH", str(own_folder))
+    errors = tmp_path / "errors"
+    old = interfaces.define("redefined_elsewhere/srv/Ask", OLD_ASK)
+    old_client = graph.old.create_client(old, "ask")
+    with program(errors):
+        assert graph.answer(old_client, old.Request(question="abc")).answer == 3
+        new = interfaces.define("redefined_elsewhere/srv/Ask", "int64[] question\nfloat64 weight\n---\nint64 answer\n")
+        new_client = graph.new.create_client(new, "ask")
+        graph.wait_for(new_client.service_is_ready, "/ask")
+        # Ready on this side does not mean ready on the other: the first requests may not even arrive.
+        request = new.Request(question=[1, 2], weight=1.0)
+        graph.wait_for(lambda: new_client.call_async(request) and errors.read_text(), "a complaint")
+        assert "not a redefined_elsewhere/srv/Ask_Request as this program knows it" in errors.read_text()
+        assert graph.answer(old_client, old.Request(question="abcd")).answer == 4
+    with program(errors):
+        # The killed program is still on the graph for a while, and silent: calls go to whoever answers.
+        graph.wait_for(lambda: is_answered(graph, new_client, request), "an answer of the program started anew")
+
+
+def is_answered(graph: Graph, client: Any, request: Any) -> bool:
+    future = client.call_async(request)
+    for _ in range(20):
+        graph.executor.spin_once(timeout_sec=0.05)
+        if future.done():
+            assert future.result().answer == 2
+            return True
+    return False

@@ -1,0 +1,205 @@
+"""What a learner sees, in real kernels."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import psutil
+
+if TYPE_CHECKING:
+    from tests.lab.kernel import Kernel
+
+SERVER = """
+from course_kit import lab
+from rclpy.node import Node
+from std_srvs.srv import SetBool
+
+class Server(Node):
+    def __init__(self):
+        super().__init__("server")
+        self.create_service(SetBool, "ask", self.answer)
+
+    def answer(self, request, response):
+        self.get_logger().info("asked")
+        print("printed", end=" ")
+        print(request.data)
+        if not request.data:
+            raise ValueError("no")
+        return response
+
+started = lab.start(Server)
+"""
+
+
+def test_lines_of_callbacks_land_in_order_in_the_cell_that_caused_them(kernel: Kernel) -> None:
+    started = kernel.run(SERVER + "\nstarted")
+    assert started.result["text/plain"] == "server (Server)\n    serves /ask [std_srvs/srv/SetBool]"
+    for number in range(25):
+        cell = kernel.run(
+            f"print({number})\nawait lab.call('/ask', SetBool, data=True)\n"
+            "print('between')\nanswer = await lab.call('/ask', SetBool, data=True)\nprint('after')"
+        )
+        lines = "[INFO] [server]: asked\nprinted True\n"
+        assert (cell.stdout, cell.stderr) == (f"{number}\n{lines}between\n{lines}after\n", "")
+
+
+def test_lines_land_without_an_await_too(kernel: Kernel) -> None:
+    kernel.run(SERVER)
+    kernel.run("node = lab.nodes()[0].node\nclient = node.create_client(SetBool, 'ask')")
+    for _ in range(10):
+        cell = kernel.run("client.call(SetBool.Request(data=True))\nnode.get_logger().warning('seen')\nprint('after')")
+        assert cell.stdout == "[INFO] [server]: asked\nprinted True\n[WARN] [server]: seen\nafter\n"
+        assert cell.stderr == ""
+
+
+def test_lines_of_the_very_first_cell_without_the_extension(domain: int, tmp_path: Path) -> None:
+    from tests.lab.kernel import Kernel
+
+    assert domain
+    with Kernel(cwd=tmp_path) as plain:
+        cell = plain.run(SERVER + "\nlab.call_blocking('/ask', SetBool, data=True)\nprint('after')")
+        assert "[INFO] [server]: asked\n" in cell.stdout
+        cell = plain.run("lab.call_blocking('/ask', SetBool, data=True)\nprint('after')")
+        assert cell.stdout == "[INFO] [server]: asked\nprinted True\nafter\n"
+
+
+def test_lines_stream_while_a_cell_waits(kernel: Kernel) -> None:
+    kernel.run("import asyncio\n" + SERVER)
+    message = kernel.send("lab.nodes()[0].node.create_timer(0.05, lambda: print('tick'))\nawait asyncio.sleep(30)")
+    assert "tick" in kernel.finish(message, until="tick").stdout
+    kernel.manager.interrupt_kernel()
+    assert kernel.finish(message).ok is False
+
+
+def test_a_crash_is_three_lines_with_the_learners_own(kernel: Kernel) -> None:
+    cell_number = kernel.run(SERVER + "\nprint(len(In) - 1)").stdout.strip()
+    cell = kernel.run("await lab.call('/ask', SetBool, data=False)")
+    assert cell.stderr == (
+        "server: answer raised ValueError: no\n"
+        f'  In[{cell_number}], line 15: raise ValueError("no")\n'
+        "  The caller gets no answer. In a program of its own this would end the server; here it lives on.\n"
+    )
+    assert cell.error == (
+        f"ServiceFailedError: server sent no response: answer raised ValueError: no (In[{cell_number}], line 15)"
+    )
+    assert kernel.run("await lab.call('/ask', SetBool, data=True)").ok
+
+
+def test_errors_of_the_lab_show_without_a_traceback(kernel: Kernel) -> None:
+    kernel.run(SERVER)
+    assert kernel.run("lab.stop('nobody')").error == ("LabError: 'nobody' is not running in the lab. Running: server.")
+    assert kernel.run("await lab.call('/ask', SetBool, date=True)").error.startswith("FieldError: There is no field")
+
+
+def test_the_class_edited_and_run_again_replaces(kernel: Kernel) -> None:
+    kernel.run(SERVER)
+    kernel.run(SERVER.replace('"server"', '"renamed"').replace("printed", "edited"))
+    assert kernel.run("lab.nodes()").result["text/plain"].startswith("renamed (Server)")
+    cell = kernel.run("answer = await lab.call('/ask', SetBool, data=True)")
+    assert cell.stdout == "[INFO] [renamed]: asked\nedited True\n"
+
+
+def test_rclpys_program_functions_say_what_they_mean_here(kernel: Kernel) -> None:
+    kernel.run(SERVER)
+    cell = kernel.run(
+        "import rclpy\nrclpy.init()\nrclpy.spin(lab.nodes()[0].node)\nrclpy.shutdown()\nprint(rclpy.ok())"
+    )
+    assert cell.stdout.splitlines() == [
+        "rclpy.init(): ROS is already running in this notebook; nothing to do.",
+        "rclpy.spin(): the lab spins server in the background already; nothing to do.",
+        "rclpy.shutdown(): ROS stays up in this notebook. lab.stop() stops the lab's nodes.",
+        "True",
+    ]
+
+
+def test_interrupting_an_await_a_blocking_call_and_a_spin(kernel: Kernel) -> None:
+    kernel.run(SERVER + "\nimport rclpy\nfrom rclpy.callback_groups import ReentrantCallbackGroup\n")
+    kernel.run(
+        "class Silent(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('silent')\n"
+        "        self.never = self.create_client(SetBool, 'never', callback_group=ReentrantCallbackGroup())\n"
+        "        self.create_service(SetBool, 'hush', self.wait)\n"
+        "    async def wait(self, request, response):\n"
+        "        await self.never.call_async(request)\n"
+        "        return response\n"
+        "silent = lab.start(Silent)"
+    )
+    for code in (
+        "await lab.call('/hush', SetBool, timeout=60)",
+        "lab.call_blocking('/hush', SetBool, timeout=60)",
+        "await silent.never.call_async(SetBool.Request())",
+        "rclpy.spin_until_future_complete(silent, silent.never.call_async(SetBool.Request()))",
+        "node = rclpy.create_node('mine')\nrclpy.spin(node)",
+    ):
+        message = kernel.send("print('begun', flush=True)\n" + code)
+        kernel.finish(message, until="begun")
+        kernel.manager.interrupt_kernel()
+        assert re.search("KeyboardInterrupt|CancelledError", kernel.finish(message).error), code
+    assert kernel.run("answer = await lab.call('/ask', SetBool, data=True)").ok
+
+
+def test_shutdown_and_restart_are_clean(fresh_kernel: Kernel) -> None:
+    for _ in range(3):
+        fresh_kernel.run("%load_ext course_kit")
+        fresh_kernel.run(SERVER)
+        fresh_kernel.run("timer = lab.nodes()[0].node.create_timer(0.001, lambda: None)")
+        process = psutil.Process(fresh_kernel.pid)
+        before = files_mapped_by(process)
+        fresh_kernel.client.shutdown(restart=False)
+        assert process.wait(timeout=20) in {0, None}
+        assert [file for file in before if file.exists()] == []
+        fresh_kernel.manager.restart_kernel(now=True)
+        fresh_kernel.client.wait_for_ready(timeout=40)
+
+
+def files_mapped_by(process: psutil.Process) -> list[Path]:
+    """The process's own files in shared memory; those named after ports are shared with other processes."""
+    mapped = (Path(one.path) for one in process.memory_maps())
+    return [path for path in mapped if re.fullmatch("fastrtps_[0-9a-f]{16}", path.name)]
+
+
+CYCLES = """
+import gc, os, psutil, rclpy
+process = psutil.Process()
+
+def counted():
+    gc.collect()
+    return len(process.threads()), process.num_fds(), process.memory_info().rss
+
+def cycle():
+    lab.start(Server)
+    lab.call_blocking("/ask", SetBool, data=True)
+    lab.start(Server)
+    class Server2(Server):
+        def __init__(self):
+            Node.__init__(self, "other")
+            self.create_service(SetBool, "ask2", self.answer)
+            self.timer = self.create_timer(0.01, lambda: None)
+    lab.start(Server2)
+    lab.call_blocking("/ask2", SetBool, data=True)
+    lab.stop()
+
+for _ in range(40):
+    cycle()
+before = counted()
+for _ in range(200):
+    cycle()
+after = counted()
+names = lab.current().engine.node.get_node_names()
+"""
+
+
+def test_200_cycles_of_start_replace_and_stop_leak_nothing(kernel: Kernel) -> None:
+    kernel.run("print = lambda *_, **__: None\n" + SERVER.replace("self.get_logger().info", "str"))
+    kernel.run("del print")
+    cell = kernel.run(CYCLES)
+    assert cell.ok, cell.error
+    threads, files, memory = (
+        int(number) for number in kernel.run("print(*(a - b for a, b in zip(after, before)))").stdout.split()
+    )
+    assert (threads, files) == (0, 0)
+    assert memory < 4_000_000  # bytes; one participant alone takes 7 MB
+    assert kernel.run("print([name for name in names if name in {'server', 'other'}])").stdout == "[]\n"
