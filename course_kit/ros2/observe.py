@@ -37,6 +37,7 @@ class Observer:
         self._rcl = rclpy_implementation
         self._domain_id = context.get_domain_id()
         self._started = time.monotonic()
+        self._local = sockets.is_local_only()
         self._found: frozenset[bytes] = frozenset()
         self._bound: frozenset[int] = frozenset()
         with context.handle:
@@ -74,7 +75,7 @@ class Observer:
         """Whether the last complete look still holds; what those who are known add is told by them at once."""
         return (
             bool(self._bound)
-            and sockets.is_local_only()
+            and self._local
             and sockets.participants(self._domain_id) == self._bound
             and self._participants() == self._found
             and self._all_named()
@@ -90,7 +91,7 @@ class Observer:
 
     def _is_complete(self, now: float, quiet: float) -> bool:
         """Whether everybody is there, `quiet` seconds after the last change."""
-        if not sockets.is_local_only():
+        if not self._local:
             return now - self._started >= _OPEN_DISCOVERY and (self._all_named() or quiet >= _NAMELESS)
         bound, found = sockets.participants(self._domain_id), self._participants()
         # Counted from the last complete look: one that has just died may still be known, and must not stand

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import os
 
+from course_kit import environment
+
 _PORT_BASE, _DOMAIN_GAIN, _FIRST_UNICAST = 7400, 250, 10
 _TABLES = ("/proc/net/udp", "/proc/net/udp6")
 _LOCAL_ADDRESS, _INODE = 1, 9
@@ -17,7 +19,7 @@ _LOCAL_ADDRESS, _INODE = 1, 9
 def is_local_only() -> bool:
     """Whether everybody this process can meet has a socket in the tables of this machine."""
     return (
-        os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"
+        environment.apply().only_this_machine
         and not os.environ.get("ROS_STATIC_PEERS")
         and os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps")
         and not os.environ.get("ROS_DISCOVERY_SERVER")
