@@ -102,9 +102,8 @@ def _fit_integer(value: Any, bits: int, field: str, *, signed: bool) -> int:
         raise _unfit(value, field_type, field)
     lowest, highest = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
     if not lowest <= value <= highest:
-        raise CommandError(
-            f"The field {field!r} is {_article(field_type)} {field_type}, from {lowest} to {highest}; {value} is out of range."
-        )
+        limits = f"{_article(field_type)} {field_type}, from {lowest} to {highest}"
+        raise CommandError(f"The field {field!r} is {limits}; {value} is out of range.")
     return value
 
 

@@ -15,7 +15,7 @@ from .commands import GOLDEN, Ros2, wait_until
 if TYPE_CHECKING:
     from pathlib import Path
 
-FRESH = 5  # runs; `benchmarks/ros2_command.py --settle 200` does more
+FRESH = 4  # runs; `benchmarks/ros2_command.py --settle 200` does more
 
 
 def daemon_is_running(ros2: Ros2) -> bool:
