@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from course_kit.lab.calls import Asked
     from course_kit.lab.core import Lab
     from course_kit.lab.live_nodes import NodeList
-    from course_kit.lab.scripts import Script
+    from course_kit.lab.process import Script
 
 __all__ = [
     "DeadlockError",

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     from course_kit.lab.engine import Engine
     from course_kit.lab.live_nodes import NodeList
-    from course_kit.lab.scripts import Script, Scripts
+    from course_kit.lab.process import Script
+    from course_kit.lab.scripts import Scripts
 
 
 class Lab:
