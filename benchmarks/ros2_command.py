@@ -8,6 +8,7 @@ With --settle, listings are made again and again while a node is up, and the emp
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import statistics
 import subprocess
@@ -57,7 +58,7 @@ def seconds_of(words: tuple[str, ...], environ: dict[str, str]) -> float:
 
 
 def print_timings(environ: dict[str, str]) -> None:
-    print(f"  {'ros2 ...':<48} {'real':>8} {'ours':>8} {'quartiles':>17} {'ratio':>6}  aim")
+    print(f"  {'ros2 ...':<48} {'real':>8} {'ours':>8} {'from .. to':>17} {'ratio':>6}  aim")
     taken: dict[tuple[str, ...], list[float]] = {words: [] for words in CASES}
     seconds_of(("service", "list"), environ)  # starts the daemon
     for _ in range(ROUNDS):
@@ -65,12 +66,15 @@ def print_timings(environ: dict[str, str]) -> None:
             taken[words].append(seconds_of(words, environ))
     for words, (case, aim) in CASES.items():
         real = statistics.median(recorded(case))
-        low, ours, high = statistics.quantiles(taken[words], n=4)
+        ours = statistics.median(taken[words])
         verdict = "" if aim is None else f"<= {aim:g} {'met' if ours / real <= aim else 'MISSED'}"
-        spread = f"{low * 1e3:.0f}..{high * 1e3:.0f} ms"
+        spread = f"{min(taken[words]) * 1e3:.0f}..{max(taken[words]) * 1e3:.0f} ms"
         print(f"  {' '.join(words):<48} {real:>6.2f} s {ours:>6.2f} s {spread:>17} {ours / real:>5.2f}x  {verdict}")
     interpreter = statistics.median(alone(environ) for _ in range(ROUNDS))
-    print(f"\n  Of each of ours, {interpreter * 1e3:.0f} ms are the interpreter with the ROS wheels, doing nothing.\n")
+    print(f"\n  Of each of ours, {interpreter * 1e3:.0f} ms are the interpreter with the ROS wheels, doing nothing.")
+    load, cores = os.getloadavg()[0], os.cpu_count() or 1
+    busy = " The recordings were made on an idle machine: measure again when this one is." if load > cores else ""
+    print(f"  Load average {load:.1f} on {cores} cores.{busy}\n")
 
 
 def alone(environ: dict[str, str]) -> float:

@@ -102,6 +102,9 @@ class Session:
 
     def _own_context(self) -> Any:
         if self._context is None:
+            from course_kit import environment
+
+            environment.apply()  # before rclpy, also where the autoload is turned off
             import rclpy
 
             self._context = rclpy.Context()
