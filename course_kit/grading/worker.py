@@ -52,6 +52,7 @@ _OTHER_GRAPHS = (
     "ROS_LOCALHOST_ONLY",
     "ROS_DISCOVERY_SERVER",
     "ROS_SUPER_CLIENT",
+    "COURSE_KIT_DOMAIN_ID",
     "ROS_SECURITY_ENABLE",
 )
 
@@ -160,6 +161,7 @@ def _environment(*, whole: bool, own_graph: bool) -> dict[str, str]:
         PYTHONDONTWRITEBYTECODE="1", PYTHONUNBUFFERED=None, OPENBLAS_NUM_THREADS="1", ROS_PYTHON_CHECK_FIELDS="1"
     )
     if own_graph:
+        variables["ROS_DOMAIN_ID"] = "0"  # never joined: each grading has its own, and the worker needs no lease
         for name in _OTHER_GRAPHS:
             variables.pop(name, None)
         if variables.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps"):

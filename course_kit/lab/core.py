@@ -112,7 +112,7 @@ class Lab:
         ready = topics.message_of(message_type, message, fields)
         publisher = self.engine.clients.publisher(message_type, topic)
         topics.wait_for_subscriptions(self.engine.node, publisher)
-        publisher.publish(ready)
+        topics.publish(self.engine, publisher, ready)
 
     async def next_messages(self, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:
         """See `course_kit.lab.next_messages`."""
