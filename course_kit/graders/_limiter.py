@@ -36,6 +36,7 @@ class Settings:
 
 TYPES = {"robot_name": "string", "max_velocity": "double", "wheel_diameter": "double", "enabled": "bool"}
 BOUNDS = {"max_velocity": (0.0, 5.0), "wheel_diameter": (0.01, 1.0)}
+BEYOND = 9.0  # m/s, above every valid limit
 RANGES = {
     "robot_name": "not empty",
     "max_velocity": "0.0 < max_velocity <= 5.0",

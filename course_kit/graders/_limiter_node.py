@@ -9,7 +9,7 @@ from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
 
 from course_kit.graders import _limiter
-from course_kit.graders._limiter import TYPES, Reaction, Settings
+from course_kit.graders._limiter import TYPES, Reaction, Settings, same_reaction
 from course_kit.grading.callbacks import INVALID_RESULT
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.parameters import Outcome, Remote, ensure_served, shown
@@ -82,7 +82,7 @@ class Limiter:
         return (hear(LIMITED.interface, LIMITED.name).messages, hear(WHEEL.interface, WHEEL.name).messages)
 
     def expect(
-        self, settings: Settings, twist: Any, part: str, *, before: Settings | None = None, sent: str = ""
+        self, settings: Settings, twist: Any, part: str, *, was: Reaction | None = None, sent: str = ""
     ) -> Evidence:
         """The command `twist` has the effect that the settings give it.
 
@@ -90,7 +90,7 @@ class Limiter:
             settings: the settings in force.
             twist: the command.
             part: VELOCITY, WHEELS or BOTH, what is looked at.
-            before: the settings before a change; acting on them still is parameter.read_once.
+            was: what came out for the same command before a change; the same after it is parameter.read_once.
             sent: what was done before, for the evidence.
 
         Raises:
@@ -103,8 +103,8 @@ class Limiter:
             if fits(settings, twist, part, got):
                 return replace(evidence, got=_shown(got, part))
         evidence = replace(evidence, got=_shown(got, part))
-        if before is not None and fits(before, twist, part, got):
-            message = "The change was accepted, and what comes out is what the old value gives."
+        if was is not None and same_reaction(was, got):
+            message = "The change was accepted, and what comes out is the same as before it."
             raise Failed(evidence, message, "parameter.read_once")
         raise self._wrong(settings, twist, part, got, evidence)
 
@@ -127,6 +127,16 @@ class Limiter:
 def endpoints(bench: Bench) -> tuple[Exchange, Heard]:
     """The grader's ends of the four topics; the sooner they are made, the sooner they are connected."""
     return Exchange(bench, COMMAND, (LIMITED, WHEEL)), bench.tester.hear(STATUS.interface, STATUS.name)
+
+
+def drawn(bench: Bench, low: float, high: float) -> float:
+    """A value with one decimal place, which survives whatever format a status line is written in."""
+    return round(bench.random.uniform(low, high), 1)
+
+
+def rest(bench: Bench) -> dict[str, float]:
+    """Values for the fields of a command that pass unchanged."""
+    return {name: bench.random.uniform(-1.0, 1.0) for name in ("linear_y", "linear_z", "angular_x", "angular_z")}
 
 
 def fits(settings: Settings, twist: Any, part: str, got: Reaction) -> bool:

@@ -5,20 +5,21 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.graders._limiter import Settings, command, parameter_file, right_reaction, yaml
+from course_kit.graders._limiter import BEYOND, TYPES, Settings, command, parameter_file, right_reaction, yaml
 from course_kit.graders._limiter import shown as shown_command
-from course_kit.graders._limiter_node import BOTH, NODE, VELOCITY, Limiter, endpoints, fits
+from course_kit.graders._limiter_node import BOTH, NODE, Limiter, endpoints, fits
+from course_kit.graders._limiter_status import expect_status
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.parameters import expect_served, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from course_kit.grading.bench import Bench
 
 _FILE = "parameters.yaml"
-_BEYOND = 9.0  # m/s, above every valid limit
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
+_ENDED = ("start.crash", "start.exit")
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 
 
@@ -33,13 +34,13 @@ def expect_arguments(bench: Bench, values: Mapping[str, Any]) -> Evidence:
     try:
         limiter = _start(bench, arguments, {}, sent)
         settings = _require_values(limiter, values, sent)
-        return _require_effect(limiter, settings, BOTH, sent)
+        return _require_effect(limiter, settings, sent)
     finally:
         bench.spoil()  # whatever comes next needs a start without arguments
 
 
 def expect_file(bench: Bench, values: Mapping[str, Any]) -> Evidence:
-    """Values in a file of parameters are in force, `enabled: false` among them.
+    """Values in a file of parameters are in force, on the topics and in the status line.
 
     Raises:
         Failed: they are not; as in `expect_arguments`.
@@ -49,9 +50,8 @@ def expect_file(bench: Bench, values: Mapping[str, Any]) -> Evidence:
     try:
         limiter = _start(bench, ["--ros-args", "--params-file", _FILE], {_FILE: text}, sent)
         settings = _require_values(limiter, values, sent)
-        evidence = _require_effect(limiter, settings, VELOCITY, sent)
-        _require_effect(limiter, limiter.set(enabled=True), VELOCITY, f"{sent}; then enabled=True")
-        return evidence
+        _require_effect(limiter, settings, sent)
+        return _ignoring(lambda: expect_status(bench, limiter.status, settings, sent=sent))
     finally:
         bench.spoil()
 
@@ -86,8 +86,18 @@ def _start(bench: Bench, arguments: list[str], files: Mapping[str, str], sent: s
     try:
         expect_served(bench, NODE)
     except Failed as failed:
-        raise Failed(replace(failed.evidence, sent=sent), failed.message, failed.diagnosis) from None
+        evidence = replace(failed.evidence, sent=sent)
+        if failed.diagnosis in _ENDED and _names_a_parameter(bench):
+            message = f"Started with values that are valid, your program ended. {failed.message}"
+            raise Failed(evidence, message, "validation.overzealous") from None
+        raise Failed(evidence, failed.message, failed.diagnosis) from None
     return Limiter(bench)
+
+
+def _names_a_parameter(bench: Bench) -> bool:
+    """Whether the last words of a program are about a parameter, so that it has ended because of its value."""
+    told = bench.life().stderr.rstrip().rpartition("\n")[2] or bench.life().stdout.rstrip().rpartition("\n")[2]
+    return any(name in told for name in TYPES)
 
 
 def _require_values(limiter: Limiter, values: Mapping[str, Any], sent: str) -> Settings:
@@ -100,9 +110,14 @@ def _require_values(limiter: Limiter, values: Mapping[str, Any], sent: str) -> S
     return settings
 
 
-def _require_effect(limiter: Limiter, settings: Settings, part: str, sent: str) -> Evidence:
+def _require_effect(limiter: Limiter, settings: Settings, sent: str) -> Evidence:
+    return _ignoring(lambda: limiter.expect(settings, command(BEYOND), BOTH, sent=sent))
+
+
+def _ignoring(look: Callable[[], Evidence]) -> Evidence:
+    """What was right in the first run and is wrong with a value given at the start goes back to that value."""
     try:
-        return limiter.expect(settings, command(_BEYOND), part, sent=sent)
+        return look()
     except Failed as failed:
         if failed.diagnosis not in (None, "math.formula"):
             raise
@@ -118,7 +133,7 @@ def _judge_invalid(bench: Bench, name: str, value: Any, evidence: Evidence) -> E
         if bench.life(fresh=True).running:
             raise Failed(replace(failed.evidence, sent=evidence.sent), failed.message, failed.diagnosis) from None
         return _require_told(bench, (name,), replace(evidence, got="the program ended"))
-    twist = command(_BEYOND)
+    twist = command(BEYOND)
     got = Limiter(bench).react(twist, replace(evidence, sent=f"{evidence.sent}; {shown_command(twist)}"))
     if not fits(Settings(), twist, BOTH, got):
         default = right_reaction(Settings(), twist)

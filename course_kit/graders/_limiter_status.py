@@ -20,12 +20,12 @@ _WATCHED_S = 5.0
 
 
 def expect_status(
-    bench: Bench, heard: Heard, settings: Settings, *, before: Settings | None = None, sent: str = ""
+    bench: Bench, heard: Heard, settings: Settings, *, was: str | None = None, sent: str = ""
 ) -> Evidence:
     """The next line tells these settings; or the one after it, as one may be on its way.
 
     Raises:
-        Failed: it does not; with topic.silent, or parameter.read_once when it tells those `before` a change.
+        Failed: it does not; with topic.silent, or parameter.read_once when it is what it `was` before a change.
     """
     evidence = Evidence(sent, f"on /status: {status_line(settings)}")
     first = len(heard.messages)
@@ -37,8 +37,8 @@ def expect_status(
         evidence = replace(evidence, got=f"on /status: {line}")
         if status_fits(settings, line):
             return evidence
-    if before is not None and status_fits(before, line):
-        raise Failed(evidence, "The change was accepted, and /status tells the old values.", "parameter.read_once")
+    if line == was:
+        raise Failed(evidence, "The change was accepted, and /status is as before.", "parameter.read_once")
     raise Failed(evidence, _what_is_wrong(settings, line))
 
 

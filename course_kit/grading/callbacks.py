@@ -83,14 +83,18 @@ def _of_parameters(raised: Raised, job: Job) -> endings.Cause | None:
     if raised.type == "ParameterNotDeclaredException":
         return "parameter.undeclared", f"{raised.text}{where}."
     if raised.type == "InvalidParameterValueException" and INVALID_RESULT in raised.text:
-        message = "Your set-parameters callback runs on each declaration, too, and returned no SetParametersResult there."
+        message = (
+            "Your set-parameters callback runs on each declaration, too, and returned no SetParametersResult there."
+        )
         return "parameter.bad_callback", message
     functions = [frame.function for frame in raised.frames]
     judging = _JUDGES in functions and any(
         frame.file == job.name for frame in raised.frames[functions.index(_JUDGES) + 1 :]
     )
     if judging:
-        message = f"Your set-parameters callback raised {raised.describe()}{where}: whoever set the value gets no answer."
+        message = (
+            f"Your set-parameters callback raised {raised.describe()}{where}: whoever set the value gets no answer."
+        )
         return "parameter.bad_callback", message
     if raised.type == "InvalidParameterTypeException":
         return "parameter.type", f"{raised.text}{where}."

@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
 from rclpy.parameter import Parameter, parameter_value_to_python
 
@@ -18,6 +17,8 @@ from course_kit.grading.checks import Evidence, Failed
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from rcl_interfaces.msg import Parameter as ParameterMessage
 
     from course_kit.grading.bench import Bench
 
