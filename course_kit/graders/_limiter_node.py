@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,9 @@ from course_kit.grading.topics import Exchange, Topic
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from types import TracebackType
+
+    from typing_extensions import Self
 
     from course_kit.grading.bench import Bench
     from course_kit.grading.tester import Heard
@@ -32,7 +36,11 @@ _ACCEPTED = "it is accepted: the value is valid"
 
 
 class Limiter:
-    """The running submission; each check makes its own."""
+    """The running submission; each check makes its own.
+
+    As a context manager it puts the parameters back to what they were before: the next check, and with `--attach`
+    the next grading, meets the node as this one did.
+    """
 
     def __init__(self, bench: Bench) -> None:
         """Meet the submission, started again if it has died.
@@ -43,6 +51,17 @@ class Limiter:
         self._bench = bench
         self.remote: Remote = ensure_served(bench, NODE)
         self._exchange, self.status = endpoints(bench)
+
+    def __enter__(self) -> Self:
+        self._before = self.settings()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if not self._bench.spoiled:
+            with suppress(Failed):  # what is wrong with it was or will be said by the checks themselves
+                self.remote.set_together(self._before.to_mapping())
 
     def settings(self) -> Settings:
         """The values in force, as the node's own services report them."""

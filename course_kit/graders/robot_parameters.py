@@ -94,60 +94,60 @@ def defaults(bench: Bench) -> Evidence:
 @check(points=1.0, depends_on=["types", "topics"])
 def reacts(bench: Bench) -> Evidence:
     """A command on /cmd_vel_in brings a message on /cmd_vel and on /wheel_speed."""
-    limiter = Limiter(bench)
-    limiter.driving()
-    twist = command(0.1)
-    expected = "a message on /cmd_vel and one on /wheel_speed"
-    limiter.react(twist, Evidence(shown(twist), expected))
-    return Evidence(shown(twist), expected, expected)
+    with Limiter(bench) as limiter:
+        limiter.driving()
+        twist = command(0.1)
+        expected = "a message on /cmd_vel and one on /wheel_speed"
+        limiter.react(twist, Evidence(shown(twist), expected))
+        return Evidence(shown(twist), expected, expected)
 
 
 @check(points=1.5, depends_on=["reacts"])
 def limits(bench: Bench) -> Evidence:
     """linear.x is limited in both directions, and nothing else is changed."""
-    limiter = Limiter(bench)
-    settings = limiter.driving()
-    within = settings.max_velocity * bench.random.uniform(0.2, 0.9)
-    limiter.expect(settings, command(within, **rest(bench)), VELOCITY)
-    limiter.expect(settings, command(-within, **rest(bench)), VELOCITY)
-    limiter.expect(settings, command(-BEYOND, **rest(bench)), VELOCITY)
-    return limiter.expect(settings, command(BEYOND, **rest(bench)), VELOCITY)
+    with Limiter(bench) as limiter:
+        settings = limiter.driving()
+        within = settings.max_velocity * bench.random.uniform(0.2, 0.9)
+        limiter.expect(settings, command(within, **rest(bench)), VELOCITY)
+        limiter.expect(settings, command(-within, **rest(bench)), VELOCITY)
+        limiter.expect(settings, command(-BEYOND, **rest(bench)), VELOCITY)
+        return limiter.expect(settings, command(BEYOND, **rest(bench)), VELOCITY)
 
 
 @check(points=1.0, depends_on=["reacts"])
 def wheel_speed(bench: Bench) -> Evidence:
     """/wheel_speed is the wheel's speed in rad/s for the published velocity."""
-    limiter = Limiter(bench)
-    settings = limiter.driving()
-    for speed in (0.0, -settings.max_velocity * 0.37, BEYOND):
-        limiter.expect(settings, command(speed), WHEELS)
-    return limiter.expect(settings, command(settings.max_velocity * bench.random.uniform(0.2, 0.9)), WHEELS)
+    with Limiter(bench) as limiter:
+        settings = limiter.driving()
+        for speed in (0.0, -settings.max_velocity * 0.37, BEYOND):
+            limiter.expect(settings, command(speed), WHEELS)
+        return limiter.expect(settings, command(settings.max_velocity * bench.random.uniform(0.2, 0.9)), WHEELS)
 
 
 @check(points=0.5, depends_on=["reacts"])
 def one_each(bench: Bench) -> Evidence:
     """Each command brings exactly one message on each topic."""
-    limiter = Limiter(bench)
-    limiter.driving()
-    burst = [command(0.01 * number) for number in range(1, _BURST + 1)]
-    expected = f"{_BURST} messages on /cmd_vel and {_BURST} on /wheel_speed"
-    evidence = Evidence(f"{_BURST} commands on /cmd_vel_in", expected)
-    before = [len(heard) for heard in limiter.heard()]
-    limiter.react_to_all(burst, evidence)
-    limiter.react(command(0.0), evidence)  # on each topic the messages come in order: what came before this is all
-    counts = [len(heard) - had - 1 for heard, had in zip(limiter.heard(), before, strict=True)]
-    got = f"{counts[0]} messages on /cmd_vel and {counts[1]} on /wheel_speed"
-    evidence = Evidence(evidence.sent, expected, got)
-    if counts != [_BURST, _BURST]:
-        raise Failed(evidence, "Publish once for each command, in the callback that receives it.")
-    return evidence
+    with Limiter(bench) as limiter:
+        limiter.driving()
+        burst = [command(0.01 * number) for number in range(1, _BURST + 1)]
+        expected = f"{_BURST} messages on /cmd_vel and {_BURST} on /wheel_speed"
+        evidence = Evidence(f"{_BURST} commands on /cmd_vel_in", expected)
+        before = [len(heard) for heard in limiter.heard()]
+        limiter.react_to_all(burst, evidence)
+        limiter.react(command(0.0), evidence)  # on each topic the messages come in order: what came before this is all
+        counts = [len(heard) - had - 1 for heard, had in zip(limiter.heard(), before, strict=True)]
+        got = f"{counts[0]} messages on /cmd_vel and {counts[1]} on /wheel_speed"
+        evidence = Evidence(evidence.sent, expected, got)
+        if counts != [_BURST, _BURST]:
+            raise Failed(evidence, "Publish once for each command, in the callback that receives it.")
+        return evidence
 
 
 @check(points=1.0, depends_on=["types", "topics"])
 def status(bench: Bench) -> Evidence:
     """/status tells the name and the velocity."""
-    limiter = Limiter(bench)
-    return expect_status(bench, limiter.status, limiter.settings())
+    with Limiter(bench) as limiter:
+        return expect_status(bench, limiter.status, limiter.settings())
 
 
 @check(points=0.5, depends_on=["status"], deadline_s=12.0)

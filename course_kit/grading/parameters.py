@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
 from rclpy.parameter import Parameter, parameter_value_to_python
 
@@ -71,7 +72,10 @@ class Remote:
 
     def values(self, names: Sequence[str]) -> dict[str, Value]:
         """The values of these parameters; one that is not declared, or has no value yet, counts as not set."""
-        return {name: self._value(name) for name in names}  # one by one: rclpy answers all or none
+        found = self._get(names)
+        if len(found) != len(names):  # rclpy answers for all or for none
+            found = [next(iter(self._get([name])), ParameterValue()) for name in names]
+        return {name: _value(value) for name, value in zip(names, found, strict=True)}
 
     def set(self, name: str, value: Any) -> Outcome:
         """Set one parameter."""
@@ -87,12 +91,9 @@ class Remote:
         result = self._call("set_parameters_atomically", request, evidence).result
         return Outcome(result.successful, result.reason)
 
-    def _value(self, name: str) -> Value:
-        evidence = Evidence(f"get_parameters: {name}", "its value")
-        found = self._call("get_parameters", GetParameters.Request(names=[name]), evidence).values
-        if not found or found[0].type == Parameter.Type.NOT_SET.value:
-            return Value(_NOT_SET, None)
-        return Value(type_name(found[0].type), parameter_value_to_python(found[0]))
+    def _get(self, names: Sequence[str]) -> list[ParameterValue]:
+        evidence = Evidence(f"get_parameters: {', '.join(names)}", "their values")
+        return list(self._call("get_parameters", GetParameters.Request(names=list(names)), evidence).values)
 
     def _call(self, verb: str, request: Any, evidence: Evidence) -> Any:
         bench = self._bench
@@ -104,11 +105,6 @@ class Remote:
             if bench.wait_until(future.done, silence.ANSWER_S):
                 return future.result()
             raise callbacks.unanswered(bench, evidence)
-
-
-def type_name(number: int) -> str:
-    """The name of a type of rcl_interfaces/msg/ParameterType: `double`, `integer`, `string`, `bool`."""
-    return str(Parameter.Type(number).name).lower()
 
 
 def shown(values: Mapping[str, Any]) -> str:
@@ -170,6 +166,12 @@ def _not_served(bench: Bench, node: str, expected: str) -> Failed:
         message = f"The graph has {graph.listed(nodes, 'node')}, and none is called {node}.{graph.closest(node, nodes)}"
         return Failed(evidence, message, "name.node")
     return Failed(evidence, *graph.why_empty(bench, node)[::-1])
+
+
+def _value(message: ParameterValue) -> Value:
+    if message.type == Parameter.Type.NOT_SET.value:
+        return Value(_NOT_SET, None)
+    return Value(str(Parameter.Type(message.type).name).lower(), parameter_value_to_python(message))
 
 
 def _message(name: str, value: Any) -> ParameterMessage:
