@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.graders._limiter import BEYOND, TYPES, Settings, command, parameter_file, right_reaction, yaml
 from course_kit.graders._limiter import shown as shown_command
-from course_kit.graders._limiter_node import BOTH, NODE, Limiter, endpoints, fits
+from course_kit.graders._limiter_node import BOTH, NODE, VELOCITY, Limiter, endpoints, fits
 from course_kit.graders._limiter_status import expect_status
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.parameters import expect_served, shown
@@ -34,7 +34,7 @@ def expect_arguments(bench: Bench, values: Mapping[str, Any]) -> Evidence:
     try:
         limiter = _start(bench, arguments, {}, sent)
         settings = _require_values(limiter, values, sent)
-        return _require_effect(limiter, settings, sent)
+        return _require_effect(limiter, settings, BOTH, sent)
     finally:
         bench.spoil()  # whatever comes next needs a start without arguments
 
@@ -50,7 +50,7 @@ def expect_file(bench: Bench, values: Mapping[str, Any]) -> Evidence:
     try:
         limiter = _start(bench, ["--ros-args", "--params-file", _FILE], {_FILE: text}, sent)
         settings = _require_values(limiter, values, sent)
-        _require_effect(limiter, settings, sent)
+        _require_effect(limiter, settings, VELOCITY, sent)
         return _ignoring(lambda: expect_status(bench, limiter.status, settings, sent=sent))
     finally:
         bench.spoil()
@@ -110,8 +110,8 @@ def _require_values(limiter: Limiter, values: Mapping[str, Any], sent: str) -> S
     return settings
 
 
-def _require_effect(limiter: Limiter, settings: Settings, sent: str) -> Evidence:
-    return _ignoring(lambda: limiter.expect(settings, command(BEYOND), BOTH, sent=sent))
+def _require_effect(limiter: Limiter, settings: Settings, part: str, sent: str) -> Evidence:
+    return _ignoring(lambda: limiter.expect(settings, command(BEYOND), part, sent=sent))
 
 
 def _ignoring(look: Callable[[], Evidence]) -> Evidence:
