@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import signal
+import time
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +26,7 @@ class Usage:
 
     Attributes:
         cpu_s: seconds of computing.
-        waited_s: seconds their threads were ready to run and the machine gave them no processor.
+        waited_s: seconds the thread that suffered most was ready to run and the machine gave it no processor.
         tasks: processes and threads.
         memory: resident bytes, what forks share counted for each of them.
     """
@@ -65,23 +66,31 @@ def usage(process_ids: Iterable[int]) -> Usage:
             cpu_s += (int(fields[11]) + int(fields[12])) / _TICKS
             tasks += int(fields[17])
             memory += int(fields[21]) * _PAGE
-            waited_s += _waited(process_id)
+            waited_s = max(waited_s, _waited(process_id))
     return Usage(cpu_s, waited_s, tasks, memory)
 
 
-def own_memory(process_ids: Iterable[int]) -> int:
+def own_memory(process_ids: Iterable[int], patience_s: float) -> int:
     """Bytes of memory these processes take from the machine: pages that forks share are counted once.
 
-    Exact and slow (smaps_rollup); a process that hides the figures is taken at its resident size.
+    Exact and slow, for a process that is just forking very slow: stops after `patience_s` seconds with what it has.
     """
+    deadline = time.monotonic() + patience_s
     total = 0
     for process_id in process_ids:
-        try:
-            text = Path(f"/proc/{process_id}/smaps_rollup").read_text(encoding="ascii")
-            total += next(int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")) * 1024
-        except (OSError, ValueError, StopIteration):
-            total += usage([process_id]).memory
+        total += _proportional(process_id)
+        if time.monotonic() > deadline:
+            break
     return total
+
+
+def _proportional(process_id: int) -> int:
+    """Resident bytes, shared ones divided by their users; all of them for a process that hides the figures."""
+    try:
+        text = Path(f"/proc/{process_id}/smaps_rollup").read_text(encoding="utf-8")
+        return next(int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")) * 1024
+    except (OSError, ValueError, StopIteration):
+        return usage([process_id]).memory
 
 
 def tasks_of_user(user: int) -> int:
@@ -96,7 +105,7 @@ def tasks_of_user(user: int) -> int:
 
 
 def own_waiting() -> float:
-    """Seconds the threads of this process were ready to run and got no processor."""
+    """Seconds the thread of this process that suffered most was ready to run and got no processor."""
     with suppress(OSError, ValueError, IndexError):
         return _waited(this_process())
     return 0.0
@@ -138,9 +147,9 @@ def _stat(process_id: int) -> list[str]:
 
 
 def _waited(process_id: int) -> float:
-    nanoseconds = 0
+    longest = 0
     folder = f"/proc/{process_id}/task"
     for thread in os.listdir(folder):  # noqa: PTH208 - hot
-        with suppress(OSError, ValueError, IndexError), open(f"{folder}/{thread}/schedstat", encoding="ascii") as file:  # noqa: PTH123
-            nanoseconds += int(file.read().split()[1])
-    return nanoseconds / 1e9
+        with suppress(OSError, ValueError, IndexError), open(f"{folder}/{thread}/schedstat", encoding="utf-8") as file:  # noqa: PTH123
+            longest = max(longest, int(file.read().split()[1]))
+    return longest / 1e9

@@ -10,6 +10,7 @@ from __future__ import annotations
 import socket
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,8 @@ PROFILE = Path(__file__).with_name("loopback.xml")
 _START_S = 60.0  # importing everything from a cold disk on a loaded machine
 _GRACE_S = 60.0  # beyond the wall time; a worker that is later than that hangs, by a fault of ours
 _STOP_S = 5.0
+# Python 3.12 warns of forks beside other threads; those of the tracing library take no lock of ours.
+_FORKS_ARE_MEANT = "ignore:This process:DeprecationWarning"
 # What a program needs to run ROS; everything else, tokens among it, stays out of a submission's reach.
 _PASSED_ON = ("LANG", "LANGUAGE", "TZ", "PATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "HOME", "TMPDIR", "XDG_STATE_HOME")
 _PASSED_ON_PREFIXES = (
@@ -49,6 +52,7 @@ _OTHER_GRAPHS = (
     "ROS_LOCALHOST_ONLY",
     "ROS_DISCOVERY_SERVER",
     "ROS_SUPER_CLIENT",
+    "COURSE_KIT_DOMAIN_ID",
     "ROS_SECURITY_ENABLE",
 )
 
@@ -64,17 +68,26 @@ class Worker:
             own_graph: False to grade nodes on the graph this environment belongs to.
         """
         ours, theirs = socket.socketpair()
+        self._said = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the worker; a pipe nobody reads would fill up
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "course_kit.grading.worker_process", str(theirs.fileno())],
+                [
+                    sys.executable,
+                    "-W",
+                    _FORKS_ARE_MEANT,
+                    "-m",
+                    "course_kit.grading.worker_process",
+                    str(theirs.fileno()),
+                ],
                 env=_environment(whole=whole_environment, own_graph=own_graph),
                 stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
+                stdout=self._said,
                 stderr=subprocess.STDOUT,
                 pass_fds=[theirs.fileno()],
                 start_new_session=True,
             )
         self._channel = Channel(ours)
+        self._closing = False
         self._greeting: dict[str, Any] | None = None
 
     def __enter__(self) -> Self:
@@ -120,24 +133,27 @@ class Worker:
 
     def close(self) -> None:
         """End the process and everything it has started."""
-        self._channel.close()  # it notices, ends what it has under way, and stops
+        self._closing = True
+        self._channel.hang_up()  # it notices, ends what it has under way, and stops
         try:
             self._process.wait(_STOP_S)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        if self._process.stdout is not None:
-            self._process.stdout.close()
+        self._said.close()
 
     def _last_words(self) -> str:
         """What the process has printed, when it has ended; it prints nothing as long as all is well."""
         try:
-            said, _ = self._process.communicate(timeout=_STOP_S)
+            status = self._process.wait(_STOP_S)
         except subprocess.TimeoutExpired:
             self._process.kill()
-            said, _ = self._process.communicate()
-        lines = said.decode("utf-8", errors="replace").strip().splitlines()
-        return lines[-1] if lines else f"Its exit status was {self._process.returncode}."
+            status = self._process.wait()
+        if self._closing:
+            return "It was closed meanwhile."
+        self._said.seek(0)
+        lines = self._said.read().decode("utf-8", errors="replace").strip().splitlines()
+        return lines[-1] if lines else f"Its exit status was {status}."
 
 
 def _environment(*, whole: bool, own_graph: bool) -> dict[str, str]:
@@ -145,6 +161,7 @@ def _environment(*, whole: bool, own_graph: bool) -> dict[str, str]:
         PYTHONDONTWRITEBYTECODE="1", PYTHONUNBUFFERED=None, OPENBLAS_NUM_THREADS="1", ROS_PYTHON_CHECK_FIELDS="1"
     )
     if own_graph:
+        variables["ROS_DOMAIN_ID"] = "0"  # never joined: each grading has its own, and the worker needs no lease
         for name in _OTHER_GRAPHS:
             variables.pop(name, None)
         if variables.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps"):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import rclpy.utilities
 
-from course_kit.lab import bridge, graph, guards
+from course_kit.lab import actions, bridge, graph, guards
 from course_kit.lab.clients import Clients, OtherTypeError
 from course_kit.lab.describe import display_name, is_alive
 from course_kit.lab.errors import DeadlockError, ServiceFailedError, ServiceNotFoundError
@@ -73,6 +73,7 @@ class Engine:
 
     def _install(self) -> None:
         guards.install(self._patches, self)
+        actions.install(self._patches, self.callback_crashed)
         self.nodes.watch(self._patches)
         self._tapping.tap_sending(self._patches)
         bridge.install(self._patches, lambda future: guards.check_await(self, future), self.settle)
@@ -114,6 +115,19 @@ class Engine:
     def destroy_subscription(self, subscription: Any) -> None:
         """Destroy a subscription of the lab's node."""
         self.spinner.run_between_callbacks(lambda: self.node.destroy_subscription(subscription), 1.0)
+
+    def subscriptions(self, topic: str, message_type: Any) -> set[Any]:
+        """The subscriptions of the lab's nodes to a topic."""
+        return {
+            one
+            for live in self.nodes
+            for one in live.node.subscriptions
+            if one.topic_name == topic and one.msg_type is message_type
+        }
+
+    def listen_for_deliveries(self, told: Callable[[Any], None], *, listen: bool) -> None:
+        """Begin or end to call `told` with each subscription whose callback has had a message."""
+        (self._tapping.on_delivery.add if listen else self._tapping.on_delivery.discard)(told)
 
     def why_no_answer(self, service: str) -> str:
         """What is known about a server that does not answer."""

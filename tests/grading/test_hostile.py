@@ -30,6 +30,16 @@ for descriptor in range(3, 256):
         except OSError:
             pass
 """,
+    "sends_strange_notes": """
+import os
+for note in (b'{"note": 3}', b'{"note": {"functions": 5, "returned": [], "node_classes": {"a": 1}, "limit": "time"}}',
+             b'{"note": {"classes": [[[]], 7, null], "functions": [{}]}}', b'{"note": ' + b"[" * 60000):
+    for descriptor in range(3, 256):
+        try:
+            os.write(descriptor, b"\\n" + note + b"\\n")
+        except OSError:
+            pass
+""",
     "leaves_at_once": "import os\nos._exit(0)\n",
     "kills_its_parents": """
 import os, signal
@@ -155,7 +165,7 @@ def test_server_left_behind_does_not_help_the_next(
     grade_source: Callable[..., grading.Report], lock: Path, solution: str
 ) -> None:
     serve = f"exec({solution!r}, {{'__name__': '__main__'}})"
-    grade_source(DAEMON.format(lock=str(lock), body=serve, then=solution))
+    grade_source(DAEMON.format(lock=str(lock), body=serve, then="time.sleep(1)"))
     report = grade_source("import time\ntime.sleep(2)\n")
     assert report.score == 0.0
     assert report.checks[0].diagnosis == "start.nothing"

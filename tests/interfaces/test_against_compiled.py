@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import Any
 
 import pytest
@@ -11,10 +12,12 @@ from course_kit.interfaces.type_description import type_hash
 from tests.interfaces.twins import (
     PACKAGES,
     as_message_of,
+    description_by_c,
     hash_by_c,
     message_twins,
     random_message,
     seeded,
+    sources_by_c,
     twins_of,
 )
 
@@ -32,6 +35,15 @@ def test_hashes_are_equal(package: str) -> None:
         assert hash_by_c(live) == hash_by_c(compiled), compiled
         # The compiled class described by our own code, too: its nested types appear in live descriptions.
         assert b"\1" + type_hash(compiled) == hash_by_c(compiled), compiled
+
+
+def test_descriptions_and_sources_are_equal(package: str) -> None:
+    for compiled, live in twins_of(package):
+        assert description_by_c(live) == description_by_c(compiled), compiled
+        for ours, theirs in zip(sources_by_c(live), sources_by_c(compiled), strict=True):
+            assert ours[:2] == theirs[:2]
+            if ours[2].isascii() and not set("'\\") & set(ours[2]):  # rosidl's generator cuts others off
+                assert ours[2].rstrip() == theirs[2].rstrip()
 
 
 def test_bytes_are_equal(package: str) -> None:
@@ -68,7 +80,7 @@ def facts(cls: Any) -> dict[str, Any]:
         "name": cls.__name__,
         "module": cls.__module__,
         "metaclass": type(cls).__name__,
-        "documentation": [cls.__doc__, type(cls).__doc__],
+        "documentation": [inspect.getdoc(cls), inspect.getdoc(type(cls))],
         "attributes": sorted(name for name in dir(cls) if not name.startswith("__")),
     }
     if hasattr(cls, "SLOT_TYPES"):
