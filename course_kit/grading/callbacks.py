@@ -45,9 +45,15 @@ def explained(bench: Bench, evidence: Evidence) -> Iterator[None]:
 
 def of_start(life: Life, job: Job) -> endings.Cause:
     """Why a submission ended before it was up, mistakes with its parameters told apart."""
-    raised = last_exception(life.stderr, job.name)
-    if raised is not None and endings.of_limit(life, job) is None and (cause := _of_parameters(raised, job)):
-        return cause
+    if endings.of_limit(life, job) is None:
+        if INVALID_RESULT in life.stderr:  # rclpy warns of it, whoever catches the exception that follows
+            message = (
+                "Your set-parameters callback runs on each declaration as well, and returned no SetParametersResult."
+            )
+            return "parameter.bad_callback", message
+        raised = last_exception(life.stderr, job.name)
+        if raised is not None and (cause := _of_parameters(raised, job)):
+            return cause
     return endings.of_start(life, job)
 
 
@@ -82,11 +88,6 @@ def _of_parameters(raised: Raised, job: Job) -> endings.Cause | None:
     where = _where(raised, job)
     if raised.type == "ParameterNotDeclaredException":
         return "parameter.undeclared", f"{raised.text}{where}."
-    if raised.type == "InvalidParameterValueException" and INVALID_RESULT in raised.text:
-        message = (
-            "Your set-parameters callback runs on each declaration, too, and returned no SetParametersResult there."
-        )
-        return "parameter.bad_callback", message
     functions = [frame.function for frame in raised.frames]
     judging = _JUDGES in functions and any(
         frame.file == job.name for frame in raised.frames[functions.index(_JUDGES) + 1 :]

@@ -20,7 +20,7 @@ from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.tester import DEPTH
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from course_kit.grading.bench import Bench
     from course_kit.grading.tester import Endpoint, Heard
@@ -29,6 +29,7 @@ HEARD_S = 2.0  # how long the message that answers another one is waited for
 _GRAPH_S = 2.0  # how long an endpoint is waited for, of a node that is up
 _AGAIN_S = 0.25  # a message sent before the subscriber has found us is lost: then it is sent again
 # The default profile as the graph reports it: with its unlimited times written out.
+_LATE_S = 0.15  # how long a wrong message may be followed by the right one
 _DEFAULT = QoSProfile(
     depth=DEPTH,
     reliability=ReliabilityPolicy.RELIABLE,
@@ -147,6 +148,19 @@ class Exchange:
                 self._publisher.publish(message)
             self._await([place + len(messages) for place in places], evidence)
         return tuple(heard.messages[place:] for heard, place in zip(self._heard, places, strict=True))
+
+    def wait_for_better(self, good: Callable[[tuple[Any, ...]], bool], evidence: Evidence) -> tuple[Any, ...]:
+        """Give the last message on each topic a moment to become what it should be, and return it, good or not.
+
+        A node that publishes more than once for a message, or from a timer, leaves some that are taken for answers to
+        the next one; whether that is allowed is for a check of its own.
+        """
+        with callbacks.explained(self._bench, evidence):
+            self._bench.wait_until(lambda: good(self._last()), _LATE_S)
+        return self._last()
+
+    def _last(self) -> tuple[Any, ...]:
+        return tuple(heard.messages[-1] for heard in self._heard)
 
     def _connect(self, evidence: Evidence) -> None:
         """Make sure that both ways stand, by empty messages, which no caller counts."""

@@ -27,9 +27,6 @@ def test_mutant_fails_where_it_is_wrong(program: Mutant, reports: Reports) -> No
 
 def test_each_check_can_fail(reports: Reports) -> None:
     seen = {
-        check.id
-        for program in (*MUTANTS, *BROKEN)
-        for check in reports.of(program).checks
-        if check.status == "failed"
+        check.id for program in (*MUTANTS, *BROKEN) for check in reports.of(program).checks if check.status == "failed"
     }
     assert seen == {check.id for check in robot_parameters.CHECKS}
