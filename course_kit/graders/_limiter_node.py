@@ -97,6 +97,7 @@ class Limiter:
         The last one drives backwards and the others do not, so that its answers are known: on each topic the
         messages come in order, and what belongs to the others is there when they are.
         """
+        self.react(then, evidence)
         before = [len(heard) for heard in self._heard()]
         self._exchange.send_all(burst, evidence)
         self.react(then, evidence)

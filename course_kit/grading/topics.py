@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from course_kit.grading.bench import Bench
     from course_kit.grading.tester import Endpoint, Heard
 
-HEARD_S = 2.0  # how long the message that answers another one is waited for
+HEARD_S = 3.0  # how long the message that answers another one is waited for
 _GRAPH_S = 2.0  # how long an endpoint is waited for, of a node that is up
-_AGAIN_S = 0.25  # a message sent before the subscriber has found us is lost: then it is sent again
-# The default profile as the graph reports it: with its unlimited times written out.
+_AGAIN_S = 1.0  # a message sent before the subscriber has found us is lost: then it is sent again
 _LATE_S = 0.15  # how long a wrong message may be followed by the right one
+# The default profile as the graph reports it: with its unlimited times written out.
 _DEFAULT = QoSProfile(
     depth=DEPTH,
     reliability=ReliabilityPolicy.RELIABLE,
@@ -171,7 +171,7 @@ class Exchange:
 
         def connected() -> bool:
             nonlocal sent
-            if self._publisher.get_subscription_count() and clock.wall() >= sent * _AGAIN_S:
+            if self._publisher.get_subscription_count() and clock.past(sent * _AGAIN_S):
                 self._publisher.publish(self._sent.interface())
                 sent += 1
             return all(heard.messages for heard in self._heard)
