@@ -19,11 +19,12 @@ import tempfile
 import threading
 import traceback
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import limits, namespaces
+from course_kit.grading import limits, namespaces, values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -49,6 +50,7 @@ class Program:
         files: texts to lay into its scratch directory, by file name.
         command: an executable with its arguments to start instead of Python source.
         folder: the working directory of a command; source runs in its scratch directory.
+        variable: what the program is to set, when it is asked for a value and not for a node.
     """
 
     name: str
@@ -58,6 +60,7 @@ class Program:
     files: Mapping[str, str] = field(default_factory=dict)
     command: tuple[str, ...] = ()
     folder: str = ""
+    variable: str = ""
 
 
 def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
@@ -135,7 +138,11 @@ def _run(program: Program, evidence: int) -> None:
     module.__file__ = str(path)
     sys.modules["__main__"] = module
     threading.excepthook = lambda problem: _thread_failed(problem, evidence)
-    exec(compile(program.source, program.name, "exec", dont_inherit=True), module.__dict__)  # noqa: S102
+    code = compile(program.source, program.name, "exec", dont_inherit=True)
+    if program.variable:
+        values.run(code, module, program.variable, partial(_note, evidence))
+        return
+    exec(code, module.__dict__)  # noqa: S102
     if _has_made_nodes():
         return
     node_class = _find_class(module, program.class_name, evidence)

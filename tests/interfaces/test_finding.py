@@ -199,3 +199,24 @@ def test_texts() -> None:
     assert interfaces.text_of("text_interfaces/msg/Info") == "int32 a # in metres\n"
     with pytest.raises(interfaces.InterfaceNotFoundError):
         interfaces.text_of("std_srvs/srv/NoSuchService")
+
+
+def test_the_short_way_to_the_saved_definitions_leads_to_the_same_folder() -> None:
+    program = """
+        from course_kit.interfaces import sources
+        short = sources.saved_folder()
+        from course_kit import environment
+        print(short == str(environment.run_dir() / "interfaces") == sources.saved_folder())
+    """
+    assert run(program) == "True\n"
+
+
+def test_looking_for_a_module_that_is_missing_loads_nothing() -> None:
+    program = """
+        import sys
+        try:
+            import no_such_module_at_all
+        except ImportError:
+            print("course_kit.environment" in sys.modules)
+    """
+    assert run(program) == "False\n"

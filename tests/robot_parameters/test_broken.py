@@ -47,7 +47,7 @@ def test_broken_submission_gets_exactly_its_code(program: Path, reports: Reports
         assert check.expected
         assert check.got
         assert check.hint
-        assert catalogue()[program.stem].link in check.message
+        assert catalogue()[program.stem].explanation in check.message
     assert FACTS.get(program.stem, "").lower() in " ".join(check.message for check in failed).lower()
 
 
