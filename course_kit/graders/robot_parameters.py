@@ -30,7 +30,7 @@ from course_kit.graders._limiter_node import (
 from course_kit.graders._limiter_status import expect_rate, expect_status
 from course_kit.grading.checks import Check, Evidence, Failed, check
 from course_kit.grading.parameters import INTERFACES as PARAMETER_SERVICES
-from course_kit.grading.parameters import expect_served
+from course_kit.grading.parameters import NOT_SET, expect_served
 from course_kit.grading.parameters import shown as shown_values
 from course_kit.grading.topics import expect_endpoints
 
@@ -71,9 +71,13 @@ def declared(bench: Bench) -> Evidence:
 def types(bench: Bench) -> Evidence:
     """Each parameter has its type."""
     found = Limiter(bench).remote.values(list(TYPES))
+    empty = [name for name, value in found.items() if value.type == NOT_SET]
     wrong = [f"{name} is {value.type}" for name, value in found.items() if value.type != TYPES[name]]
     expected = ", ".join(f"{name}: {kind}" for name, kind in TYPES.items())
     evidence = Evidence("get_parameters", expected, ", ".join(f"{name}: {value.type}" for name, value in found.items()))
+    if empty:
+        message = f"{' and '.join(empty)} is declared without a value, and nothing can be read from it."
+        raise Failed(evidence, message, "parameter.default")
     if wrong:
         raise Failed(evidence, f"{' and '.join(wrong)}. For a double write a decimal point.", "parameter.type")
     return evidence

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
 _VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has the name it will have
-_NOT_SET = "not set"
+NOT_SET = "not set"  # the type of a parameter without a value
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def _not_served(bench: Bench, node: str, expected: str) -> Failed:
 
 def _value(message: ParameterValue) -> Value:
     if message.type == Parameter.Type.NOT_SET.value:
-        return Value(_NOT_SET, None)
+        return Value(NOT_SET, None)
     return Value(str(Parameter.Type(message.type).name).lower(), parameter_value_to_python(message))
 
 

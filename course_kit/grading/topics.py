@@ -96,8 +96,8 @@ def _require(bench: Bench, topic: Topic, expected: str, *, publishes: bool) -> N
         raise Failed(evidence, message, "type.interface")
     reasons = [_mismatch(end, publishes=publishes) for end in fitting]
     if all(reasons):
-        evidence = Evidence("", expected, f"{verb} {topic.name} with the QoS {_qos(fitting[0])}")
-        message = f"The other end has the default profile ({_policies(_DEFAULT)}), and the two do not connect."
+        evidence = Evidence("", expected, f"{verb} {topic.name} with the QoS {_policies(fitting[0].qos)}")
+        message = f"Your end is {_policies(fitting[0].qos)}, the other one {_policies(_DEFAULT)}: they do not connect."
         raise Failed(evidence, f"{message} The middleware says: {reasons[0]}", "topic.qos")
 
 
@@ -106,10 +106,6 @@ def _mismatch(end: Endpoint, *, publishes: bool) -> str:
     pair = (end.qos, _DEFAULT) if publishes else (_DEFAULT, end.qos)
     compatibility, reason = qos_check_compatible(*pair)
     return str(reason) or "incompatible" if compatibility == QoSCompatibility.ERROR else ""
-
-
-def _qos(end: Endpoint) -> str:
-    return _policies(end.qos)
 
 
 def _policies(qos: Any) -> str:
