@@ -40,6 +40,7 @@ class Warden:
         self._life: Life | None = None
         self._domains = ExitStack()
         self._launches = 0
+        self._arguments: tuple[str, ...] = ()
         self._results: list[dict[str, Any]] = []
         self._extra: dict[str, Any] = {}
         self._probe_id = 0
@@ -118,6 +119,7 @@ class Warden:
 
     def _launch(self, arguments: tuple[str, ...], files: dict[str, str]) -> dict[str, Any]:
         self._stop()
+        self._arguments = arguments
         self._launches += 1
         domain = self._domain()
         job = self._job
@@ -220,4 +222,7 @@ class Warden:
 
     def _stop(self) -> None:
         self._kill()
+        if self._arguments and self._life is not None and self._life.facts()["stderr"]:
+            # Without it a learner takes an error that a check has provoked for one of the ordinary run.
+            self._totals[1].add(f"[The lines above are of a start with: {' '.join(self._arguments)}]\n".encode())
         self._sandbox = self._life = None
