@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import endings, silence
+from course_kit.grading import endings, graph, silence
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from course_kit.grading.bench import Bench
 
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has made the services it will make
@@ -104,7 +101,7 @@ def expect_node(bench: Bench, name: str, service: Service) -> Evidence:
         return Evidence("", expected, expected)
     nodes = bench.tester.nodes()
     got = f"on the graph: {', '.join(nodes) or 'no node'}"
-    message = f"The graph has {_listed(nodes, 'node')}, and none is called {name}.{_closest(name, nodes)}"
+    message = f"The graph has {graph.listed(nodes, 'node')}, and none is called {name}.{graph.closest(name, nodes)}"
     raise Failed(Evidence("", expected, got), message, "name.node")
 
 
@@ -175,7 +172,7 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
 def _not_offered(bench: Bench, service: Service, expected: str) -> Failed:
     offers, nodes = bench.tester.services(), bench.tester.nodes()
     bench.spoil()
-    got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or _listed(nodes, "node")
+    got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or graph.listed(nodes, "node")
     evidence = Evidence("", expected, f"on the graph: {got}")
     same_name = [offer for offer in offers if offer.name == service.name]
     if same_name:
@@ -183,32 +180,8 @@ def _not_offered(bench: Bench, service: Service, expected: str) -> Failed:
         return Failed(evidence, message, "type.interface")
     if offers:
         alike = [offer for offer in offers if offer.type == service.type] or offers
-        message = f"No service is called {service.name}.{_closest(service.name, [offer.name for offer in alike])}"
+        message = f"No service is called {service.name}.{graph.closest(service.name, [offer.name for offer in alike])}"
         return Failed(evidence, message, "name.service")
     if nodes:
         return Failed(evidence, f"Your node {nodes[0]} is up, and offers no service.", None)
-    return Failed(evidence, *_nothing_there(bench, service)[::-1])
-
-
-def _nothing_there(bench: Bench, service: Service) -> endings.Cause:
-    if bench.job.mode == "attach":
-        return "start.nothing", f"Nobody on the graph of ROS domain {bench.tester.domain} offers {service.name}."
-    clock = bench.clock()
-    before = bench.life(fresh=True)
-    doing = silence.doing(bench)
-    bench.wait_until(lambda: clock.wall() > silence.LOOK_S, silence.LOOK_S)
-    busy = silence.computes(before, bench.life(fresh=True), clock.wall())
-    where = f" It is in {endings.source_line(bench.job, doing.own.line)}." if doing.own else ""
-    start_s = bench.job.limits.start_s
-    if busy:
-        return "limit.time", f"After {start_s:g} s your program was still computing, and no node had appeared.{where}"
-    return "start.nothing", f"Your program runs, but within {start_s:g} s no node has appeared on the graph.{where}"
-
-
-def _closest(wanted: str, names: Sequence[str]) -> str:
-    close = difflib.get_close_matches(wanted, names, n=1, cutoff=0.3) or list(names)[:1]
-    return f" The closest is {close[0]}." if close else ""
-
-
-def _listed(names: Sequence[str], what: str) -> str:
-    return f"the {what}{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else f"no {what}"
+    return Failed(evidence, *graph.why_empty(bench, service.name)[::-1])
