@@ -113,7 +113,11 @@ def lines_until(program: subprocess.Popen[str], wanted: str) -> list[str]:
 def interrupt(program: subprocess.Popen[str]) -> tuple[str, str]:
     """Ctrl-C, and what the program says after it."""
     program.send_signal(signal.SIGINT)
-    return program.communicate(timeout=PATIENCE)
+    assert program.stdout is not None
+    # Not communicate(): it would not know of what `lines_until` has read ahead of its line.
+    stdout = program.stdout.read()
+    _, stderr = program.communicate(timeout=PATIENCE)
+    return stdout, stderr
 
 
 def is_alive(process_id: int) -> bool:
