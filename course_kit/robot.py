@@ -9,7 +9,7 @@ import math
 import os
 import threading
 import time
-from typing import NamedTuple
+from typing import NamedTuple, SupportsFloat
 
 _TIME_SCALE = "COURSE_KIT_TIME_SCALE"
 _ROUNDING = 1e-9  # metres; how far a sum of floats may lie beyond a wall, or a step short of its target
@@ -84,9 +84,9 @@ def _next_position(here: Position, target: Position, step: float) -> Position:
     return Position(here.x + share * (target.x - here.x), here.y + share * (target.y - here.y))
 
 
-def _coordinate(name: str, value: float) -> float:
+def _coordinate(name: str, value: object) -> float:
     """One coordinate of a target, checked."""
-    if isinstance(value, str) or not hasattr(value, "__float__"):
+    if not isinstance(value, SupportsFloat):
         raise TypeError(
             f"step_towards takes two numbers in metres, and {name} is a {type(value).__name__}. "
             f"With a geometry_msgs Point p: robot.step_towards(p.x, p.y)."

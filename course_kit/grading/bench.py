@@ -16,7 +16,7 @@ from course_kit.grading.patience import FairClock
 from course_kit.grading.tester import Tester
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from course_kit.grading.job import Job
     from course_kit.grading.wire import Channel
@@ -55,8 +55,17 @@ class SubmissionEndedError(Failed):
 class Bench:
     """What a check works with."""
 
-    def __init__(self, warden: Channel, job: Job) -> None:
+    def __init__(self, warden: Channel, job: Job, variables: Mapping[str, str] | None = None) -> None:
+        """Make a bench on which nothing runs yet.
+
+        Args:
+            warden: who starts and ends the submission.
+            job: what is graded.
+            variables: environment variables the submission is started with, unless `launch` says otherwise.
+        """
         self.job = job
+        self.memory: dict[str, Any] = {}  # what the checks know of the running submission; empty after each launch
+        self._variables = dict(variables or {})
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
         self._warden = warden
         self._tester: Tester | None = None
@@ -75,16 +84,22 @@ class Bench:
             raise RuntimeError("the check uses the graph before `launch`")
         return self._tester
 
-    def launch(self, arguments: Sequence[str] = ()) -> None:
+    def launch(self, arguments: Sequence[str] = (), variables: Mapping[str, str] | None = None) -> None:
         """Start the submission on an empty graph of its own; one that runs is ended first.
 
-        With `--attach` the graph is the one that is there.
+        With `--attach` the graph is the one that is there, and neither argument has an effect.
+
+        Args:
+            arguments: what follows the program's name on its command line.
+            variables: environment variables that differ from the exercise's own.
         """
         self.close()
         self._spoiled = False
+        self.memory.clear()
         domain = None
         if self.job.mode != "attach":
-            domain = int(self._ask("launch", arguments=list(arguments))["domain"])
+            changed = {**self._variables, **(variables or {})}
+            domain = int(self._ask("launch", arguments=list(arguments), variables=changed)["domain"])
         self._tester = Tester(domain)
 
     def close(self) -> None:

@@ -115,10 +115,19 @@ def _of_exception(raised: Raised, job: Job) -> Cause:
             "service.wrong_return",
             "Your callback did not return the response it was given; rclpy refused to send it.",
         )
-    if match := _FIELD.search(raised.text):
-        text = f"The field '{match['field']}' must be a {match['type']}, and something else was put into it{where}."
-        return "field.type", text
+    if fault := field_fault(raised, job):
+        return fault
     return "service.exception", f"Your callback raised {raised.describe()}{where}. The client got no answer."
+
+
+def field_fault(raised: Raised, job: Job) -> Cause | None:
+    """The field that refused a value, if that is what the exception tells."""
+    match = _FIELD.search(raised.text)
+    if match is None:
+        return None
+    where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
+    text = f"The field '{match['field']}' must be a {match['type']}, and something else was put into it{where}."
+    return "field.type", text
 
 
 def _no_class(life: Life, job: Job) -> str:

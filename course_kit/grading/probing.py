@@ -40,7 +40,7 @@ def main(warden: Channel, job: Job) -> None:
     """Run all checks of the job's exercise; returns when each is told."""
     began = time.monotonic()
     grader = load(job.exercise)
-    bench = Bench(warden, job)
+    bench = Bench(warden, job, getattr(grader, "VARIABLES", None))
     times = {}
     if not job.fault:
         bench.launch()

@@ -6,26 +6,41 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import rclpy
+from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from rclpy.client import Client
+    from rclpy.qos import QoSProfile
 
 NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an underscore are
 
 
 @dataclass(frozen=True)
 class Offer:
-    """A service somebody on the graph offers."""
+    """A service or an action somebody on the graph offers."""
 
     name: str
     type: str
     node: str
+
+
+@dataclass(frozen=True)
+class Heard:
+    """A message from a topic.
+
+    Attributes:
+        message: the message.
+        sent_s: when it was published, seconds of the publisher's clock; no delay of ours is in it.
+    """
+
+    message: Any
+    sent_s: float
 
 
 class Tester:
@@ -45,6 +60,7 @@ class Tester:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[tuple[str, int], Client] = {}
+        self._heard: dict[str, list[Heard]] = {}
 
     @property
     def domain(self) -> int:
@@ -64,21 +80,29 @@ class Tester:
             self._clients[key] = self.node.create_client(interface, name)
         return self._clients[key]
 
+    def listen(self, interface: Any, topic: str, qos: QoSProfile) -> list[Heard]:
+        """What comes on a topic, oldest first: a list that grows. Later calls return the same list."""
+        if topic not in self._heard:
+            heard = self._heard[topic] = []
+
+            def hear(message: Any, about: Any) -> None:
+                heard.append(Heard(message, about["source_timestamp"] / 1e9))
+
+            self.node.create_subscription(interface, topic, hear, qos)
+        return self._heard[topic]
+
     def nodes(self) -> list[str]:
         """Full names of all other nodes; a name stands as often as nodes carry it."""
         return sorted(f"{space.rstrip('/')}/{name}" for name, space in self._others())
 
     def services(self) -> list[Offer]:
         """The services that other nodes offer, but for those every node has for its parameters."""
-        found = []
-        for name, space in self._others():
-            node = f"{space.rstrip('/')}/{name}"
-            try:
-                offered = self.node.get_service_names_and_types_by_node(name, space)
-            except Exception:  # noqa: BLE001, S112 - NodeNameNonExistentError or RCLError: it has just left the graph
-                continue
-            found += [Offer(service, kind, node) for service, kinds in offered for kind in kinds]
+        found = self._offers(self.node.get_service_names_and_types_by_node)
         return [offer for offer in found if not _is_for_parameters(offer)]
+
+    def actions(self) -> list[Offer]:
+        """The actions that other nodes offer."""
+        return self._offers(lambda name, space: get_action_server_names_and_types_by_node(self.node, name, space))
 
     def close(self) -> None:
         """Leave the graph. Safe to call twice."""
@@ -86,6 +110,17 @@ class Tester:
             self._executor.shutdown(timeout_sec=0)
             self.node.destroy_node()
             self._context.try_shutdown()
+
+    def _offers(self, ask: Callable[[str, str], list[tuple[str, list[str]]]]) -> list[Offer]:
+        found = []
+        for name, space in self._others():
+            node = f"{space.rstrip('/')}/{name}"
+            try:
+                offered = ask(name, space)
+            except Exception:  # noqa: BLE001, S112 - NodeNameNonExistentError or RCLError: it has just left the graph
+                continue
+            found += [Offer(server, kind, node) for server, kinds in offered for kind in kinds]
+        return found
 
     def _others(self) -> Iterator[tuple[str, str]]:
         return ((name, space) for name, space in self.node.get_node_names_and_namespaces() if name != NAME)

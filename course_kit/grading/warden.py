@@ -107,20 +107,20 @@ class Warden:
             self._results.append(message["result"])
             return None
         if what == "launch":
-            return self._launch(tuple(message["arguments"]))
+            return self._launch(tuple(message["arguments"]), message["variables"])
         if what == "stop":
             self._stop()
         elif what == "stacks":
             return {"stacks": self._stacks()}
         return self._facts(fresh=what == "facts")
 
-    def _launch(self, arguments: tuple[str, ...]) -> dict[str, Any]:
+    def _launch(self, arguments: tuple[str, ...], variables: dict[str, str]) -> dict[str, Any]:
         self._stop()
         self._launches += 1
         domain = self._domain()
         job = self._job
         program = Program(job.name, job.source, job.class_name, arguments, job.command, job.folder)
-        cell = Cell(job.limits, job.isolation, {"ROS_DOMAIN_ID": str(domain)}, job.hidden, self._others())
+        cell = Cell(job.limits, job.isolation, {**variables, "ROS_DOMAIN_ID": str(domain)}, job.hidden, self._others())
         self._sandbox = Sandbox(program, cell)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain}
