@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
     """Called by `%load_ext course_kit`."""
-    from course_kit import environment, lab, magics, trace
+    from course_kit import environment, grade_magics, lab, magics, trace
 
     environment.apply()
     magics.register(shell)
+    shell.register_magics(grade_magics.GradeMagics)
     lab.current().watch_output()
     trace.attach()

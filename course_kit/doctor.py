@@ -113,17 +113,12 @@ def settings() -> Finding:
         chosen = environment.apply()
     except (environment.NoDomainError, environment.SettingsError) as problem:
         return Finding("ROS graph", str(problem), "bad", "See the message.")
-    reach = chosen.variables["ROS_AUTOMATIC_DISCOVERY_RANGE"]
-    found = f"domain {chosen.domain_id}, chosen by {chosen.domain_chosen_by}; discovery {reach}"
-    others = {
-        name: value for name, value in chosen.variables.items() if environment.defaults().get(name, value) != value
-    }
-    if reach not in ("LOCALHOST", "OFF"):
-        advice = "Other machines can see the course's nodes. Unset ROS_AUTOMATIC_DISCOVERY_RANGE to keep them private."
-        return Finding("ROS graph", found, "note", advice)
-    if others:
-        return Finding("ROS graph", found, "note", "Your own values are used for: " + ", ".join(sorted(others)))
-    return Finding("ROS graph", found)
+    reach = "this machine only" if chosen.only_this_machine else "other machines can see it"
+    found = f"domain {chosen.domain_id}, chosen by {chosen.domain_chosen_by}; {reach}"
+    if chosen.only_this_machine:
+        return Finding("ROS graph", found)
+    advice = "Unset ROS_AUTOMATIC_DISCOVERY_RANGE (or your own Fast DDS profile) to keep the course's nodes private."
+    return Finding("ROS graph", found, "note", advice)
 
 
 def rclpy_itself() -> Finding:
@@ -187,7 +182,8 @@ def interfaces() -> Finding:
 
 def shared_memory() -> Finding:
     """Free space in /dev/shm."""
-    used = os.environ.get("FASTDDS_BUILTIN_TRANSPORTS") != "UDPv4"
+    profile = environment.apply().variables.get("FASTRTPS_DEFAULT_PROFILES_FILE")
+    used = profile != str(environment.LOOPBACK_PROFILE)
     try:
         free = shutil.disk_usage(_SHARED_MEMORY).free
     except OSError:
@@ -195,7 +191,9 @@ def shared_memory() -> Finding:
     need = "may use it" if used else "talk over UDP and do not need it"
     found = f"{free / 2**20:,.0f} MB free in {_SHARED_MEMORY}; the course's nodes {need}"
     if used and free < _PLENTY_OF_SHM:
-        return Finding("shared memory", found, "note", "Unset FASTDDS_BUILTIN_TRANSPORTS, or give /dev/shm more room.")
+        return Finding(
+            "shared memory", found, "note", "Use the course's own settings (see ROS graph), or give /dev/shm more room."
+        )
     return Finding("shared memory", found)
 
 
@@ -209,7 +207,7 @@ def discovery() -> Finding:
             try:
                 seconds = _ask(domain_id)
             finally:
-                server.terminate()
+                server.kill()  # a signal that rclpy handles now and then leaves it hanging at its end
     if seconds is None:
         advice = "A firewall on the loopback interface, or your own Fast DDS profile, keeps the nodes apart."
         return Finding(
@@ -247,6 +245,7 @@ def _ask(domain_id: int) -> float | None:
 
 def isolation() -> Finding:
     """What holds a submission back when it is graded."""
-    from course_kit.grading import isolation as measured
+    from course_kit.grading import isolation as walls
 
-    return Finding("grader isolation", str(measured))
+    found = walls.status()
+    return Finding("grader isolation", found.describe(), "note" if found.reason else "ok")

@@ -14,6 +14,8 @@ from course_kit.environment.domains import Lease, NoDomainError, exclusive_domai
 from course_kit.environment.places import checkout, run_dir, state_dir
 
 __all__ = [
+    "FAST_DISCOVERY_PROFILE",
+    "LOOPBACK_PROFILE",
     "NoDomainError",
     "Settings",
     "SettingsError",
@@ -26,7 +28,9 @@ __all__ = [
     "state_dir",
 ]
 
-DISCOVERY_PROFILE = Path(__file__).with_name("fast_discovery.xml")
+LOOPBACK_PROFILE = Path(__file__).with_name("loopback.xml")
+FAST_DISCOVERY_PROFILE = Path(__file__).with_name("fast_discovery.xml")  # where the user has chosen a range
+_PROFILES = (str(LOOPBACK_PROFILE), str(FAST_DISCOVERY_PROFILE))
 # Tells the kit's own choice from the user's in the environment a child process inherits.
 _CHOSEN_BY_KIT = "COURSE_KIT_DOMAIN_ID"
 _LOGS_KEPT = 40
@@ -39,11 +43,18 @@ class SettingsError(ValueError):
 
 @dataclass(frozen=True)
 class Settings:
-    """What is in force: the domain, who chose it, and the variables the kit has set."""
+    """What is in force: the domain, who chose it, and the values of the variables the kit looks after."""
 
     domain_id: int
     domain_chosen_by: str  # "the course kit" or "ROS_DOMAIN_ID"
     variables: dict[str, str]
+
+    @property
+    def only_this_machine(self) -> bool:
+        """Whether nodes on other machines can neither see nor reach this graph."""
+        if self.variables.get("FASTRTPS_DEFAULT_PROFILES_FILE") == str(LOOPBACK_PROFILE):
+            return True
+        return self.variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] in ("LOCALHOST", "OFF")
 
 
 class _Held:
@@ -56,16 +67,36 @@ class _Held:
 def defaults() -> dict[str, str]:
     """The variables of the course with the values used where the user has set none.
 
-    Sources: "Improved Dynamic Discovery" in the ROS 2 documentation for ROS_AUTOMATIC_DISCOVERY_RANGE, Fast
-    DDS's documentation for the profile file and the built-in transports, rosidl_generator_py for field checks.
+    Discovery is left to Fast DDS's profile (SYSTEM_DEFAULT), which keeps it on the loopback interface. Where the
+    user has chosen a range, a profile or another middleware, that is respected, and the rest is made as close to
+    it as can be. Sources: "Improved Dynamic Discovery" in the ROS 2 documentation for the range, Fast DDS's
+    documentation for the profile and the built-in transports, rosidl_generator_py for field checks.
     """
+    checks = {"ROS_PYTHON_CHECK_FIELDS": "1"}
+    profile = os.environ.get("FASTRTPS_DEFAULT_PROFILES_FILE", str(LOOPBACK_PROFILE))
+    fast_dds = os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps")
+    if not fast_dds or profile not in _PROFILES:
+        return {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", **checks}
+    if _range_set_by_user():
+        return {
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+            "FASTRTPS_DEFAULT_PROFILES_FILE": str(FAST_DISCOVERY_PROFILE),
+            "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
+            **checks,
+        }
     return {
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-        "FASTRTPS_DEFAULT_PROFILES_FILE": str(DISCOVERY_PROFILE),
-        # Shared memory leaves files behind when a process is killed; loopback UDP starts faster and leaves none.
-        "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
-        "ROS_PYTHON_CHECK_FIELDS": "1",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",
+        "FASTRTPS_DEFAULT_PROFILES_FILE": str(LOOPBACK_PROFILE),
+        **checks,
     }
+
+
+def _range_set_by_user() -> bool:
+    kits = ("", "SYSTEM_DEFAULT")
+    return (
+        os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "") not in kits
+        or os.environ.get("ROS_LOCALHOST_ONLY", "0") != "0"
+    )
 
 
 def apply() -> Settings:
@@ -75,7 +106,10 @@ def apply() -> Settings:
         NoDomainError: all ROS domains of this machine are in use.
         SettingsError: ROS_DOMAIN_ID is no number that ROS can use.
     """
-    for name, value in defaults().items():
+    made = defaults()
+    for name, value in made.items():
+        if os.environ.get(name) in _PROFILES:  # inherited from a process in which the user had chosen otherwise
+            del os.environ[name]
         os.environ.setdefault(name, value)
     if "ROS_LOG_DIR" not in os.environ and "ROS_HOME" not in os.environ:
         os.environ["ROS_LOG_DIR"] = str(_log_folder())
@@ -83,7 +117,7 @@ def apply() -> Settings:
     if by_user is None:
         _hold_domain()
     domain_id = int(os.environ["ROS_DOMAIN_ID"])
-    kit = {name: os.environ[name] for name in (*defaults(), "ROS_DOMAIN_ID")}
+    kit = {name: os.environ[name] for name in (*made, "ROS_DOMAIN_ID")}
     return Settings(domain_id, "the course kit" if by_user is None else "ROS_DOMAIN_ID", kit)
 
 

@@ -156,8 +156,9 @@ def _nearest(raised: Raised) -> str:
             known = set(dir(importlib.import_module(match["module"])))
     else:
         return ""
-    close = difflib.get_close_matches(wanted, sorted(known), n=1)
-    return f"The nearest name there is: {close[0]}." if close else ""
+    close = difflib.get_close_matches(wanted, sorted(known), n=3)
+    alike = [name for name in close if name[0] == wanted[0]] or close  # slips rarely change the first letter
+    return f"The nearest name there is: {alike[0]}." if alike else ""
 
 
 def _signal_name(number: int | None) -> str:

@@ -25,6 +25,7 @@ FAILED = 70  # the exit status of a kit process that could not do its work (EX_S
 SAMPLE = b"m"
 STACKS = b"s"
 _PERIOD_S = 0.05
+_PATIENCE_S = 0.2  # for an exact count of memory, during which processes are not counted
 _MB = 1024 * 1024
 
 
@@ -110,7 +111,7 @@ class _Watch:
         if usage.tasks > self._limits.tasks:
             return "processes"
         allowed = self._limits.memory_mb * _MB
-        if usage.memory > allowed and processes.own_memory(everything) > allowed:
+        if usage.memory > allowed and processes.own_memory(everything, _PATIENCE_S) > allowed:
             return "memory"
         return ""
 

@@ -147,7 +147,10 @@ def _try_network(writer: int) -> None:
 def _stands(writer: int, name: str, build: Any) -> bool:
     try:
         build()
-    except OSError as problem:
+    except Exception as problem:  # noqa: BLE001 - a trial that breaks says so, and the wall counts as missing
+        if not isinstance(problem, OSError):
+            _say(writer, f"! {type(problem).__name__}: {problem}")
+            return False
         _say(writer, f"! {_REASONS.get(problem.errno or 0, '')}{problem.strerror or problem}")
         return False
     if name:

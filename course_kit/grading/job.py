@@ -26,6 +26,7 @@ class Job:
         seed: what the random values of the checks are drawn from.
         limits: what the submission may use.
         isolation: filled in by the worker, which has tried it out.
+        priority: the nice value the submission and the probe run at; filled in by the worker, whose own may be better.
         hidden: folders to keep out of the submission's sight.
     """
 
@@ -42,6 +43,7 @@ class Job:
     limits: Limits = field(default_factory=Limits)
     isolation: Isolation = field(default_factory=Isolation)
     hidden: tuple[str, ...] = ()
+    priority: int = 0
 
     def to_mapping(self) -> dict[str, Any]:
         """The job as JSON can carry it."""

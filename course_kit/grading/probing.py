@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +40,7 @@ def load(exercise: str) -> Any:
 def main(warden: Channel, job: Job) -> None:
     """Run all checks of the job's exercise; returns when each is told."""
     began = time.monotonic()
+    os.setpriority(os.PRIO_PROCESS, 0, job.priority)
     grader = load(job.exercise)
     bench = Bench(warden, job, getattr(grader, "VARIABLES", None))
     times = {}

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import signal
+import time
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -69,19 +70,27 @@ def usage(process_ids: Iterable[int]) -> Usage:
     return Usage(cpu_s, waited_s, tasks, memory)
 
 
-def own_memory(process_ids: Iterable[int]) -> int:
+def own_memory(process_ids: Iterable[int], patience_s: float) -> int:
     """Bytes of memory these processes take from the machine: pages that forks share are counted once.
 
-    Exact and slow (smaps_rollup); a process that hides the figures is taken at its resident size.
+    Exact and slow, for a process that is just forking very slow: stops after `patience_s` seconds with what it has.
     """
+    deadline = time.monotonic() + patience_s
     total = 0
     for process_id in process_ids:
-        try:
-            text = Path(f"/proc/{process_id}/smaps_rollup").read_text(encoding="ascii")
-            total += next(int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")) * 1024
-        except (OSError, ValueError, StopIteration):
-            total += usage([process_id]).memory
+        total += _proportional(process_id)
+        if time.monotonic() > deadline:
+            break
     return total
+
+
+def _proportional(process_id: int) -> int:
+    """Resident bytes, shared ones divided by their users; all of them for a process that hides the figures."""
+    try:
+        text = Path(f"/proc/{process_id}/smaps_rollup").read_text(encoding="utf-8")
+        return next(int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")) * 1024
+    except (OSError, ValueError, StopIteration):
+        return usage([process_id]).memory
 
 
 def tasks_of_user(user: int) -> int:
@@ -141,6 +150,6 @@ def _waited(process_id: int) -> float:
     nanoseconds = 0
     folder = f"/proc/{process_id}/task"
     for thread in os.listdir(folder):  # noqa: PTH208 - hot
-        with suppress(OSError, ValueError, IndexError), open(f"{folder}/{thread}/schedstat", encoding="ascii") as file:  # noqa: PTH123
+        with suppress(OSError, ValueError, IndexError), open(f"{folder}/{thread}/schedstat", encoding="utf-8") as file:  # noqa: PTH123
             nanoseconds += int(file.read().split()[1])
     return nanoseconds / 1e9

@@ -66,6 +66,7 @@ def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
     variables = {**cell.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}
     os.environ.update(variables)
     os.chdir(program.folder or folder)
+    os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
     limits.apply_to_this_process(cell.limits, cell.others)
     namespaces.drop_privileges()
     if program.command:

@@ -43,6 +43,7 @@ class Cell:
         limits: what it may use.
         isolation: the walls known to stand on this machine.
         environment: variables to set for the program, beside HOME, TMPDIR and PWD.
+        priority: the nice value to run at.
         others: the user's other processes and threads where the kernel counts them together with the program's.
         hidden: folders that appear empty to it, where its files are walled off.
     """
@@ -51,6 +52,7 @@ class Cell:
     isolation: Isolation
     environment: Mapping[str, str] = field(default_factory=dict)
     hidden: tuple[str, ...] = ()
+    priority: int = 0
     others: int = 0
 
 

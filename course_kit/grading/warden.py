@@ -120,7 +120,8 @@ class Warden:
         domain = self._domain()
         job = self._job
         program = Program(job.name, job.source, job.class_name, arguments, job.command, job.folder)
-        cell = Cell(job.limits, job.isolation, {**variables, "ROS_DOMAIN_ID": str(domain)}, job.hidden, self._others())
+        variables = {**variables, "ROS_DOMAIN_ID": str(domain)}
+        cell = Cell(job.limits, job.isolation, variables, job.hidden, job.priority, self._others())
         self._sandbox = Sandbox(program, cell)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain}
@@ -133,7 +134,7 @@ class Warden:
         return self._domains.enter_context(environment.exclusive_domain())
 
     def _others(self) -> int:
-        """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, whatever the namespace."""
+        """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""
         version = tuple(int(part) for part in os.uname().release.split(".")[:2])
         counted_apart = self._job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
         return 0 if counted_apart else processes.tasks_of_user(os.getuid())

@@ -10,6 +10,7 @@ import json
 import select
 import socket
 import struct
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -74,8 +75,14 @@ class Channel:
         poll.register(self._socket, select.POLLIN)
         return bool(poll.poll(timeout * 1000))
 
+    def hang_up(self) -> None:
+        """End the connection for everybody, also for a thread of ours that waits for a message, and close."""
+        with suppress(OSError):  # the other end was faster
+            self._socket.shutdown(socket.SHUT_RDWR)
+        self._socket.close()
+
     def close(self) -> None:
-        """Close this end."""
+        """Close this end; a copy of it in another process stays open."""
         self._socket.close()
 
     def _exactly(self, count: int) -> bytes:

@@ -120,7 +120,7 @@ class Worker:
 
     def close(self) -> None:
         """End the process and everything it has started."""
-        self._channel.close()  # it notices, ends what it has under way, and stops
+        self._channel.hang_up()  # it notices, ends what it has under way, and stops
         try:
             self._process.wait(_STOP_S)
         except subprocess.TimeoutExpired:

@@ -31,7 +31,7 @@ class InterfaceNotFoundError(LookupError):
     """
 
     def __init__(self, type_name: str, nearest: str | None = None, reason: str = "") -> None:
-        self.type_name, self.nearest = type_name, nearest
+        self.type_name, self.nearest, self._reason = type_name, nearest, reason
         message = reason or f"There is no interface {type_name!r}."
         if nearest:
             message += f" Did you mean {nearest!r}?"
@@ -39,8 +39,8 @@ class InterfaceNotFoundError(LookupError):
             message += " Define it first, or check the package's name."
         super().__init__(message)
 
-    def __reduce__(self) -> tuple[type[InterfaceNotFoundError], tuple[str, str | None]]:
-        return type(self), (self.type_name, self.nearest)
+    def __reduce__(self) -> tuple[type[InterfaceNotFoundError], tuple[str, str | None, str]]:
+        return type(self), (self.type_name, self.nearest, self._reason)
 
 
 class NativeHelperError(ImportError):

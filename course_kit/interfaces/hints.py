@@ -63,7 +63,7 @@ def snake_case(name: str) -> str:
 def for_unknown_type(text: str, name: str, primitives: Iterable[str]) -> str:
     """What was expected instead of an unknown type."""
     if name in primitives:
-        return f"Expected the type first and the name second: {name} {text}"
+        return f"Expected the type first and the name second: {name} {text.rstrip(':;,')}"
     if text in OTHER_NAMES:
         return f"There is no type {text!r} in ROS 2: did you mean {OTHER_NAMES[text]}?"
     similar = nearest(text, primitives)

@@ -79,7 +79,7 @@ def full_name(type_name: str) -> str:
     parts = type_name.strip().split("/")
     if len(parts) not in (_PARTS_SHORT, _PARTS_FULL) or not all(parts):
         reason = f"{type_name!r} is not an interface name: expected package/srv/Name, such as std_srvs/srv/SetBool."
-        raise InterfaceNotFoundError(type_name, hints.nearest(type_name, types()), reason)
+        raise InterfaceNotFoundError(type_name, _nearest(parts), reason)
     fitting = [name for name in _types_of(parts[0]) if _fits(name.split("/"), parts)]
     if len(fitting) > 1:
         choice = " or ".join(repr(name) for name in sorted(fitting))

@@ -103,6 +103,9 @@ class Library:
 
     def _nested(self, owner: TypeName, field: Field) -> type[Any]:
         """The class of a field's messages, live or compiled."""
+        if self._contains(field.type.base, owner):
+            expected = "Expected another type: a message cannot contain itself, directly or not."
+            raise InterfaceDefinitionError(str(owner), field.line.number, field.line.text, expected)
         package, _, name = field.type.base.split("/")
         try:
             return message_class(field.type.base)
@@ -115,6 +118,11 @@ class Library:
             hint = f" Did you mean {similar}?" if similar else f" E{hints.TYPE_EXAMPLES[1:]}"
             expected = f"There is no message {wanted}.{hint}"
             raise InterfaceDefinitionError(str(owner), field.line.number, field.line.text, expected) from None
+
+    def _contains(self, full_name: str, wanted: TypeName) -> bool:
+        """Whether a message that has been made is, or contains, the wanted one."""
+        built = self._built.get(TypeName(*full_name.split("/")))
+        return full_name == str(wanted) or (built is not None and any(self._contains(n, wanted) for n in built.nested))
 
 
 def _parts(definition: Definition) -> tuple[MessageDefinition, ...]:

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from course_kit.interfaces.field_types import FieldType
 
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
-_QUOTED = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'((?:[^'\\]|\\.)*)'|([^,"'][^,]*))\s*(?:,|$)""")
+_QUOTED = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'((?:[^'\\]|\\.)*)'|([^,"'\s][^,]*))\s*(?:,|$)""")
 
 
 class LiteralError(ValueError):
@@ -30,7 +30,7 @@ def parse_value(kind: FieldType, text: str) -> Any:
         raise LiteralError(f"Expected the values of an array in brackets, such as [1, 2, 3], not {text!r}.")
     inside = text[1:-1]
     elements = _string_elements(inside) if kind.is_string else [part.strip() for part in inside.split(",")]
-    if not inside.strip():
+    if not inside:
         elements = []
     if kind.container == "array" and len(elements) != kind.size:
         raise LiteralError(f"Expected exactly {kind.size} values in the brackets, not {len(elements)}.")

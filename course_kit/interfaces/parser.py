@@ -115,7 +115,7 @@ def _split(name: TypeName, text: str) -> list[list[Line]]:
         extra = f"A .{name.kind} has {_count(wanted)} of '{SEPARATOR}' ({_order(parts)}); this one is too many."
         raise InterfaceDefinitionError(str(name), culprit.number, culprit.text, extra)
     for line in lines:
-        if re.fullmatch(r"\s*-+\s*", line.text):
+        if re.fullmatch(r"\s*-+\s*", line.text) and line not in separators:
             expected = f"Expected '{SEPARATOR}', three hyphens at the start of the line, between {_order(parts)}."
             raise InterfaceDefinitionError(str(name), line.number, line.text, expected)
     missing = f"A .{name.kind} needs {_count(wanted)} of '{SEPARATOR}' ({_order(parts)}); found {len(separators)}."
@@ -176,7 +176,7 @@ class _Section:
 
     def _field(self, line: Line, type_text: str, name: str, value: str) -> Field:
         kind = self._type(line, type_text, name)
-        if not _LOWER_NAME.fullmatch(name):
+        if not _LOWER_NAME.fullmatch(name) or value.startswith(","):
             self._fail(line, hints.for_field_name(name, value))
         if keyword.iskeyword(name) or name in _TAKEN_NAMES:
             self._fail(line, f"A field cannot be called {name!r}, which has a meaning in Python: try {name}_value.")

@@ -6,12 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import psutil
 import pytest
 
 from course_kit import environment
 from course_kit.environment import places
 
 KIT_VARIABLES = (*environment.defaults(), "ROS_DOMAIN_ID", "COURSE_KIT_DOMAIN_ID", "ROS_LOG_DIR")
+DISCOVERY_GROUP = "239.255.0.1"  # of DDS; joined on the loopback interface only
 DUMP = "import json, os, rclpy; print(json.dumps(dict(os.environ)))"
 
 
@@ -104,3 +106,55 @@ def test_old_log_files_are_cleared_away_and_the_newest_kept(tmp_path: Path) -> N
     assert "python_199.log" in left
     assert "python_0.log" not in left
     assert len(left) <= 80
+
+
+ONE_NODE = """
+import os, sys
+import rclpy
+rclpy.init()
+node = rclpy.create_node("alone")
+print("up", flush=True)
+sys.stdin.read()
+os.kill(os.getpid(), 9)
+"""
+
+
+def test_the_graph_is_on_loopback_alone_and_a_killed_node_leaves_no_shared_memory(domain: int) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", ONE_NODE],
+        env=environment.child_environment(ROS_DOMAIN_ID=str(domain)),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "up\n"
+    maps = Path(f"/proc/{process.pid}/maps").read_text()
+    sockets = psutil.Process(process.pid).net_connections("udp4")
+    process.communicate()
+    assert "/fastrtps_" not in maps
+    assert "127.0.0.1" in {each.laddr.ip for each in sockets}
+    assert {each.laddr.ip for each in sockets} <= {"127.0.0.1", DISCOVERY_GROUP}
+
+
+def test_with_a_range_of_ones_own_the_profile_of_the_course_does_not_narrow_it() -> None:
+    found = dumped(
+        ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET", FASTRTPS_DEFAULT_PROFILES_FILE=str(environment.LOOPBACK_PROFILE)
+    )
+    assert found["FASTRTPS_DEFAULT_PROFILES_FILE"] == str(environment.FAST_DISCOVERY_PROFILE)
+    assert found["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+
+
+@pytest.mark.parametrize(
+    "other", [{"RMW_IMPLEMENTATION": "rmw_of_another"}, {"FASTRTPS_DEFAULT_PROFILES_FILE": "/mine.xml"}]
+)
+def test_without_the_profile_of_the_course_the_range_itself_is_local(
+    other: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in KIT_VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+    for name, value in other.items():
+        monkeypatch.setenv(name, value)
+    settings = environment.apply()
+    assert settings.variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    assert settings.only_this_machine

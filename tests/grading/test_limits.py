@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import grading
 from course_kit.grading.limits import Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
+    from course_kit import grading
 
 Grade = "Callable[..., grading.Report]"
 Strict = "Callable[..., Path]"

@@ -11,10 +11,12 @@ from course_kit.interfaces.type_description import type_hash
 from tests.interfaces.twins import (
     PACKAGES,
     as_message_of,
+    description_by_c,
     hash_by_c,
     message_twins,
     random_message,
     seeded,
+    sources_by_c,
     twins_of,
 )
 
@@ -32,6 +34,15 @@ def test_hashes_are_equal(package: str) -> None:
         assert hash_by_c(live) == hash_by_c(compiled), compiled
         # The compiled class described by our own code, too: its nested types appear in live descriptions.
         assert b"\1" + type_hash(compiled) == hash_by_c(compiled), compiled
+
+
+def test_descriptions_and_sources_are_equal(package: str) -> None:
+    for compiled, live in twins_of(package):
+        assert description_by_c(live) == description_by_c(compiled), compiled
+        for ours, theirs in zip(sources_by_c(live), sources_by_c(compiled), strict=True):
+            assert ours[:2] == theirs[:2]
+            # rosidl's generator miscounts texts with backslashes and cuts them off.
+            assert ours[2].rstrip() == theirs[2].rstrip() or ("\\" in ours[2] and ours[2].startswith(theirs[2]))
 
 
 def test_bytes_are_equal(package: str) -> None:

@@ -68,6 +68,37 @@ def hash_by_c(cls: Any) -> bytes:
     return ctypes.string_at(described_by_c(cls, 0), 33)
 
 
+def _strings(address: int, count: int) -> list[str]:
+    """Some rosidl_runtime_c__type_description__String in a row; a compiled one may count its terminator."""
+    found = []
+    for i in range(count):
+        data, size, _ = read_words(address + 24 * i, 3)
+        found.append(ctypes.string_at(data, size).rstrip(b"\0").decode() if size else "")
+    return found
+
+
+def _described_type(address: int) -> tuple[str, list[Any]]:
+    first, count, _ = read_words(address + 24, 3)
+    fields = []
+    for field in range(first, first + 96 * count, 96):
+        name, (nested, default) = _strings(field, 1), _strings(field + 48, 2)
+        fields.append((name, ctypes.string_at(field + 24, 1), read_words(field + 32, 2), nested, default))
+    return _strings(address, 1)[0], fields
+
+
+def description_by_c(cls: Any) -> list[Any]:
+    """A type's description, and those of the types it refers to, as its type support gives them."""
+    address = described_by_c(cls, 1)
+    first, count, _ = read_words(address + 48, 3)
+    return [_described_type(address), *(_described_type(first + 48 * i) for i in range(count))]
+
+
+def sources_by_c(cls: Any) -> list[list[str]]:
+    """Name, encoding and text of a type and of those it refers to, as its type support gives them."""
+    first, count, _ = read_words(described_by_c(cls, 2), 3)
+    return [_strings(first + 72 * i, 3) for i in range(count)]
+
+
 def seeded(seed: object) -> random.Random:
     """Random numbers that are the same in each run."""
     return random.Random(str(seed))  # noqa: S311 - nothing secret

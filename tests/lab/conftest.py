@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import lab
+from course_kit import environment, lab
 from course_kit.lab.core import Lab
-
 from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
@@ -29,10 +28,28 @@ def own_lab(domain: int) -> Iterator[Lab]:
         lab.use(before)
 
 
+@pytest.fixture(scope="session")
+def _one_kernel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kernel]:
+    """A kernel on a domain of its own; starting one takes longer than most tests."""
+    with environment.exclusive_domain() as domain_id, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(domain_id))
+        with Kernel(cwd=tmp_path_factory.mktemp("kernel")) as running:
+            assert running.run("%load_ext course_kit\nfrom course_kit import lab").ok
+            yield running
+
+
 @pytest.fixture
-def kernel(domain: int, tmp_path: Path) -> Iterator[Kernel]:
-    """A kernel on a domain of its own, with the course's extension loaded."""
+def kernel(_one_kernel: Kernel) -> Kernel:
+    """A kernel with the course's extension, in which nothing runs and nothing is recorded."""
+    tidied = _one_kernel.run("lab.stop()\nlab.stop_script()\nlab.record()")
+    assert tidied.ok, tidied.error
+    return _one_kernel
+
+
+@pytest.fixture
+def fresh_kernel(domain: int, tmp_path: Path) -> Iterator[Kernel]:
+    """A kernel for a test that ends it."""
     assert domain
     with Kernel(cwd=tmp_path) as running:
-        assert running.run("%load_ext course_kit").ok
+        assert running.run("%load_ext course_kit\nfrom course_kit import lab").ok
         yield running

@@ -44,7 +44,7 @@ class Kernel:
         self.manager = KernelManager()
         self.cwd = cwd
 
-    def __enter__(self) -> Kernel:
+    def __enter__(self) -> Kernel:  # noqa: PYI034 - typing.Self is newer than Python 3.10
         environment = dict(os.environ)
         environment.pop("PYTEST_CURRENT_TEST", None)
         self.manager.start_kernel(cwd=str(self.cwd), env=environment)
@@ -59,6 +59,7 @@ class Kernel:
         self.client.stop_channels()
         if self.manager.is_alive():
             self.manager.shutdown_kernel(now=kind is not None)
+        self.manager.cleanup_resources()
 
     @property
     def pid(self) -> int:

@@ -173,15 +173,25 @@ def explained(message: Any, error: Exception) -> Exception:
     """The error that names the field which could not be encoded; the given one if no field is at fault."""
     for field in message_fields(type(message)):
         value = getattr(message, f"_{field.name}", None)
-        try:
-            field_check(field)(value)
-        except (AssertionError, TypeError) as reason:
+        reason = _fault(field, value)
+        if reason is not None:
             held = f"{reason}, and holds {reprlib.repr(value)}"
             return TypeError(f"{type(message).__name__} cannot be sent: {held[0].lower()}{held[1:]}.")
-        if field.nested is None or value is None:
+        if field.nested is None:
             continue
         for nested in value if field.type.container else (value,):
             found = explained(nested, error)
             if found is not error:
                 return found
     return error
+
+
+def _fault(field: MessageField, value: Any) -> str | None:
+    try:
+        field_check(field)(value)
+    except (AssertionError, TypeError) as reason:
+        return str(reason)
+    # Compiled classes let this pass until the message is sent, too.
+    if field.type.container and field.type.base == "octet" and any(len(item) != 1 for item in value):
+        return f"The '{field.name}' field must hold bytes objects of length 1"
+    return None

@@ -103,8 +103,9 @@ def load_another_helper() -> ctypes.PyDLL:
     its descriptor is kept open.
     """
     descriptor = os.memfd_create("course-kit-helper")
-    os.write(descriptor, LIBRARY.read_bytes())
-    return load_helper(Path(f"/proc/self/fd/{descriptor}"))
+    copy = Path(f"/proc/self/fd/{descriptor}")
+    copy.write_bytes(LIBRARY.read_bytes())
+    return load_helper(copy)
 
 
 def ros_library(name: str) -> ctypes.CDLL:

@@ -1,0 +1,97 @@
+"""The order of checks, and what becomes of one that breaks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from course_kit.grading.checks import Check, Evidence, Failed, check, in_order, run_all
+
+
+class FakeBench:
+    def begin(self, deadline_s: float) -> None:
+        self.deadline_s = deadline_s
+
+
+def make(name: str, *needs: str, outcome: Any = None) -> Check:
+    def run(bench: Any) -> Evidence:
+        del bench
+        if outcome is not None:
+            raise outcome
+        return Evidence("a", "b", "c")
+
+    return Check(name, name.title(), 1.0, needs, 1.0, run)
+
+
+def run(*checks: Check) -> dict[str, str]:
+    return {result.id: result.status for result in run_all(checks, FakeBench())}  # type: ignore[arg-type]
+
+
+def test_each_comes_after_what_it_needs() -> None:
+    names = [one.id for one in in_order([make("c", "b"), make("b", "a"), make("a"), make("d")])]
+    assert names == ["a", "b", "c", "d"]
+
+
+@pytest.mark.parametrize(
+    ("checks", "said"),
+    [
+        ([make("a", "b"), make("b", "a")], "never run"),
+        ([make("a", "missing")], "missing"),
+        ([make("a"), make("a")], "two checks are called a"),
+    ],
+)
+def test_impossible_orders_are_refused(checks: list[Check], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        in_order(checks)
+
+
+def test_failure_skips_what_depends_on_it_and_nothing_else() -> None:
+    failed = Failed(Evidence("s", "e", "g"), "what happened", "math.formula")
+    assert run(make("a", outcome=failed), make("b", "a"), make("c", "b"), make("d")) == {
+        "a": "failed",
+        "b": "skipped",
+        "c": "skipped",
+        "d": "passed",
+    }
+
+
+def test_fault_of_the_grader_is_an_error_and_the_others_go_on() -> None:
+    assert run(make("a", outcome=ZeroDivisionError()), make("b")) == {"a": "error", "b": "passed"}
+
+
+def test_failure_carries_its_evidence() -> None:
+    failed = Failed(Evidence("s", "e", "g"), "what happened", "math.formula")
+    (result,) = run_all([make("a", outcome=failed)], FakeBench())  # type: ignore[arg-type]
+    assert (result.sent, result.expected, result.got) == ("s", "e", "g")
+    assert (result.message, result.diagnosis) == ("what happened", "math.formula")
+
+
+def test_skipped_check_names_the_title_it_waits_for() -> None:
+    *_, last = run_all([make("a", outcome=Failed(Evidence(), "no")), make("b", "a")], FakeBench())  # type: ignore[arg-type]
+    assert '"A"' in last.message
+
+
+def test_declaration_takes_name_and_title_from_the_function() -> None:
+    @check(points=2, depends_on=["x"])
+    def reaches_the_wall(bench: Any) -> Evidence:
+        """The robot reaches the wall.
+
+        More about it.
+        """
+        del bench
+        return Evidence()
+
+    assert (reaches_the_wall.id, reaches_the_wall.title) == ("reaches_the_wall", "The robot reaches the wall")
+    assert (reaches_the_wall.points, reaches_the_wall.depends_on) == (2.0, ("x",))
+
+
+def test_declaration_needs_a_title_and_points() -> None:
+    def silent(bench: Any) -> Evidence:
+        raise NotImplementedError
+
+    with pytest.raises(ValueError, match="docstring"):
+        check(points=1)(silent)
+    silent.__doc__ = "Title."
+    with pytest.raises(ValueError, match="points"):
+        check(points=0)(silent)

@@ -1,0 +1,233 @@
+"""The one verb: what may be graded, what is refused and how; workers that live and die."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import signal
+import subprocess
+import sys
+import threading
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import environment, grading
+from course_kit.grading import exercise, processes
+from tests.grading.conftest import EXERCISE, ROOT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
+
+
+@pytest.fixture
+def node_running(domain: int) -> Iterator[int]:
+    """The solution as a program of its own, started by nobody of the grader's, on the graph of ROS_DOMAIN_ID."""
+    program = subprocess.Popen(
+        [sys.executable, str(SOLUTION)],
+        env=environment.child_environment(ROS_DOMAIN_ID=str(domain)),
+        stderr=subprocess.DEVNULL,
+    )
+    yield domain
+    program.send_signal(signal.SIGINT)
+    program.wait(20)
+
+
+def test_attach_grades_what_is_on_the_graph(node_running: int) -> None:
+    report = grading.grade(EXERCISE, attach=True)
+    assert [check.message for check in report.checks if check.status != "passed"] == []
+    assert report.score == 10.0
+    assert f"domain {node_running}" in report.submission
+
+
+def test_attach_to_nothing_says_so(domain: int) -> None:
+    report = grading.grade(EXERCISE, attach=True)
+    assert report.checks[0].diagnosis == "start.nothing"
+    assert f"domain {domain}" in report.checks[0].message
+    assert grading.exit_code(report) == 1
+
+
+def test_exec_grades_a_command() -> None:
+    command = shlex.join([sys.executable, str(SOLUTION)])
+    report = grading.grade(EXERCISE, exec_command=command)
+    assert [check.message for check in report.checks if check.status != "passed"] == []
+    assert report.submission == command
+
+
+def test_exec_of_nothing_there_says_so() -> None:
+    report = grading.grade(EXERCISE, exec_command="no_such_program --x")
+    assert report.checks[0].diagnosis == "start.exit"
+    assert "exit code 127" in report.checks[0].message
+    assert "no_such_program" in report.stderr
+
+
+@pytest.mark.parametrize("command", ["", "   ", "unbalanced 'quote"])
+def test_exec_of_no_command_is_refused(command: str) -> None:
+    with pytest.raises(grading.GradingError, match="command"):
+        grading.grade(EXERCISE, exec_command=command)
+
+
+def test_exactly_one_thing_is_graded() -> None:
+    with pytest.raises(grading.GradingError, match="one thing"):
+        grading.grade(EXERCISE)
+    with pytest.raises(grading.GradingError, match="one thing"):
+        grading.grade(EXERCISE, SOLUTION, attach=True)
+
+
+def test_unknown_exercise_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(grading.GradingError, match=EXERCISE):
+        grading.grade("no_such_exercise", SOLUTION)
+
+
+def test_unreadable_submission_gets_a_report(tmp_path: Path) -> None:
+    report = grading.grade(EXERCISE, tmp_path / "none.py")
+    assert (report.status, report.score, report.max_score, report.checks) == ("unreadable", 0.0, 10.0, ())
+    assert "There is no file" in report.to_mapping()["stderr"]
+    assert grading.exit_code(report) == 2
+
+
+def test_syntax_error_is_graded_without_running_anything(grade_source: Callable[..., grading.Report]) -> None:
+    report = grade_source("print('RUN')\ndef f(:\n    pass\n")
+    assert report.status == "crashed"
+    assert report.checks[0].diagnosis == "start.syntax"
+    assert "line 2: def f(:" in report.checks[0].message
+    assert "RUN" not in report.stdout
+    assert grading.exit_code(report) == 1
+
+
+def test_output_of_the_submission_is_reported(grade_source: Callable[..., grading.Report], solution: str) -> None:
+    report = grade_source(solution.replace("    rclpy.init()", "    print('hello')\n    rclpy.init()"))
+    assert report.stdout == "hello\n"
+
+
+def test_field_checks_are_on_whatever_the_user_has_set(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "0")
+    path = tmp_path / "a.py"
+    path.write_text("import os\nprint(os.environ['ROS_PYTHON_CHECK_FIELDS'])\n")
+    assert grading.grade(EXERCISE, path).stdout == "1\n"
+
+
+def test_grader_that_breaks_is_not_the_learners_fault(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, solution: str
+) -> None:
+    (tmp_path / "a.py").write_text(solution)
+    (tmp_path / "sabotage").mkdir()
+    (tmp_path / "sabotage" / "sitecustomize.py").write_text(
+        "import course_kit.graders._temperature as t\ndel t.right_value\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "sabotage"))
+    report = grading.grade(EXERCISE, tmp_path / "a.py")
+    assert report.status == "error"
+    assert grading.exit_code(report) == 2
+    assert not report.passed
+
+
+def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None]) -> list[int]:
+    """Grade a program that never ends, call `end` once it runs; the processes that were at work then."""
+    path.write_text("import time\ntime.sleep(600)\n")
+    worker.ready()
+    below: list[int] = []
+
+    def watch() -> None:
+        deadline = time.monotonic() + 20
+        while len(below) < 5 and time.monotonic() < deadline:  # warden, probe, gate, guard, program
+            below[:] = processes.descendants(worker.process_id)
+        end()
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    with pytest.raises(grading.GradingError, match="ended while it was at work"):
+        grading.grade(EXERCISE, path, worker=worker)
+    watcher.join()
+    assert len(below) >= 5
+    return below
+
+
+def all_dead(process_ids: list[int]) -> bool:
+    deadline = time.monotonic() + 20
+    while time.monotonic() < deadline:
+        if processes.usage(process_ids).tasks == 0:
+            return True
+    return False
+
+
+def test_killed_worker_is_told_and_leaves_nothing(tmp_path: Path) -> None:
+    with grading.Worker() as worker:
+        below = end_while_grading(worker, tmp_path / "a.py", lambda: os.kill(worker.process_id, signal.SIGKILL))
+    assert all_dead(below)
+
+
+def test_closing_ends_what_is_under_way(tmp_path: Path) -> None:
+    worker = grading.Worker()
+    below = end_while_grading(worker, tmp_path / "a.py", worker.close)
+    assert all_dead(below)
+
+
+def test_workers_side_by_side_on_a_loaded_machine(tmp_path: Path) -> None:
+    """Two at a time with every core kept busy: the verdicts are the same."""
+    hogs = [
+        subprocess.Popen([sys.executable, "-S", "-c", "while True: pass"]) for _ in range(2 * (os.cpu_count() or 1))
+    ]
+    reports: list[grading.Report] = []
+
+    def grade_two() -> None:
+        with grading.Worker() as worker:
+            for name in ("main_guarded", "class_only"):
+                path = ROOT / "tests" / "grading" / "correct" / EXERCISE / f"{name}.py"
+                reports.append(grading.grade(EXERCISE, path, worker=worker))
+
+    threads = [threading.Thread(target=grade_two) for _ in range(2)]
+    try:
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    finally:
+        for hog in hogs:
+            hog.kill()
+            hog.wait()
+    del tmp_path
+    assert [report.score for report in reports] == [10.0] * 4
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("format_version = 1", "format_version"),
+        ('id = "temperature_service"', "'id'"),
+        ("pass_mark = 7.0", "pass_mark"),
+        ("[limits]", "no limit called 'memory'"),
+    ],
+)
+def test_mistake_in_an_exercise_is_named(line: str, said: str, tmp_path: Path) -> None:
+    text = (ROOT / "exercises" / EXERCISE / "exercise.toml").read_text()
+    folder = tmp_path / EXERCISE
+    folder.mkdir()
+    replacement = "[limits]\nmemory = 3" if line == "[limits]" else ""
+    (folder / "exercise.toml").write_text(text.replace(line + "\n", replacement + "\n"))
+    with pytest.raises(
+        grading.GradingError, match=f"exercise.toml cannot be used.*{'memory' if replacement else said}"
+    ):
+        exercise.load(EXERCISE, tmp_path)
+
+
+def test_points_of_the_checks_are_those_of_the_exercise() -> None:
+    from course_kit.graders import temperature_service as grader
+
+    task = exercise.load(EXERCISE)
+    assert sum(check.points for check in grader.CHECKS) == task.points
+    known = {check.id for check in grader.CHECKS}
+    for check in known:
+        assert task.next_hint(check), f"the ladder has no rung for {check}"
+
+
+def test_ladder_is_climbed_and_ends_at_its_last_rung() -> None:
+    task = exercise.load(EXERCISE)
+    rungs = [task.next_hint("answers", seen) for seen in range(4)]
+    assert rungs[0] != rungs[1]
+    assert rungs[1] == rungs[2] == rungs[3]
+    assert task.next_hint("no_such_topic") is None

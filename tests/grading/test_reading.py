@@ -1,0 +1,177 @@
+"""What is read out of a program's own words: tracebacks, stacks, exits."""
+
+from __future__ import annotations
+
+import pytest
+
+from course_kit.grading import endings
+from course_kit.grading.bench import Life
+from course_kit.grading.job import Job
+from course_kit.grading.output import KEPT, Output
+from course_kit.grading.traces import activity, last_exception
+
+TRACE = """[INFO] something
+Traceback (most recent call last):
+  File "answer.py", line 9, in <module>
+    main()
+Traceback (most recent call last):
+  File "/lib/rclpy/executors.py", line 111, in await_or_execute
+    return callback(*args)
+           ^^^^^^^^^^^^^^^
+  File "answer.py", line 3, in convert
+    return 1 / 0
+           ~~^~~
+  File "/lib/other.py", line 7, in deep
+ZeroDivisionError: division by zero
+[INFO] the end
+"""
+JOB = Job("temperature_service", "run", "answer.py", 1, source="a = 1\nb = 2\nreturn 1 / 0\n")
+SPINS = """Thread 0x00007f1 (most recent call first):
+  File "/usr/lib/threading.py", line 5 in wait
+Current thread 0x00007f2 (most recent call first):
+  File "/lib/rclpy/executors.py", line 400 in _wait_for_ready_callbacks
+  File "/lib/rclpy/executors.py", line 700 in spin_once
+  File "/lib/rclpy/__init__.py", line 200 in spin
+  File "answer.py", line 30 in main
+"""
+CALLS = """Thread 0x00007f1 [worker] (most recent call first):
+  File "/usr/lib/threading.py", line 5 in wait
+  File "/lib/rclpy/client.py", line 80 in call
+  File "answer.py", line 20 in convert
+  File "/lib/rclpy/executors.py", line 111 in await_or_execute
+  File "/lib/rclpy/executors.py", line 456 in _execute
+  File "/lib/rclpy/task.py", line 240 in __call__
+  File "/lib/rclpy/executors.py", line 800 in _spin_once_impl
+  File "answer.py", line 30 in main
+"""
+
+
+def test_last_traceback_and_the_learners_own_line() -> None:
+    raised = last_exception(TRACE, "answer.py")
+    assert raised is not None
+    assert raised.describe() == "ZeroDivisionError: division by zero"
+    assert raised.own is not None
+    assert (raised.own.line, raised.own.function) == (3, "convert")
+    assert len(raised.frames) == 3
+
+
+@pytest.mark.parametrize("text", ["", "all is well", "Traceback (most recent call last):\n  File"])
+def test_no_traceback(text: str) -> None:
+    assert last_exception(text, "answer.py") is None
+
+
+def test_a_spinning_program() -> None:
+    seen = activity(SPINS, "answer.py")
+    assert seen.spinning
+    assert seen.callback is None
+
+
+def test_a_callback_that_waits_for_ros() -> None:
+    seen = activity(CALLS, "answer.py")
+    assert seen.spinning
+    assert seen.waits_for_ros
+    assert seen.callback is not None
+    assert seen.callback.line == 20
+
+
+def test_a_callback_that_sleeps_does_not_wait_for_ros() -> None:
+    sleeps = "\n".join(line for line in CALLS.splitlines() if "client.py" not in line and "threading" not in line)
+    seen = activity(sleeps, "answer.py")
+    assert seen.callback is not None
+    assert not seen.waits_for_ros
+
+
+def test_nothing_spins() -> None:
+    seen = activity('Current thread 0x1 (most recent call first):\n  File "answer.py", line 4 in main\n', "answer.py")
+    assert not seen.spinning
+    assert seen.own is not None
+
+
+@pytest.mark.parametrize(
+    ("life", "code"),
+    [
+        (Life(running=False, exit_code=1, stderr=TRACE), "start.crash"),
+        (Life(running=False, exit_code=3), "start.exit"),
+        (Life(running=False, signal=11), "start.exit"),
+        (Life(running=False, limit="memory"), "limit.memory"),
+        (Life(running=False, exit_code=0, notes={"functions": ["f"]}), "start.nothing"),
+        (Life(running=False, stderr=TRACE.replace("ZeroDivisionError", "MemoryError")), "limit.memory"),
+        (
+            Life(
+                running=False,
+                stderr="Traceback (most recent call last):\nModuleNotFoundError: No module named 'nunpy'\n",
+            ),
+            "start.import",
+        ),
+        (
+            Life(
+                running=False,
+                stderr="Traceback (most recent call last):\nRuntimeError: can't start new thread\n",
+            ),
+            "limit.processes",
+        ),
+    ],
+)
+def test_why_a_start_failed(life: Life, code: str) -> None:
+    assert endings.of_start(life, JOB)[0] == code
+
+
+@pytest.mark.parametrize(
+    ("life", "code"),
+    [
+        (Life(running=False, notes={"returned": "None"}), "service.no_return"),
+        (Life(running=False, notes={"returned": "float"}), "service.wrong_return"),
+        (Life(running=False, notes={"exit_in_callback": True}), "service.exception"),
+        (Life(running=False, exit_code=1, stderr=TRACE), "service.exception"),
+        (Life(running=False, signal=9), None),
+        (Life(running=False, exit_code=0), "start.exit"),
+    ],
+)
+def test_why_a_call_failed(life: Life, code: str | None) -> None:
+    assert endings.of_call(life, JOB)[0] == code
+
+
+@pytest.mark.parametrize(
+    ("problem", "nearest"),
+    [
+        ("ModuleNotFoundError: No module named 'course_interface'", "course_interfaces"),
+        ("ModuleNotFoundError: No module named 'nunpy.linalg'", "numpy"),
+        ("ImportError: cannot import name 'ConvertTemperatur' from 'course_interfaces.srv' (x)", "ConvertTemperature"),
+    ],
+)
+def test_nearest_import(problem: str, nearest: str) -> None:
+    life = Life(running=False, stderr=f"Traceback (most recent call last):\n{problem}\n")
+    assert f"nearest name there is: {nearest}." in endings.of_start(life, JOB)[1]
+
+
+def test_source_line_in_a_notebook() -> None:
+    job = Job("temperature_service", "run", "answer.py", 1, source="a = 1\nb = 2\n", places=((2, 2), (5, 3)))
+    assert endings.source_line(job, 2) == "cell 5, line 3: b = 2"
+    assert endings.source_line(JOB, 99) == "line 99"
+
+
+@pytest.mark.parametrize("size", [0, 1, KEPT, 2 * KEPT])
+def test_output_up_to_twice_the_kept_size_is_whole(size: int) -> None:
+    output = Output()
+    output.add(b"a" * size)
+    assert output.text() == "a" * size
+
+
+def test_output_keeps_beginning_and_end() -> None:
+    output = Output()
+    for number in range(3 * KEPT // 8 + 1):
+        output.add(b"%07d " % number)
+    text = output.text()
+    assert text.startswith("0000000 ")
+    assert text.endswith(f"{3 * KEPT // 8:07d} ")
+    assert f"[... {output.count - 2 * KEPT} bytes left out ...]" in text
+
+
+def test_output_is_harmless_text() -> None:
+    output = Output()
+    output.add("ä\x1b[31mred\x00\r\n\t\xff".encode() + b"\xff\xfe")
+    text = output.text()
+    assert "\x1b" not in text
+    assert "\x00" not in text
+    assert text.startswith("ä")
+    assert "\n\t" in text

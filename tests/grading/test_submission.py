@@ -1,0 +1,111 @@
+"""Files from strangers: text when there is one, one clear sentence when there is none."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.grading.submission import LARGEST, UnreadableError, read
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+EXERCISE = "temperature_service"
+
+
+def notebook(*cells: object) -> str:
+    return json.dumps({"cells": [{"cell_type": "code", "source": cell} for cell in cells]})
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "said"),
+    [
+        ("a.py", b"", "is empty"),
+        ("a.py", b" \r\n\t\n", "is empty"),
+        ("a.py", b"x = '\xff'", "not UTF-8 text (byte 6)"),
+        ("a.py", b"x = 1\0", "null bytes"),
+        ("a.py", b"#" * (LARGEST + 1), "larger than 1024 kB"),
+        ("a.txt", b"x = 1", "no .py and no .ipynb"),
+        ("a.ipynb", b"x = 1", "no Jupyter notebook"),
+        ("a.ipynb", b"[]", "no Jupyter notebook"),
+        ("a.ipynb", b'{"cells": 3}', "no Jupyter notebook"),
+        ("a.ipynb", b'{"cells": [{"cell_type": "code", "source": 3}]}', "no Jupyter notebook"),
+        ("a.ipynb", b"[" * 100_000, "no Jupyter notebook"),
+        ("a.ipynb", notebook("x = 1").encode(), "'%%submission temperature_service'"),
+        ("a.ipynb", notebook("%%submission other\nx = 1").encode(), "It has cells for: other"),
+        ("a.ipynb", notebook(f"%%submission {EXERCISE}\n\n").encode(), "no code cell that begins"),
+    ],
+)
+def test_unreadable(name: str, data: bytes, said: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    path.write_bytes(data)
+    with pytest.raises(UnreadableError) as caught:
+        read(path, EXERCISE)
+    assert said in str(caught.value)
+    assert name in str(caught.value)
+
+
+def test_exactly_the_largest_size_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "a.py"
+    path.write_bytes(b"#" * LARGEST)
+    assert len(read(path, EXERCISE).source) == LARGEST
+
+
+def test_missing_folder_pipe_and_loop(tmp_path: Path) -> None:
+    with pytest.raises(UnreadableError, match="There is no file"):
+        read(tmp_path / "no.py", EXERCISE)
+    with pytest.raises(UnreadableError, match="is a folder"):
+        read(tmp_path, EXERCISE)
+    os.mkfifo(tmp_path / "pipe.py")
+    with pytest.raises(UnreadableError, match="no ordinary file"):
+        read(tmp_path / "pipe.py", EXERCISE)
+    (tmp_path / "loop.py").symlink_to("loop.py")
+    with pytest.raises(UnreadableError, match="cannot be read"):
+        read(tmp_path / "loop.py", EXERCISE)
+
+
+def test_link_out_of_its_folder_is_refused_and_one_inside_is_followed(tmp_path: Path) -> None:
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    (tmp_path / "secret.py").write_text("x = 1\n")
+    (inner / "out.py").symlink_to("../secret.py")
+    with pytest.raises(UnreadableError, match="link to a file outside"):
+        read(inner / "out.py", EXERCISE)
+    (inner / "real.py").write_text("y = 2\n")
+    (inner / "near.py").symlink_to("real.py")
+    assert read(inner / "near.py", EXERCISE).source == "y = 2\n"
+
+
+@pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
+def test_line_ends_and_byte_order_mark(end: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "a.py"
+    path.write_bytes(b"\xef\xbb\xbf" + end.join([b"x = 1", b"y = '\xc3\xa4'", b""]))
+    assert read(path, EXERCISE).source == "x = 1\ny = 'ä'\n"
+
+
+def test_notebook_cells_are_joined_in_order_and_lines_are_found_again(tmp_path: Path) -> None:
+    path = tmp_path / "a b.ipynb"
+    cells = (
+        f"%%submission {EXERCISE}\na = 1\nb = 2",
+        "!rm -rf /",
+        [f"%%submission  {EXERCISE} \r\n", "c = 3\r\n"],
+        f"# %%submission {EXERCISE}\nd = 4",
+    )
+    path.write_text(notebook(*cells))
+    found = read(path, EXERCISE)
+    assert found.source.split() == ["a", "=", "1", "b", "=", "2", "c", "=", "3"]
+    assert found.program == "a b.py"
+    assert (found.where(1), found.where(2), found.where(3)) == ("cell 1, line 2", "cell 1, line 3", "cell 3, line 2")
+
+
+def test_syntax_fault_has_line_and_text(tmp_path: Path) -> None:
+    path = tmp_path / "a.py"
+    path.write_text("x = 1\nif x\n    pass\n")
+    fault = read(path, EXERCISE).syntax_fault()
+    assert fault is not None
+    assert (fault.line, fault.text) == (2, "if x")
+    path.write_text("x = " + "(" * 5000 + ")" * 5000)
+    assert read(path, EXERCISE).syntax_fault() is not None

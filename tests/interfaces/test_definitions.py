@@ -1,0 +1,97 @@
+"""Definitions are read as rosidl_adapter of ROS 2 Jazzy reads them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from rosidl_adapter import parser as adapter
+
+from course_kit import interfaces
+from course_kit.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
+from course_kit.interfaces.parser import PRIMITIVE_NAMES, parse
+
+
+def their_view(message: Any) -> Any:
+    return (
+        [(field.name, their_type(field.type), field.default_value) for field in message.fields],
+        [(constant.name, PRIMITIVE_NAMES[constant.type], constant.value) for constant in message.constants],
+    )
+
+
+def their_type(kind: Any) -> tuple[str, str, int, int]:
+    base = PRIMITIVE_NAMES[kind.type] if kind.is_primitive_type() else f"{kind.pkg_name}/msg/{kind.type}"
+    container = "" if not kind.is_array else "array" if kind.is_fixed_size_array() else "sequence"
+    return base, container, kind.array_size or 0, kind.string_upper_bound or 0
+
+
+def our_view(message: MessageDefinition) -> Any:
+    return (
+        [(field.name, tuple(field.type), field.default) for field in message.fields],
+        [(constant.name, constant.type.base, constant.value) for constant in message.constants],
+    )
+
+
+@pytest.mark.parametrize("package", interfaces.packages())
+def test_every_definition_there_is(package: str) -> None:
+    for full_name in interfaces.types(package):
+        kind, name = full_name.split("/")[1:]
+        text = interfaces.text_of(full_name)
+        ours = parse(full_name, text)
+        if isinstance(ours, ServiceDefinition):
+            theirs = adapter.parse_service_string(package, name, text)
+            pairs = [(ours.request, theirs.request), (ours.response, theirs.response)]
+        elif isinstance(ours, ActionDefinition):
+            theirs = adapter.parse_action_string(package, name, text)
+            pairs = [(ours.goal, theirs.goal), (ours.result, theirs.result), (ours.feedback, theirs.feedback)]
+        else:
+            assert kind == "msg"
+            pairs = [(ours, adapter.parse_message_string(package, name, text))]
+        for mine, other in pairs:
+            assert our_view(mine) == their_view(other), full_name
+
+
+LINES = [
+    "int32 a -5 # comment",
+    "uint8 a 0xff",
+    "int64 a 0b101",
+    "int32\ta\t7",
+    "int32   a    7",
+    "byte a 0x10",
+    "char[] a [1, 2]",
+    "bool a True",
+    "bool[3] a [true, 0, FALSE]",
+    "float32 a 1e3",
+    "float64 a inf",
+    "float64[<=3] a [1, 2.5]",
+    "string a plain text with blanks",
+    'string a "it\'s"',
+    "string a 'say \"no\"'",
+    'string a "say \\"no\\""',
+    'string a ""',
+    "string<=5 a abcde",
+    "wstring<=5[2] a ['é', \"ü\"]",
+    "string[] a []",
+    "string[] a [\"a, b\", 'c', d e]",
+    'string[<=3] a ["x", "y"]',
+    "int8 LOWEST=-128",
+    "string UNIT=metre",
+    'string UNIT = " m "',
+    "string[<=3] a",
+    "string<=7[4] a",
+    "wstring[] a",
+    "geometry_msgs/Point[<=5] a",
+]
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_lines_with_all_there_is(line: str) -> None:
+    ours = parse("my_interfaces/msg/Info", f"\n# Comment\n{line}\n")
+    assert isinstance(ours, MessageDefinition)
+    assert our_view(ours) == their_view(adapter.parse_message_string("my_interfaces", "Info", f"{line}\n"))
+
+
+def test_windows_line_ends() -> None:
+    assert parse("my_interfaces/srv/Info", "int32 a\r\n---\r\nbool b\r\n") == parse(
+        "my_interfaces/srv/Info", "int32 a\n---\nbool b\n"
+    )

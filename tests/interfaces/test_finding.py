@@ -1,0 +1,201 @@
+"""Live interfaces are there in every Python of the environment, and what is installed comes first."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from course_kit import environment, interfaces
+from course_kit.interfaces import finder
+
+REPOSITORY = Path(__file__).parents[2]
+
+
+@pytest.fixture(autouse=True)
+def own_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    monkeypatch.setattr(environment, "run_dir", lambda: tmp_path)
+    return tmp_path / "interfaces"
+
+
+def run(program: str, **changes: str) -> str:
+    search = os.pathsep.join([str(REPOSITORY), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(program)],
+        env=environment.child_environment(PYTHONPATH=search, **changes),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_a_program_that_knows_nothing_of_the_course() -> None:
+    printed = run("""
+        from course_interfaces.action import MoveRobot
+        from course_interfaces.srv import ConvertTemperature
+        from example_interfaces.action import Fibonacci
+        from example_interfaces.msg import *
+        from example_interfaces.srv import AddTwoInts, SetBool, Trigger
+        import example_interfaces.msg
+
+        print(AddTwoInts.Request(a=1), Fibonacci.Goal(order=2), ConvertTemperature.Request.CELSIUS)
+        print(MoveRobot.Feedback(progress=0.5).progress, WString(data="é"), len(example_interfaces.msg.__all__))
+        """)
+    assert printed == (
+        "example_interfaces.srv.AddTwoInts_Request(a=1, b=0) "
+        "example_interfaces.action.Fibonacci_Goal(order=2) celsius\n"
+        "0.5 example_interfaces.msg.WString(data='é') 29\n"
+    )
+
+
+def test_checks_are_on_even_when_interfaces_are_imported_before_rclpy() -> None:
+    program = """
+        from example_interfaces.srv import AddTwoInts
+        try:
+            AddTwoInts.Request(a="one")
+        except AssertionError as error:
+            print(error)
+        """
+    assert run(program, COURSE_KIT_AUTOLOAD="1") == "The 'a' field must be of type 'int'\n"
+    # The user's own choice wins.
+    assert run(program, ROS_PYTHON_CHECK_FIELDS="0") == ""
+
+
+HEAVY = ("typing", "importlib.abc", "dataclasses", "inspect", "ctypes", "numpy", "rosidl_parser", "pathlib", "re")
+
+
+def test_the_finder_costs_nothing_at_the_start_of_python() -> None:
+    printed = run(f"""
+        import sys
+        for name in {HEAVY!r}:
+            sys.modules.pop(name, None)
+        from course_kit.interfaces import finder
+        finder.install()
+        finder.install()
+        print([name for name in {HEAVY!r} if name in sys.modules])
+        print(sum(type(each).__name__ == "LiveFinder" for each in sys.meta_path), sys.meta_path[-1])
+        """)
+    assert printed.startswith("[]\n1 <course_kit.interfaces.finder.LiveFinder")
+
+
+def test_an_installed_package_wins(tmp_path: Path) -> None:
+    package = tmp_path / "site" / "example_interfaces" / "srv"
+    package.mkdir(parents=True)
+    (package.parent / "__init__.py").write_text("")
+    (package / "__init__.py").write_text("AddTwoInts = 'the installed one'\n")
+    program = "from example_interfaces.srv import AddTwoInts; print(AddTwoInts)"
+    assert run(f"import sys; sys.path.insert(0, {str(tmp_path / 'site')!r})\n{program}") == "the installed one\n"
+
+
+def test_what_does_not_exist() -> None:
+    with pytest.raises(ModuleNotFoundError):
+        __import__("no_such_interfaces.srv")
+    with pytest.raises(ModuleNotFoundError):
+        __import__("example_interfaces.no_such_folder")
+    with pytest.raises(ModuleNotFoundError):
+        __import__("example_interfaces.srv._no_such_service")
+    with pytest.raises(ImportError, match="cannot import name 'NoSuchService'"):
+        from example_interfaces.srv import NoSuchService  # noqa: F401
+
+
+def test_a_saved_definition_is_found_by_other_processes(own_folder: Path) -> None:
+    interfaces.define("saved_interfaces/srv/PersonInfo", "string name\n---\nbool success\n")
+    assert [path.name for path in (own_folder / "saved_interfaces" / "srv").iterdir()] == ["PersonInfo.srv"]
+    program = "from saved_interfaces.srv import PersonInfo; print(PersonInfo.Request(name='Ada'))"
+    shown = "saved_interfaces.srv.PersonInfo_Request(name='Ada')\n"
+    assert run(program, COURSE_KIT_INTERFACE_PATH=f"/no such folder{os.pathsep}{own_folder}") == shown
+
+
+def test_a_definition_that_became_invalid_says_so(own_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = own_folder / "broken_interfaces" / "msg" / "Info.msg"
+    path.parent.mkdir(parents=True)
+    path.write_text("sting name\n")
+    monkeypatch.setenv("COURSE_KIT_INTERFACE_PATH", str(own_folder))
+    with pytest.raises(interfaces.InterfaceDefinitionError, match="did you mean string"):
+        from broken_interfaces.msg import Info  # noqa: F401
+
+
+def test_modules_are_laid_out_as_rosidl_lays_them_out() -> None:
+    from example_interfaces.action import Fibonacci
+    from example_interfaces.action._fibonacci import Fibonacci_Goal, Metaclass_Fibonacci_Goal
+
+    assert Fibonacci.Goal is Fibonacci_Goal
+    assert type(Fibonacci_Goal) is Metaclass_Fibonacci_Goal
+    from example_interfaces.srv import AddTwoInts, AddTwoInts_Request
+
+    assert AddTwoInts.Request is AddTwoInts_Request
+    import example_interfaces.srv
+
+    assert {"AddTwoInts", "SetBool", "Trigger"} <= set(dir(example_interfaces.srv))
+    assert finder.is_live(example_interfaces.srv)
+
+
+def test_listing() -> None:
+    assert {"example_interfaces", "course_interfaces", "std_srvs", "geometry_msgs"} <= set(interfaces.packages())
+    assert interfaces.packages() == sorted(interfaces.packages())
+    assert interfaces.types("course_interfaces") == [
+        "course_interfaces/action/MoveRobot",
+        "course_interfaces/srv/ConvertTemperature",
+    ]
+    assert interfaces.types("std_srvs") == ["std_srvs/srv/Empty", "std_srvs/srv/SetBool", "std_srvs/srv/Trigger"]
+    services = interfaces.types(kind="srv")
+    assert {"std_srvs/srv/SetBool", "example_interfaces/srv/AddTwoInts"} <= set(services)
+    assert {name.split("/")[1] for name in services} == {"srv"}
+    assert interfaces.types("std_srvs", kind="msg") == []
+    with pytest.raises(interfaces.InterfaceNotFoundError, match="Did you mean 'std_srvs'"):
+        interfaces.types("std_srv")
+
+
+def test_types_by_name() -> None:
+    from std_srvs.srv import SetBool
+
+    assert interfaces.get_type("std_srvs/srv/SetBool") is SetBool
+    assert interfaces.get_type("std_srvs/SetBool") is SetBool
+    assert interfaces.get_type("example_interfaces/AddTwoInts").__module__ == "example_interfaces.srv._add_two_ints"
+    interfaces.define("twice_interfaces/msg/Info", "int32 a\n")
+    interfaces.define("twice_interfaces/srv/Info", "int32 a\n---\n")
+    choice = "'twice_interfaces/msg/Info' or 'twice_interfaces/srv/Info'"
+    with pytest.raises(interfaces.InterfaceNotFoundError, match=choice):
+        interfaces.get_type("twice_interfaces/Info")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ("std_srvs/srv/SetBol", "std_srvs/srv/SetBool"),
+        ("std_srvs/SetBol", "std_srvs/srv/SetBool"),
+        ("std_srvs/msg/SetBool", "std_srvs/srv/SetBool"),
+        ("std_svrs/srv/SetBool", "std_srvs/srv/SetBool"),
+        ("example_interfaces/srv/AddTwoInt", "example_interfaces/srv/AddTwoInts"),
+        ("geometry_msgs/msg/point", "geometry_msgs/msg/Point"),
+        ("AddTwoInts", "example_interfaces/srv/AddTwoInts"),
+    ],
+)
+def test_the_nearest_right_name(wrong: str, right: str) -> None:
+    with pytest.raises(interfaces.InterfaceNotFoundError) as caught:
+        interfaces.get_type(wrong)
+    assert caught.value.nearest == right
+    assert f"Did you mean {right!r}?" in str(caught.value)
+
+
+@pytest.mark.parametrize("nonsense", ["", "/", "a/b/c/d", "std_srvs//SetBool", "zzzz/srv/Qqqqqqqq", "../srv/X"])
+def test_nonsense_names(nonsense: str) -> None:
+    with pytest.raises(interfaces.InterfaceNotFoundError) as caught:
+        interfaces.get_type(nonsense)
+    assert repr(nonsense) in str(caught.value)
+
+
+def test_texts() -> None:
+    assert interfaces.text_of("example_interfaces/srv/AddTwoInts").endswith("int64 a\nint64 b\n---\nint64 sum\n")
+    assert interfaces.text_of("std_srvs/Trigger").startswith("---\nbool success")
+    interfaces.define("text_interfaces/msg/Info", "int32 a # in metres")
+    assert interfaces.text_of("text_interfaces/msg/Info") == "int32 a # in metres\n"
+    with pytest.raises(interfaces.InterfaceNotFoundError):
+        interfaces.text_of("std_srvs/srv/NoSuchService")

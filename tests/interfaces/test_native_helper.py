@@ -1,0 +1,102 @@
+"""The native helper: more types than one copy has room for, and what people read where it cannot work."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+from pathlib import Path
+
+import pytest
+from rclpy.serialization import deserialize_message, serialize_message
+
+from course_kit.interfaces import NativeHelperError
+from course_kit.interfaces.definition import TypeName
+from course_kit.interfaces.library import Library
+from course_kit.interfaces.native import helper as native
+from course_kit.interfaces.native import loader
+
+SLOTS = 1024
+
+
+def test_more_types_than_one_copy_has_slots_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    fresh = native.Helper()
+    copies = []
+
+    def load_counted() -> ctypes.PyDLL:
+        copies.append(loader.load_another_helper())
+        return copies[-1]
+
+    monkeypatch.setattr(native, "load_another_helper", load_counted)
+    cls = Library(lambda _: "int64 a\nstring b\n").get(TypeName("many_messages", "msg", "Info")).classes["Info"]
+    used = set()
+    for _ in range(2 * SLOTS + 10):
+        live_type = fresh._new_type(cls)
+        used.add(live_type.helper.live_create_function(live_type.address))
+    assert len(used) == 2 * SLOTS + 10
+    # The process's own first copy may have been in use before; the copies are different libraries.
+    assert len(copies) in (2, 3)
+    assert len({copy._handle for copy in copies}) == len(copies)
+    made = ctypes.PYFUNCTYPE(ctypes.c_void_p)(live_type.helper.live_create_function(live_type.address))()
+    assert ctypes.c_void_p.from_address(made + 24).value == live_type.address
+    ctypes.PYFUNCTYPE(None, ctypes.c_void_p)(loader.function_address(live_type.helper.live_destroy))(made)
+
+
+def test_a_type_in_another_copy_works(monkeypatch: pytest.MonkeyPatch) -> None:
+    from course_kit.interfaces import type_support
+
+    monkeypatch.setattr(native, "load_helper", loader.load_another_helper)
+    other = native.Helper()
+    monkeypatch.setattr(type_support, "_helper", lambda: other)
+    text = "int64[] a\nbuiltin_interfaces/Time t\n---\nstring b\n"
+    built = Library(lambda _: text).get(TypeName("many_messages", "srv", "Ask"))
+    assert built is not None
+    type(built.classes["Ask"]).__import_type_support__()
+    request = built.classes["Ask_Request"](a=[1, 2**40])
+    assert deserialize_message(serialize_message(request), type(request)) == request
+
+
+def test_the_helper_is_missing(tmp_path: Path) -> None:
+    with pytest.raises(NativeHelperError, match=r"could not be loaded .*cannot open.* install it again"):
+        loader.load_helper(tmp_path / "_helper.so")
+
+
+def test_the_file_is_no_helper(tmp_path: Path) -> None:
+    (tmp_path / "text.so").write_text("not a library")
+    with pytest.raises(NativeHelperError, match="could not be loaded"):
+        loader.load_helper(tmp_path / "text.so")
+    shutil.copy(library_in_use("librosidl_runtime_c.so"), tmp_path / "other.so")
+    with pytest.raises(NativeHelperError, match="undefined symbol: live_setup"):
+        loader.load_helper(tmp_path / "other.so")
+
+
+def library_in_use(name: str) -> str:
+    lines = Path("/proc/self/maps").read_text().splitlines()
+    return next(line.split()[-1] for line in lines if line.endswith(name))
+
+
+def test_another_middleware(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
+    with pytest.raises(NativeHelperError, match=r"RMW_IMPLEMENTATION is 'rmw_cyclonedds_cpp'. Unset"):
+        loader.load_helper()
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
+    loader.load_helper()
+
+
+def test_ros_is_not_there() -> None:
+    with pytest.raises(NativeHelperError, match=r"The library libnot_there\.so of ROS 2 Jazzy was not found"):
+        loader.ros_library("libnot_there.so")
+
+
+def test_another_fast_cdr(monkeypatch: pytest.MonkeyPatch) -> None:
+    def without_fast_cdr(_: str) -> ctypes.CDLL:
+        return ctypes.CDLL("libc.so.6")
+
+    monkeypatch.setattr(loader, "ros_library", without_fast_cdr)
+    with pytest.raises(NativeHelperError, match="This Fast CDR is not the one of ROS 2 Jazzy"):
+        loader.load_helper()
+
+
+def test_another_layout(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(loader, "_NEW_BUFFER", loader._POSITION)  # leaves the buffer object as it is: all zero
+    with pytest.raises(NativeHelperError, match="its objects are laid out differently"):
+        loader.load_helper()

@@ -1,0 +1,204 @@
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+from example_interfaces.srv import AddTwoInts
+
+from course_kit import lab, trace
+from tests.lab.nodes import Switch
+
+if TYPE_CHECKING:
+    from tests.lab.kernel import Kernel
+
+SEED = Path(__file__).parent.parent / "seed"
+SERVER = (SEED / "minimal_service.py").read_text()
+CLIENT = (SEED / "minimal_client.py").read_text()
+EXCHANGE = (
+    "1. minimal_client -> minimal_service  /add_two_ints request: a=1, b=2\n"
+    "2. minimal_service -> minimal_client  /add_two_ints response: sum=3"
+)
+CLIENT_LINES = (
+    "[INFO] [minimal_service]: Incoming request\na: 1 b: 2\n[INFO] [minimal_client]: Result of add_two_ints: 3\n"
+)
+
+
+def test_the_seeds_programs_in_a_notebook(kernel: Kernel) -> None:
+    started = kernel.run(f"%%ros_script server\n{SERVER}")
+    assert (started.stdout, started.stderr) == ("server is running in the background (node minimal_service).\n", "")
+    for _ in range(3):
+        kernel.run("from course_kit import lab\nlab.record()")
+        asked = kernel.run(f"%%ros_script client 1 2\n{CLIENT}")
+        assert (asked.stdout, asked.stderr) == (CLIENT_LINES, "")
+        assert kernel.run("lab.diagram()").result["text/plain"] == EXCHANGE
+    mixed = kernel.run(
+        "from example_interfaces.srv import AddTwoInts\n"
+        "print((await lab.call('/add_two_ints', AddTwoInts, a=3, b=4)).sum)"
+    )
+    assert mixed.stdout == "[INFO] [minimal_service]: Incoming request\na: 3 b: 4\n7\n"
+    assert kernel.run("%ros_stop server").stdout == "server is stopped.\n"
+    gone = kernel.run("await lab.call('/add_two_ints', AddTwoInts, a=3, b=4, timeout=0.3)")
+    assert gone.error.startswith("ServiceNotFoundError: No node serves /add_two_ints")
+
+
+def test_a_server_that_returns_nothing_shows_why(kernel: Kernel) -> None:
+    kernel.run(f"%%ros_script server\n{SERVER.replace('return response', 'pass')}")
+    called = kernel.run(
+        "from course_kit import lab\nfrom example_interfaces.srv import AddTwoInts\n"
+        "await lab.call('/add_two_ints', AddTwoInts, a=3, b=4, timeout=30)"
+    )
+    assert called.error.startswith("NoAnswerError: The server of /add_two_ints went away before it answered")
+    assert called.stdout.endswith("TypeError: the service callback returned nothing. End it with `return response`.\n")
+    assert 'File "server.py", line' in called.stdout
+    assert "--x lab  /add_two_ints no answer: the service callback" in kernel.run("print(lab.diagram())").stdout
+
+
+def test_running_again_replaces_and_bugs_show_as_a_short_traceback(kernel: Kernel) -> None:
+    kernel.run(f"%%ros_script server\n{SERVER}")
+    again = kernel.run(f"%%ros_script server\n{SERVER}")
+    assert again.stdout == "server is running in the background (node minimal_service).\n"
+    kernel.run("lab.current().engine.node\nlab.current().wait_for_nodes(['/minimal_service'], there=True)")
+    names = kernel.run("print(lab.current().engine.node.get_node_names().count('minimal_service'))")
+    assert names.stdout == "1\n"
+    assert kernel.run("%%ros_script bug\nimport rclpy\ndef f():\n    raise ValueError('x')\nf()").stdout == (
+        'Traceback (most recent call last):\n  File "bug.py", line 4, in <module>\n    f()\n'
+        "  File \"bug.py\", line 3, in f\n    raise ValueError('x')\nValueError: x\n"
+    )
+    typo = kernel.run("%%ros_script typo\nx = = 2").stdout
+    assert typo.startswith('  File "typo.py", line 1\n')
+    assert typo.endswith("SyntaxError: invalid syntax\n")
+
+
+@pytest.mark.parametrize(
+    ("cell", "message"),
+    [
+        ("%%ros_script\nx", "MagicError: Write %%ros_script NAME"),
+        ("%%ros_script --fast x\nx", "MagicError: There is no option --fast."),
+        ("%%ros_script 'a\nx", "MagicError: A quote in the line is not closed"),
+        ("%%ros_script ../a\nx", "ScriptError: '../a' cannot name a script"),
+        ("%ros_stop nobody", "ScriptError: No script called 'nobody' is running. Running: none."),
+        ("%ros_stop a b", "MagicError: Write %ros_stop NAME"),
+        ("%%interface\nint32 a", "MagicError: Write %%interface PACKAGE/srv/NAME"),
+        ("%%interface my_interfaces/srv/Wrong\nstrin name\n---\n", "MagicError: "),
+        ("%%interface Wrong\nstring name", "MagicError: "),
+    ],
+)
+def test_usage_errors_are_sentences(cell: str, message: str, kernel: Kernel) -> None:
+    shown = kernel.run(cell).error
+    assert shown.startswith(message)
+    assert "\n" not in shown.strip() or "Wrong" in cell
+    assert "Traceback" not in shown
+
+
+def test_interface_defines_and_redefines(kernel: Kernel) -> None:
+    definition = "%%interface h2_test_interfaces/srv/Person\nstring name\n---\nbool success"
+    assert kernel.run(definition).stdout == (
+        "h2_test_interfaces/srv/Person is defined. In programs: from h2_test_interfaces.srv import Person\n"
+    )
+    assert kernel.run("print(Person.Request(name='Ada'))").ok
+    kernel.run(definition.replace("string name", "string name\nint32 age"))
+    assert kernel.run("from h2_test_interfaces.srv import Person\nprint(Person.Request(age=3).age)").stdout == "3\n"
+
+
+def test_a_live_node_answers_with_the_redefined_type(kernel: Kernel) -> None:
+    node = (
+        "from course_kit import lab\nfrom rclpy.node import Node\n"
+        "from h2_test_interfaces.srv import Greet\n"
+        "class Greeter(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('greeter')\n"
+        "        self.create_service(Greet, 'greet', self.greet)\n"
+        "    def greet(self, request, response):\n"
+        "        names = request.get_fields_and_field_types()\n"
+        "        response.text = ' '.join(str(getattr(request, name)) for name in names)\n"
+        "        return response\n"
+        "lab.start(Greeter)\n"
+    )
+    kernel.run("%%interface h2_test_interfaces/srv/Greet\nstring name\n---\nstring text")
+    assert kernel.run(node + "print((await lab.call('/greet', Greet, name='Ada')).text)").stdout == "Ada\n"
+    kernel.run("%%interface h2_test_interfaces/srv/Greet\nint32 age\nstring name\n---\nstring text")
+    shown = kernel.run(node + "print((await lab.call('/greet', Greet, name='Ada', age=36)).text)")
+    assert (shown.stdout, shown.error) == ("36 Ada\n", "")
+
+
+def test_interrupting_a_cell_stops_its_script(kernel: Kernel) -> None:
+    message = kernel.send("%%ros_script --wait sleeper\nprint('begun')\nimport time\ntime.sleep(60)")
+    kernel.finish(message, until="begun")
+    kernel.manager.interrupt_kernel()
+    assert kernel.finish(message).stdout == "sleeper was interrupted.\n"
+    assert psutil.Process(kernel.pid).children() == []
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
+def test_scripts_die_with_the_kernel(how: signal.Signals, fresh_kernel: Kernel) -> None:
+    fresh_kernel.run(f"%%ros_script server\n{SERVER}")
+    children = [
+        one for one in psutil.Process(fresh_kernel.pid).children(recursive=True) if "runner" in " ".join(one.cmdline())
+    ]
+    assert len(children) == 1
+    os.kill(fresh_kernel.pid, how)
+    _, alive = psutil.wait_procs(children, timeout=15)
+    assert alive == []
+
+
+@pytest.mark.usefixtures("own_lab")
+def test_scripts_from_a_program(capsys: pytest.CaptureFixture[str]) -> None:
+    trace.attach()
+    lab.script("server", SERVER)
+    assert lab.call_blocking("/add_two_ints", AddTwoInts, a=20, b=22).sum == 42
+    assert repr(lab.script("client", CLIENT, 1, 2)) == "client has ended."
+    lab.stop_script()
+    shown = capsys.readouterr().out
+    assert CLIENT_LINES in shown
+    assert shown.endswith("server is stopped.\n")
+    assert "lab -> minimal_service  /add_two_ints request: a=20, b=22" in str(lab.diagram())
+
+
+@pytest.mark.usefixtures("own_lab")
+def test_two_servers_of_one_name_are_pointed_out(capsys: pytest.CaptureFixture[str]) -> None:
+    lab.start(Switch, name="minimal_service")
+    lab.script("server", SERVER)
+    assert "A node minimal_service runs in the lab, too" in capsys.readouterr().out
+    lab.stop_script("server.py")
+
+
+@pytest.mark.usefixtures("own_lab")
+def test_a_script_that_ignores_the_interrupt_is_killed_with_its_children(tmp_path: Path) -> None:
+    pid_file = tmp_path / "pids"
+    stubborn = (
+        "import os, rclpy, signal, subprocess, sys\nfrom rclpy.node import Node\n"
+        "child = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)'])\n"
+        f"open({str(pid_file)!r}, 'w').write(f'{{os.getpid()}} {{child.pid}}')\n"
+        "rclpy.init(signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)\nnode = Node('stubborn')\n"
+        "for number in (signal.SIGINT, signal.SIGTERM):\n    signal.signal(number, signal.SIG_IGN)\n"
+        "rclpy.spin(node)\n"
+    )
+    lab.script("stubborn", stubborn)
+    pids = [int(pid) for pid in pid_file.read_text().split()]
+    lab.stop_script("stubborn")
+    deadline = time.monotonic() + 10
+    while any(map(running, pids)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not any(map(running, pids))
+
+
+def running(pid: int) -> bool:
+    try:
+        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
+
+
+@pytest.mark.usefixtures("own_lab")
+def test_what_cannot_be_a_script() -> None:
+    with pytest.raises(lab.ScriptError, match="cannot name a script"):
+        lab.script("a b", "")
+    with pytest.raises(lab.ScriptError, match="The mode is one of auto, wait, background, not 'fast'"):
+        lab.script("a", "", mode="fast")
+    with pytest.raises(lab.LabError, match="Nothing is being recorded"):
+        lab.diagram()
