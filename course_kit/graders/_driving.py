@@ -135,10 +135,10 @@ def arrive(bench: Bench, goal: Goal, length: float, within_s: float | None = Non
         Failed: it has not, or otherwise.
     """
     ended = goal.wait_for_end(allowed_s(length) if within_s is None else within_s, REACHED)
-    stderr = goal.new_stderr()
-    cause = goal_endings.of_exception(stderr, bench.job)
+    life = goal.life()
+    cause = goal_endings.of_exception(life, bench.job)
     if ended.status != SUCCEEDED:
-        cause = goal_endings.of_status(ended.name, stderr, bench.job)
+        cause = goal_endings.of_status(ended.name, life, bench.job)
     if cause is not None:
         diagnosis, message = cause
         raise Failed(Evidence(goal.shown, REACHED, told(ended)), message, diagnosis)
@@ -173,7 +173,7 @@ def misses(place: Place, target: Place) -> bool:
 def reject_all_or_some(bench: Bench, goal: Goal, others: list[Place]) -> Failed:
     """A first goal was rejected: are all, or is it just this one?"""
     evidence = Evidence(goal.shown, "the goal accepted", "the goal rejected")
-    stderr = goal.new_stderr()
+    life = goal.life()
     for other in others:
         again = send(bench, other)
         again.wait_for_answer("the goal accepted")
@@ -181,7 +181,7 @@ def reject_all_or_some(bench: Bench, goal: Goal, others: list[Place]) -> Failed:
             bench.spoil()
             return Failed(evidence, f"It lies in the arena, and {other} was accepted.", "validation.overzealous")
     message = f"Each of {len(others) + 1} goals in the arena was rejected."
-    if _NO_RESPONSE in stderr:
+    if _NO_RESPONSE in life.stderr:
         message += " Your goal callback returned something that is no GoalResponse; rclpy takes that as a no."
     return Failed(evidence, message, "action.rejects_all")
 

@@ -139,10 +139,10 @@ def _require_canceled(bench: Bench, goal: Goal, ended: Ended, evidence: Evidence
     if at_target and ended.status in (SUCCEEDED, CANCELED):
         message = "Your server agreed to cancel the goal, and the robot drove on to its target."
         raise HastyError(evidence, message, "action.cancel_ignored")
-    stderr = goal.new_stderr()
-    cause = goal_endings.of_exception(stderr, bench.job)
+    life = goal.life()
+    cause = goal_endings.of_exception(life, bench.job)
     if ended.status != CANCELED:
-        cause = goal_endings.of_status(ended.name, stderr, bench.job)
+        cause = goal_endings.of_status(ended.name, life, bench.job)
     if cause is not None:
         raise Failed(evidence, *cause[::-1])
 

@@ -36,25 +36,30 @@ def of_program(life: Life, job: Job) -> Cause:
     return endings.of_call(life, job)
 
 
-def of_exception(stderr: str, job: Job) -> Cause | None:
-    """What a program that lives on has told about an exception in its execute callback."""
-    raised = last_exception(stderr, job.name)
+def of_exception(life: Life, job: Job) -> Cause | None:
+    """What a program that lives on has told about an exception in its execute callback.
+
+    Args:
+        life: the program, with what it has written to stderr since the goal was sent.
+        job: the grading.
+    """
+    raised = last_exception(life.stderr, job.name)
     if raised is None or not _in_execute(raised):
         return None
-    return _of_exception(raised, job)
+    return endings.of_limit(life, job) or _of_exception(raised, job)
 
 
-def of_status(name: str, stderr: str, job: Job) -> Cause:
+def of_status(name: str, life: Life, job: Job) -> Cause:
     """Why a goal that should have ended in another way ended as ABORTED, SUCCEEDED or CANCELED.
 
     Args:
         name: the status, in words.
-        stderr: what the program has written since the goal was sent.
+        life: the program, with what it has written to stderr since the goal was sent.
         job: the grading.
     """
-    if cause := of_exception(stderr, job):
+    if cause := of_exception(life, job):
         return cause
-    if _NOT_ENDED in stderr:
+    if _NOT_ENDED in life.stderr:
         text = f"Your execute callback returned and had not said how the goal ended, so rclpy made it {name}."
         return "action.no_terminal", text
     if name == "ABORTED" and job.mode != "run":  # the log, which would tell these two apart, may be another's
@@ -62,17 +67,17 @@ def of_status(name: str, stderr: str, job: Job) -> Cause:
     return "action.wrong_terminal", f"Your server itself ended the goal as {name}."
 
 
-def of_silence(bench: Bench, over: str, seconds: float, stderr: str) -> Cause:
+def of_silence(bench: Bench, over: str, seconds: float, life: Life) -> Cause:
     """Why no result came from a program that lives on.
 
     Args:
         bench: the test bench.
         over: the status the goal has ended with, in words; empty when it has not ended.
         seconds: how long it was waited for.
-        stderr: what the program has written since the goal was sent.
+        life: the program, with what it has written to stderr since the goal was sent.
     """
     if over:
-        cause = of_exception(stderr, bench.job)
+        cause = of_exception(life, bench.job)
         return cause or (None, f"The goal has ended as {over}, but its result was never sent.")
     seen = silence.doing(bench)
     if seen.callback is None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import uuid
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus
@@ -15,7 +16,7 @@ from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.bench import Bench, Life
     from course_kit.grading.tester import Heard
 
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
@@ -40,7 +41,7 @@ class Ended:
 
 
 class Goal:
-    """A goal; made, it is sent. Its own program may be asked for what it printed since, see `new_stderr`."""
+    """A goal; made, it is sent."""
 
     def __init__(self, bench: Bench, action: Action, message: Any, shown: str) -> None:
         """Send a goal; a submission that has died or hangs is started again before.
@@ -141,7 +142,7 @@ class Goal:
                 return Ended(future.result().status, future.result().result)
         self._bench.spoil()
         over = next((NAMES[status] for _, status in self.statuses if status >= SUCCEEDED), "")
-        diagnosis, message = goal_endings.of_silence(self._bench, over, seconds, self.new_stderr())
+        diagnosis, message = goal_endings.of_silence(self._bench, over, seconds, self.life())
         raise Failed(Evidence(self.shown, expected, f"no result within {seconds:.1f} s"), message, diagnosis)
 
     def wait_for_last_feedback(self) -> list[Heard]:
@@ -166,13 +167,11 @@ class Goal:
         """Whether a response to `cancel` says that the goal will be cancelled."""
         return any(bytes(info.goal_id.uuid) == self._id for info in response.goals_canceling)
 
-    def new_stderr(self) -> str:
-        """What the program has written to stderr since the goal was sent."""
-        now = self._bench.life(fresh=True).stderr
-        same = next(
-            (place for place, pair in enumerate(zip(self._stderr, now, strict=False)) if pair[0] != pair[1]), None
-        )
-        return now[len(self._stderr) if same is None else same :]
+    def life(self) -> Life:
+        """What is known of the program, with only what it has written to stderr since the goal was sent."""
+        life = self._bench.life(fresh=True)
+        same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(self._stderr, life.stderr, strict=False))
+        return replace(life, stderr=life.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
 
     def _result_came(self) -> bool:
         if len(self._results) == 1 and self.over_at is not None and self.clock.wall() > _NUDGE_S:
