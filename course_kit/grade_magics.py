@@ -13,6 +13,8 @@ import nbformat
 from IPython.core.magic import Magics, cell_magic, line_magic, magics_class
 from IPython.display import display
 
+from course_kit.grading.errors import GradingError
+
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
 
@@ -82,6 +84,11 @@ class GradeMagics(Magics):
         if not exercise:
             complain("Name the exercise: %%submission temperature_service")
             return
+        try:
+            require(exercise)
+        except GradingError as problem:
+            complain(str(problem))
+            return
         self._submissions.keep(exercise, self._cell_id(), f"%%submission {line}\n{cell}")
         # A script's last lines start its node for ever; in the notebook the lab does that.
         namespace_name = self.shell.user_ns.get("__name__")
@@ -104,17 +111,16 @@ class GradeMagics(Magics):
         try:
             with tempfile.TemporaryDirectory() as folder:
                 report = grading.grade(exercise, file or self._handed_in(exercise, Path(folder)), seed=seed)
-        except grading.GradingError as problem:
+        except GradingError as problem:
             complain(str(problem))
             return
         display(Card(report))
 
     def _handed_in(self, exercise: str, folder: Path) -> Path:
-        from course_kit import grading
-
+        require(exercise)
         cells = self._submissions.of(exercise)
         if not cells:
-            raise grading.GradingError(
+            raise GradingError(
                 f"Nothing to grade yet: run the cell that begins with %%submission {exercise}, then grade again."
             )
         path = folder / "notebook.ipynb"
@@ -143,6 +149,17 @@ def parse(line: str) -> tuple[str, str | None, int | None]:
     if not 1 <= len(words) <= 2 or any(word.startswith("-") for word in words):  # noqa: PLR2004 - exercise and file
         raise ValueError(line)
     return words[0], words[1] if len(words) > 1 else None, seed
+
+
+def require(exercise: str) -> None:
+    """See that there is such an exercise.
+
+    Raises:
+        GradingError: there is none; names the nearest.
+    """
+    from course_kit.grading.exercise import load
+
+    load(exercise)
 
 
 def complain(sentence: str) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.bench import Bench
 from course_kit.grading.checks import run_all
+from course_kit.grading.wire import ChannelClosedError
 
 if TYPE_CHECKING:
     from course_kit.grading.job import Job
@@ -38,9 +39,20 @@ def load(exercise: str) -> Any:
 
 
 def main(warden: Channel, job: Job) -> None:
-    """Run all checks of the job's exercise; returns when each is told."""
-    began = time.monotonic()
+    """Run all checks of the job's exercise; returns when each is told, or why they could not be run."""
     os.setpriority(os.PRIO_PROCESS, 0, job.priority)
+    told: dict[str, Any] = {"do": "done", "problem": "", "timings": {}}
+    try:
+        told["timings"] = _run(warden, job)
+    except ChannelClosedError:
+        return
+    except Exception as problem:  # noqa: BLE001 - a broken grader or installation; the report says so
+        told["problem"] = f"{type(problem).__name__}: {problem}"
+    warden.send(told)
+
+
+def _run(warden: Channel, job: Job) -> dict[str, Any]:
+    began = time.monotonic()
     grader = load(job.exercise)
     bench = Bench(warden, job, getattr(grader, "VARIABLES", None))
     times = {}
@@ -49,8 +61,7 @@ def main(warden: Channel, job: Job) -> None:
     try:
         for result in run_all(grader.CHECKS, bench):
             warden.send({"do": "result", "result": result.to_mapping()})
-            now = time.monotonic()
-            times[result.id] = now - began
+            times[result.id] = time.monotonic() - began
     finally:
         bench.close()
-    warden.send({"do": "done", "timings": {"checks": times}})
+    return {"checks": times}

@@ -94,7 +94,7 @@ class Warden:
                 message = probe.receive(_ANSWER_S)
                 if message["do"] == "done":
                     self._extra = message["timings"]
-                    return ""
+                    return str(message["problem"])
                 answer = self._obey(message)
                 if answer is not None:
                     probe.send(answer)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import socket
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,8 @@ PROFILE = Path(__file__).with_name("loopback.xml")
 _START_S = 60.0  # importing everything from a cold disk on a loaded machine
 _GRACE_S = 60.0  # beyond the wall time; a worker that is later than that hangs, by a fault of ours
 _STOP_S = 5.0
+# Python 3.12 warns of forks beside other threads; those of the tracing library take no lock of ours.
+_FORKS_ARE_MEANT = "ignore:This process:DeprecationWarning"
 # What a program needs to run ROS; everything else, tokens among it, stays out of a submission's reach.
 _PASSED_ON = ("LANG", "LANGUAGE", "TZ", "PATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "HOME", "TMPDIR", "XDG_STATE_HOME")
 _PASSED_ON_PREFIXES = (
@@ -64,12 +67,20 @@ class Worker:
             own_graph: False to grade nodes on the graph this environment belongs to.
         """
         ours, theirs = socket.socketpair()
+        self._said = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the worker; a pipe nobody reads would fill up
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "course_kit.grading.worker_process", str(theirs.fileno())],
+                [
+                    sys.executable,
+                    "-W",
+                    _FORKS_ARE_MEANT,
+                    "-m",
+                    "course_kit.grading.worker_process",
+                    str(theirs.fileno()),
+                ],
                 env=_environment(whole=whole_environment, own_graph=own_graph),
                 stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
+                stdout=self._said,
                 stderr=subprocess.STDOUT,
                 pass_fds=[theirs.fileno()],
                 start_new_session=True,
@@ -126,18 +137,18 @@ class Worker:
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        if self._process.stdout is not None:
-            self._process.stdout.close()
+        self._said.close()
 
     def _last_words(self) -> str:
         """What the process has printed, when it has ended; it prints nothing as long as all is well."""
         try:
-            said, _ = self._process.communicate(timeout=_STOP_S)
+            status = self._process.wait(_STOP_S)
         except subprocess.TimeoutExpired:
             self._process.kill()
-            said, _ = self._process.communicate()
-        lines = said.decode("utf-8", errors="replace").strip().splitlines()
-        return lines[-1] if lines else f"Its exit status was {self._process.returncode}."
+            status = self._process.wait()
+        self._said.seek(0)
+        lines = self._said.read().decode("utf-8", errors="replace").strip().splitlines()
+        return lines[-1] if lines else f"Its exit status was {status}."
 
 
 def _environment(*, whole: bool, own_graph: bool) -> dict[str, str]:

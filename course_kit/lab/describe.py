@@ -50,23 +50,14 @@ def _services(node: Any) -> set[str]:
 
 
 def _actions(node: Any) -> set[str]:
-    from rclpy.action import ActionClient, ActionServer
+    from rclpy.action import get_action_client_names_and_types_by_node, get_action_server_names_and_types_by_node
 
-    verbs = ((ActionServer, "runs the action"), (ActionClient, "sends goals to"))
-    return {
-        f"{verb} {node.resolve_topic_name(_action_name(waitable))} [{type_name(waitable._action_type)}]"  # noqa: SLF001
-        for waitable in node.waitables
-        for kind, verb in verbs
-        if isinstance(waitable, kind)
+    own = (node, node.get_name(), node.get_namespace())
+    verbs = {
+        "runs the action": get_action_server_names_and_types_by_node(*own),
+        "sends goals to": get_action_client_names_and_types_by_node(*own),
     }
-
-
-def _action_name(waitable: Any) -> str:
-    from rclpy.action import ActionClient
-
-    if isinstance(waitable, ActionClient):
-        return str(waitable._action_name)  # noqa: SLF001
-    return str(getattr(waitable, "_kit_action_name", "(action)"))
+    return {f"{verb} {name} [{', '.join(types)}]" for verb, found in verbs.items() for name, types in found}
 
 
 def _topics(node: Any) -> set[str]:

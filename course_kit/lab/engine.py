@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import rclpy.utilities
 
-from course_kit.lab import bridge, graph, guards
+from course_kit.lab import actions, bridge, graph, guards
 from course_kit.lab.clients import Clients, OtherTypeError
 from course_kit.lab.describe import display_name, is_alive
 from course_kit.lab.errors import DeadlockError, ServiceFailedError, ServiceNotFoundError
@@ -73,6 +73,7 @@ class Engine:
 
     def _install(self) -> None:
         guards.install(self._patches, self)
+        actions.install(self._patches, self.callback_crashed)
         self.nodes.watch(self._patches)
         self._tapping.tap_sending(self._patches)
         bridge.install(self._patches, lambda future: guards.check_await(self, future), self.settle)

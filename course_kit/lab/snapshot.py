@@ -6,6 +6,7 @@ keeps the first few elements of anything long.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 ELEMENTS = 8  # of a sequence
@@ -26,22 +27,36 @@ def snapshot(value: object) -> Any:
 
 
 def _copy(value: object, depth: int) -> Any:
-    kind = type(value)
+    kind: Any = type(value)
     if kind in _PLAIN:
         return value
     if kind is str:
         return _shorten(value)  # type: ignore[arg-type]
-    names = getattr(value, "_fields_and_field_types", None)  # every rosidl message has it, and nothing else
+    names = _field_names(kind)
     if names is not None:
-        if depth == 0:
-            return {"...": "..."}
-        copied = {name: _copy(getattr(value, name), depth - 1) for name in list(names)[:FIELDS]}
-        if len(names) > FIELDS:
-            copied["..."] = f"+{len(names) - FIELDS} more"
-        return copied
+        return _copy_message(value, names, depth)
     if isinstance(value, dict):
         return {str(name): _copy(part, depth - 1) for name, part in list(value.items())[:FIELDS]}
     return _copy_other(value, depth)
+
+
+def _copy_message(message: object, names: tuple[str, ...], depth: int) -> dict[str, Any]:
+    if depth == 0:
+        return {"...": "..."}
+    copied = {}
+    for name in names[:FIELDS]:
+        value = getattr(message, name)
+        copied[name] = value if type(value) in _PLAIN else _copy(value, depth - 1)
+    if len(names) > FIELDS:
+        copied["..."] = f"+{len(names) - FIELDS} more"
+    return copied
+
+
+@lru_cache(maxsize=256)
+def _field_names(kind: type) -> tuple[str, ...] | None:
+    """The fields of a message class; None for any other class."""
+    names = getattr(kind, "_fields_and_field_types", None)
+    return None if names is None else tuple(names)
 
 
 def _copy_other(value: object, depth: int) -> Any:

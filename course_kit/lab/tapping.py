@@ -11,7 +11,6 @@ from __future__ import annotations
 import inspect
 import time
 from typing import TYPE_CHECKING, Any
-from weakref import WeakKeyDictionary
 
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     Work = Callable[[], Coroutine[Any, Any, None]]
     Where = tuple[str, str, str]
 
+_WHERE = "_course_kit_where"  # on a client, service, publisher or subscription: what `where` has found out
 # rclpy publishes these on its own; a learner never meant to.
 _SILENT_TOPICS = frozenset({"/parameter_events", "/rosout"})
 
@@ -57,16 +57,16 @@ class Tapping:
         self.taps = taps
         self.aliases: dict[str, str] = {}
         self.direct: set[Any] = set()
-        self._where: WeakKeyDictionary[Any, Where] = WeakKeyDictionary()
 
     def where(self, entity: Any) -> Where:
         """The node, the full name and the type of a client, service, publisher or subscription."""
-        known = self._where.get(entity)
+        known: Where | None = vars(entity).get(_WHERE)
         if known is None:
             node = "/" + entity.logger_name.replace(".", "/")
             interface = getattr(entity, "srv_type", None) or entity.msg_type
             channel = entity.service_name if hasattr(entity, "srv_type") else entity.topic_name
-            known = self._where[entity] = (self.aliases.get(node, node), channel, type_name(interface))
+            known = (self.aliases.get(node, node), channel, type_name(interface))
+            setattr(entity, _WHERE, known)
         return known
 
     def tap_sending(self, patches: Patches) -> None:
@@ -180,7 +180,10 @@ def _sequence_of(client: Any, future: Any) -> int:
     """The number of a request just sent; 0 if its answer has come and gone already."""
     with client._lock:  # noqa: SLF001
         pending = client._pending_requests  # noqa: SLF001
-        return next((number for number in reversed(pending) if pending[number] is future), 0)
+        for number in reversed(pending):  # it is the newest one, unless two threads use one client
+            if pending[number] is future:
+                return int(number)
+    return 0
 
 
 def failure_text(error: BaseException) -> str:

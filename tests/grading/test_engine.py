@@ -44,8 +44,8 @@ def test_attach_grades_what_is_on_the_graph(node_running: int) -> None:
     assert f"domain {node_running}" in report.submission
 
 
-def test_attach_to_nothing_says_so(domain: int) -> None:
-    report = grading.grade(EXERCISE, attach=True)
+def test_attach_to_nothing_says_so(domain: int, strict_exercises: Callable[..., Path]) -> None:
+    report = grading.grade(EXERCISE, attach=True, exercises=strict_exercises(start_s=1.0))
     assert report.checks[0].diagnosis == "start.nothing"
     assert f"domain {domain}" in report.checks[0].message
     assert grading.exit_code(report) == 1
@@ -153,6 +153,17 @@ def all_dead(process_ids: list[int]) -> bool:
         if processes.usage(process_ids).tasks == 0:
             return True
     return False
+
+
+def test_grader_that_cannot_be_loaded_is_named(tmp_path: Path, solution: str) -> None:
+    (tmp_path / "a.py").write_text(solution)
+    folder = tmp_path / "exercises" / "no_grader"
+    folder.mkdir(parents=True)
+    text = (ROOT / "exercises" / EXERCISE / "exercise.toml").read_text()
+    (folder / "exercise.toml").write_text(text.replace(EXERCISE, "no_grader", 1))
+    report = grading.grade("no_grader", tmp_path / "a.py", exercises=tmp_path / "exercises")
+    assert report.status == "error"
+    assert "course_kit.graders.no_grader" in report.problem
 
 
 def test_killed_worker_is_told_and_leaves_nothing(tmp_path: Path) -> None:

@@ -155,7 +155,7 @@ def test_server_left_behind_does_not_help_the_next(
     grade_source: Callable[..., grading.Report], lock: Path, solution: str
 ) -> None:
     serve = f"exec({solution!r}, {{'__name__': '__main__'}})"
-    grade_source(DAEMON.format(lock=str(lock), body=serve, then=solution))
+    grade_source(DAEMON.format(lock=str(lock), body=serve, then="time.sleep(1)"))
     report = grade_source("import time\ntime.sleep(2)\n")
     assert report.score == 0.0
     assert report.checks[0].diagnosis == "start.nothing"

@@ -73,7 +73,7 @@ def _strings(address: int, count: int) -> list[str]:
     found = []
     for i in range(count):
         data, size, _ = read_words(address + 24 * i, 3)
-        found.append(ctypes.string_at(data, size).rstrip(b"\0").decode() if size else "")
+        found.append(ctypes.string_at(data, size).rstrip(b"\0").decode(errors="replace") if size else "")
     return found
 
 
@@ -82,6 +82,8 @@ def _described_type(address: int) -> tuple[str, list[Any]]:
     fields = []
     for field in range(first, first + 96 * count, 96):
         name, (nested, default) = _strings(field, 1), _strings(field + 48, 2)
+        if not default.isascii() or "\\x" in default:
+            default = "not ASCII"  # rosidl's generator writes out an escaped form, and cuts it off
         fields.append((name, ctypes.string_at(field + 24, 1), read_words(field + 32, 2), nested, default))
     return _strings(address, 1)[0], fields
 

@@ -10,8 +10,9 @@ import nbformat
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
-LESSONS = sorted((REPOSITORY / "notebooks").rglob("*.ipynb"))
-EXERCISES = sorted((REPOSITORY / "exercises").rglob("*.ipynb"))
+CHECKPOINTS = ".ipynb_checkpoints"  # JupyterLab's own copies
+LESSONS = sorted(path for path in (REPOSITORY / "notebooks").rglob("*.ipynb") if CHECKPOINTS not in path.parts)
+EXERCISES = sorted(path for path in (REPOSITORY / "exercises").rglob("*.ipynb") if CHECKPOINTS not in path.parts)
 SEED = {path.name: path.read_text().strip() for path in (REPOSITORY / "tests" / "seed").glob("*.py")}
 LONGEST_CELL = 25
 

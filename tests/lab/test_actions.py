@@ -1,0 +1,90 @@
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import pytest
+import rclpy
+from action_msgs.msg import GoalStatus
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionClient, ActionServer
+from rclpy.node import Node
+
+from course_kit import lab
+
+
+class Counter(Node):
+    """Runs /count: fails for a negative order."""
+
+    def __init__(self) -> None:
+        super().__init__("counter")
+        self.server = ActionServer(self, Fibonacci, "count", self.execute)
+
+    def execute(self, goal: Any) -> Any:
+        if goal.request.order < 0:
+            message = "cannot count down"
+            raise ValueError(message)
+        goal.succeed()
+        return Fibonacci.Result(sequence=[0, 1])
+
+
+class Asker(Node):
+    """Sends goals to /count."""
+
+    def __init__(self) -> None:
+        super().__init__("asker")
+        self.client = ActionClient(self, Fibonacci, "count")
+
+    def ask(self, order: int) -> Any:
+        sent = self.client.send_goal_async(Fibonacci.Goal(order=order))
+        rclpy.spin_until_future_complete(self, sent, timeout_sec=10)
+        answered = sent.result().get_result_async()
+        rclpy.spin_until_future_complete(self, answered, timeout_sec=10)
+        return answered.result()
+
+
+@pytest.mark.usefixtures("own_lab")
+def test_an_action_server_outlives_its_crash(capsys: pytest.CaptureFixture[str]) -> None:
+    lab.start(Counter)
+    asker = lab.start(Asker)
+    assert repr(lab.nodes()) == (
+        "asker (Asker)\n    sends goals to /count [example_interfaces/action/Fibonacci]\n"
+        "counter (Counter)\n    runs the action /count [example_interfaces/action/Fibonacci]"
+    )
+    assert asker.client.wait_for_server(timeout_sec=10)
+    assert asker.ask(3).status == GoalStatus.STATUS_SUCCEEDED
+    capsys.readouterr()
+    assert asker.ask(-1).status == GoalStatus.STATUS_ABORTED
+    shown = capsys.readouterr().err
+    assert shown.startswith("counter: execute raised ValueError: cannot count down\n  test_actions.py, line ")
+    assert "Traceback" not in shown
+
+
+@pytest.mark.usefixtures("own_lab")
+def test_a_reply_that_comes_before_the_sender_is_ready_is_not_lost() -> None:
+    lab.start(Counter)
+    asker = lab.start(Asker)
+    assert asker.client.wait_for_server(timeout_sec=10)
+    asker.client._client_handle = SlowToReturn(asker.client._client_handle)
+    assert list(asker.ask(1).result.sequence) == [0, 1]
+
+
+class SlowToReturn:
+    """The handle of an action client, whose `send_goal_request` returns when the server has long answered."""
+
+    def __init__(self, handle: Any) -> None:
+        self.handle = handle
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.handle, name)
+
+    def __enter__(self) -> Any:
+        return self.handle.__enter__()
+
+    def __exit__(self, *error: object) -> None:
+        self.handle.__exit__(*error)
+
+    def send_goal_request(self, request: Any) -> int:
+        sequence = self.handle.send_goal_request(request)
+        time.sleep(0.3)  # what the operating system may do to a thread at any moment
+        return int(sequence)

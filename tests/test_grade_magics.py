@@ -1,0 +1,142 @@
+"""`%%submission` and `%grade` in a real kernel, and the command beside them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.grade_magics import SubmissionCells, parse
+from tests.lab.kernel import Kernel
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+SOLUTION = REPOSITORY / "solutions/temperature_service/temperature_service.py"
+
+
+@pytest.fixture(scope="module")
+def kernel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kernel]:
+    with Kernel(cwd=tmp_path_factory.mktemp("kernel")) as running:
+        assert running.run("%load_ext course_kit").ok
+        yield running
+
+
+def test_grading_before_the_cell_was_run_says_what_to_do(kernel: Kernel) -> None:
+    done = kernel.run("%grade temperature_service")
+    assert "run the cell that begins with %%submission temperature_service" in done.stderr
+    assert done.ok
+
+
+def test_the_cell_runs_as_usual_and_its_main_does_not(kernel: Kernel) -> None:
+    done = kernel.run("%%submission temperature_service\n" + SOLUTION.read_text() + "\nprint(__name__)")
+    assert done.ok
+    assert done.stdout == "temperature_service\n"
+    assert kernel.run("print(TemperatureService.__name__, __name__)").stdout == "TemperatureService __main__\n"
+
+
+def test_the_card_shows_the_grade_and_the_text_says_the_same(kernel: Kernel) -> None:
+    kernel.run("%%submission temperature_service\n" + SOLUTION.read_text())
+    done = kernel.run("%grade temperature_service --seed 7")
+    assert "10 of 10 points" in done.result["text/html"]
+    assert "10 of 10 points" in done.result["text/plain"]
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("", "Use it as %grade EXERCISE"),
+        ("temperature_service a b", "Use it as %grade EXERCISE"),
+        ("temperature_service --seed x", "Use it as %grade EXERCISE"),
+        ("temperature_service --seed", "Use it as %grade EXERCISE"),
+        ("temprature_service", "temperature_service"),
+        ('temperature_service "unclosed', "Use it as %grade EXERCISE"),
+    ],
+)
+def test_a_slip_gets_a_sentence_and_no_traceback(kernel: Kernel, line: str, sentence: str) -> None:
+    done = kernel.run(f"%grade {line}")
+    assert done.ok
+    assert sentence in done.stderr
+
+
+def test_a_misspelt_exercise_in_the_cell_is_named_at_once(kernel: Kernel) -> None:
+    done = kernel.run("%%submission temprature_service\nprint('ran')")
+    assert "temperature_service" in done.stderr
+    assert done.stdout == ""
+
+
+def test_cells_of_a_submission_are_joined_in_the_notebooks_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    cells = SubmissionCells()
+    cells.keep("exercise", "second", "b")
+    cells.keep("exercise", "first", "a")
+    assert cells.of("exercise") == ["b", "a"]  # the order of running, while the notebook is not known
+    monkeypatch.setattr("course_kit.grade_magics._ids_in_file", lambda: ["first", "second"])
+    assert cells.of("exercise") == ["a", "b"]
+    cells.keep("exercise", "second", "new b")
+    assert cells.of("exercise") == ["a", "new b"]
+
+
+def test_without_cell_ids_the_last_cell_counts() -> None:
+    cells = SubmissionCells()
+    cells.keep("exercise", None, "old")
+    cells.keep("exercise", None, "new")
+    assert cells.of("exercise") == ["new"]
+    assert cells.of("another") == []
+
+
+def test_the_line_of_the_magic() -> None:
+    assert parse("id") == ("id", None, None)
+    assert parse("id 'my file.py' --seed 3") == ("id", "my file.py", 3)
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "course_kit.cli", *arguments], capture_output=True, text=True, timeout=60, check=False
+    )
+
+
+def test_the_command_prints_json_and_nothing_else_and_passes_with_0() -> None:
+    done = command("grade", "temperature_service", str(SOLUTION), "--format", "json")
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["score"] == 10.0
+
+
+def test_below_the_pass_mark_it_ends_with_1_and_shows_the_first_hint() -> None:
+    done = command(
+        "grade", "temperature_service", str(REPOSITORY / "exercises/temperature_service/temperature_service.py")
+    )
+    assert done.returncode == 1
+    assert "hint" in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 80
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["grade", "temprature_service", str(SOLUTION)], "temperature_service"),
+        (["grade", "temperature_service"], "Name one thing to grade"),
+        (["grade", "temperature_service", str(SOLUTION), "--attach"], "Name one thing to grade"),
+        (["grade", "temperature_service", str(SOLUTION), "--seed", "x"], "invalid int value"),
+        (["grad"], "invalid choice"),
+        (["doctor", "--verbose"], "unrecognized arguments"),
+        ([], "COMMAND"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_a_sentence_and_ends_with_2(arguments: list[str], sentence: str) -> None:
+    done = command(*arguments)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert sentence in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_file_that_is_not_there_is_named_and_ends_with_2() -> None:
+    done = command("grade", "temperature_service", "no such file.py")
+    assert done.returncode == 2
+    assert "no such file.py" in done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
