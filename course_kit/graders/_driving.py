@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from course_interfaces.action import MoveRobot
 from geometry_msgs.msg import Point
 
-from course_kit.graders._moves import ARENA, ORIGIN, TOLERANCE, Place, place_of
+from course_kit.graders._moves import ARENA, ORIGIN, TOLERANCE, Place, place_of, target_from
 from course_kit.grading import goal_endings
 from course_kit.grading.actions import Action, ensure_ready, start_again
 from course_kit.grading.checks import Evidence, Failed
@@ -21,10 +21,11 @@ if TYPE_CHECKING:
     from course_kit.grading.bench import Bench
 
 ACTION = Action("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
+SHORTEST_M, LONGEST_M = 1.2, 1.8  # metres; moves that are long enough for the rules about feedback
 _SCALE = "COURSE_KIT_TIME_SCALE"
 FAST, OWN_SPEED = {_SCALE: "0.1"}, {_SCALE: "1"}
 REACHED = "SUCCEEDED"
-_PLACE, _SLOW = "place", "own speed"  # what is remembered of the running submission
+_PLACE, _DRIVEN, _SLOW = "place", "driven", "own speed"  # what is remembered of the running submission
 _SLOWEST, _EXTRA_S = 3.0, 2.0  # a move may take 3 s a metre, and 2 s more
 _NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
 
@@ -78,9 +79,21 @@ def here(bench: Bench) -> Place:
     if _PLACE not in bench.memory:
         if bench.job.mode != "attach":
             return ORIGIN
-        arrive(bench, set_off(bench, Place(ARENA / 2, ARENA / 2)), math.hypot(ARENA, ARENA))
+        arrive(bench, set_off(bench, Place(ARENA / 2, ARENA / 2)), longest_way(bench))
     place: Place = bench.memory[_PLACE]
     return place
+
+
+def longest_way(bench: Bench, target: Place | None = None) -> float:
+    """How long a first move may be, in metres: the way from (0, 0), but any way of a robot that has driven before."""
+    if target is None or bench.job.mode == "attach":
+        return math.hypot(ARENA, ARENA)
+    return math.dist(ORIGIN, target)
+
+
+def driven(bench: Bench) -> float:
+    """The ways of all moves so far together, in metres."""
+    return float(bench.memory.get(_DRIVEN, 0.0))
 
 
 def is_at(bench: Bench, place: Place) -> None:
@@ -122,6 +135,11 @@ def drive(bench: Bench, target: Place, z: float = 0.0) -> Move:
         raise
 
 
+def drive_on(bench: Bench, length: float, z: float = 0.0) -> Move:
+    """Drive the robot so many metres, anywhere; as `drive`."""
+    return drive(bench, target_from(here(bench), length, bench.random), z)
+
+
 def arrive(bench: Bench, goal: Goal, length: float, within_s: float | None = None) -> Ended:
     """Wait until an accepted goal has ended, SUCCEEDED, and remember where the robot is.
 
@@ -143,6 +161,7 @@ def arrive(bench: Bench, goal: Goal, length: float, within_s: float | None = Non
         diagnosis, message = cause
         raise Failed(Evidence(goal.shown, REACHED, told(ended)), message, diagnosis)
     is_at(bench, place_of(ended.result.final_position))
+    bench.memory[_DRIVEN] = driven(bench) + length
     return ended
 
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _PROMPT_S = 1.0  # within which a cancel request is answered
 _FIRST_M, _SECOND_M = 3.0, 1.0  # metres; the ways of two goals at a time
 _LONG_M = 4.0  # metres; a move that is cancelled with the robot at its own speed
-_BLOCKED = "While your execute callback ran, nobody else was answered"
+_NEAR_M = 0.5  # metres; a robot that tells five times a metre was seen so near to where it went
 
 
 def second_goal_of_two(bench: Bench) -> Evidence:
@@ -41,7 +41,7 @@ def second_goal_of_two(bench: Bench) -> Evidence:
     second = send(bench, target_from(begin, _SECOND_M, bench.random))
     expected = "the second goal rejected while the first runs"
     second.wait_for_answer(expected, allowed_s(_FIRST_M))
-    waited_s = second.clock.fair()
+    waited_s = second.clock.wall()
     sent = f"{first.shown}; under way, {second.shown}"
     if second.accepted:
         raise _both_accepted(bench, first, second, waited_s, Evidence(sent, expected, "both goals accepted"))
@@ -62,7 +62,7 @@ def cancel_midway(bench: Bench) -> Evidence:
     ended = goal.wait_for_end(allowed_s(length), expected)
     evidence = Evidence(goal.shown, expected, told(ended))
     stopped = place_of(ended.result.final_position)
-    _require_canceled(bench, goal, ended, evidence, at_target=not misses(stopped, target))
+    _require_canceled(bench, goal, ended, evidence, (begin, target))
     _require_stopped(goal, ended, evidence, begin, target)
     is_at(bench, stopped)
     return evidence
@@ -101,7 +101,7 @@ def _both_accepted(bench: Bench, first: Goal, second: Goal, waited_s: float, evi
         return Failed(evidence, "Your server accepted a second goal while the first was running.")
     if any(status == SUCCEEDED for _, status in first.statuses):
         if waited_s > _PROMPT_S:
-            message = f"{_BLOCKED}: the second goal waited {waited_s:.1f} s, until the first was over."
+            message = f"Nobody answered the second goal for {waited_s:.1f} s, until the first was over."
             return HastyError(evidence, message, "action.cancel_blocked")
         return HastyError(evidence, f"The first goal, {_FIRST_M:g} m long, was over before the second came.")
     return Failed(evidence, "Your server ended the first goal when the second came. It is to reject the second.")
@@ -115,28 +115,36 @@ def _have_it_accepted(bench: Bench, goal: Goal, length: float, expected: str) ->
         bench.wait_until(answer.done, allowed_s(length))
     except SubmissionEndedError as ended:
         evidence = Evidence(goal.shown, expected, "no answer: the program ended")
-        raise Failed(evidence, *goal_endings.of_program(ended.life, bench.job)[::-1]) from None
+        diagnosis, message = goal_endings.of_program(ended.life, bench.job)
+        raise Failed(evidence, message, diagnosis) from None
     if not answer.done():
         raise silence.unanswered(bench, goal.shown, expected)
-    waited_s = clock.fair()
-    late = waited_s > _PROMPT_S
-    over = goal.over_at is not None
+    waited_s, late = clock.wall(), clock.past(_PROMPT_S)
     if goal.is_cancelled_by(answer.result()):
         if late:
             evidence = Evidence(goal.shown, expected, f"accepted after {waited_s:.1f} s")
-            raise HastyError(evidence, f"{_BLOCKED} for {waited_s:.1f} s.", "action.cancel_blocked")
+            message = f"The request to cancel was answered after {waited_s:.1f} s: a robot cannot be stopped that late."
+            raise HastyError(evidence, message, "action.cancel_blocked")
         return
-    if not over:
+    if goal.over_at is None:
         message = "Your server answered that it will not cancel the goal, and the goal went on."
         raise Failed(Evidence(goal.shown, expected, "cancelling refused"), message, "action.cancel_refused")
     evidence = Evidence(goal.shown, expected, f"an answer after {waited_s:.1f} s, when the goal was over")
-    if late:
-        raise HastyError(evidence, f"{_BLOCKED}: the request waited until the move was over.", "action.cancel_blocked")
+    if waited_s > _PROMPT_S:
+        message = "The request to cancel was not answered before the move was over."
+        raise HastyError(evidence, message, "action.cancel_blocked")
     raise HastyError(evidence, f"The move, {length:.1f} m long, was over before the request came: what sets the speed?")
 
 
-def _require_canceled(bench: Bench, goal: Goal, ended: Ended, evidence: Evidence, *, at_target: bool) -> None:
+def _require_canceled(bench: Bench, goal: Goal, ended: Ended, evidence: Evidence, way: tuple[Place, Place]) -> None:
+    """The goal was ended as CANCELED, short of its target."""
+    begin, target = way
+    at_target = not misses(place_of(ended.result.final_position), target)
     if at_target and ended.status in (SUCCEEDED, CANCELED):
+        seen = _last_seen(goal, begin, target)
+        if seen is not None and math.dist(seen, target) > _NEAR_M:
+            message = f"The result says that the robot is at the target. The last feedback said that it was at {seen}."
+            raise HastyError(evidence, message)
         message = "Your server agreed to cancel the goal, and the robot drove on to its target."
         raise HastyError(evidence, message, "action.cancel_ignored")
     life = goal.life()
@@ -144,17 +152,24 @@ def _require_canceled(bench: Bench, goal: Goal, ended: Ended, evidence: Evidence
     if ended.status != CANCELED:
         cause = goal_endings.of_status(ended.name, life, bench.job)
     if cause is not None:
-        raise Failed(evidence, *cause[::-1])
+        diagnosis, message = cause
+        raise Failed(evidence, message, diagnosis)
 
 
 def _require_stopped(goal: Goal, ended: Ended, evidence: Evidence, begin: Place, target: Place) -> None:
-    stopped = place_of(ended.result.final_position)
-    seen = [place_of(heard.message.feedback.position) for heard in goal.feedback]
+    """The final position can be where the robot has stopped."""
+    stopped, seen = place_of(ended.result.final_position), _last_seen(goal, begin, target)
     if is_blank(ended.result):
         raise Failed(evidence, "The result is as ROS 2 has made it: nothing was filled in when the goal was cancelled.")
     if not beside(begin, target, stopped) <= BESIDE:
         message = f"The robot was driving from {begin} to {target}, and cannot have stopped there."
         raise Failed(evidence, message)
-    if seen and math.dist(begin, stopped) < math.dist(begin, seen[-1]) - BESIDE:
-        message = f"The last feedback said {seen[-1]}, and the result says {stopped}: the robot does not drive back."
+    if seen is not None and math.dist(begin, stopped) < math.dist(begin, seen) - BESIDE:
+        message = f"The last feedback said {seen}, and the result says {stopped}: the robot does not drive back."
         raise Failed(evidence, message)
+
+
+def _last_seen(goal: Goal, begin: Place, target: Place) -> Place | None:
+    """Where feedback last said that the robot was on its way; what lies beside it is another check's matter."""
+    seen = [place_of(heard.message.feedback.position) for heard in goal.feedback]
+    return next((place for place in reversed(seen) if beside(begin, target, place) <= BESIDE), None)

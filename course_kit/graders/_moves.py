@@ -19,6 +19,7 @@ ENOUGH = 5  # feedback messages of a move of 1 m to 2 m
 NEARLY_DONE = 0.9  # the progress that is reached in the end
 _ROUNDING = 1e-6
 _DRAWS = 24
+_GOOD_PART = 0.4
 
 
 class Place(NamedTuple):
@@ -32,20 +33,19 @@ class Place(NamedTuple):
 
 
 ORIGIN = Place(0.0, 0.0)
-_MIDDLE = Place(3.0, 3.0)  # the robot is kept about here: far from (0, 0), which fields hold that nobody filled in
+# Where the robot is kept: far from (0, 0), which fields hold that nobody filled in, and from the corner opposite.
+_LEAST, _MOST = 0.6, 5.6
 
 
 def target_from(here: Place, length: float, random: random.Random) -> Place:
-    """A target `length` metres away, drawn so that the way there leads past (0, 0) at a distance where possible."""
-    drawn = []
-    for _ in range(_DRAWS):
-        angle = random.uniform(0.0, 2.0 * math.pi)
-        place = Place(here.x + length * math.cos(angle), here.y + length * math.sin(angle))
-        if all(0.0 <= value <= ARENA for value in place):
-            drawn.append(place)
-    if not drawn:  # cannot happen for lengths below 5 m, but a fifth of the circle is always inside
-        return Place(min(here.x + length, ARENA), here.y)
-    return min(drawn, key=lambda place: math.dist(place, _MIDDLE))
+    """A target `length` metres away (5 at most), drawn from those in the middle of the arena where there are any."""
+    drawn: list[Place] = []
+    while not drawn:
+        for _ in range(_DRAWS):
+            angle = random.uniform(0.0, 2.0 * math.pi)
+            drawn.append(Place(here.x + length * math.cos(angle), here.y + length * math.sin(angle)))
+        drawn = [place for place in drawn if all(0.0 <= value <= ARENA for value in place)]
+    return next((place for place in drawn if all(_LEAST <= value <= _MOST for value in place)), drawn[0])
 
 
 def farthest_corner(here: Place) -> Place:
@@ -73,13 +73,13 @@ def beside(begin: Place, end: Place, place: Place) -> float:
 def is_spread(times: Sequence[float], began: float, over: float) -> bool:
     """Whether feedback came all along a move, by the times it was published.
 
-    The way to its last message is cut into three: each third has to hold one. And the last must not have come
-    before half of the move was over.
+    From the first to the last it has to take a good part of the move (a robot may get under way late), with at least
+    one message in the middle third of that.
     """
-    last = times[-1]
-    third = (last - began) / 3.0
-    along = (any(time <= began + third for time in times), any(began + third <= time < last for time in times))
-    return all(along) and last - began >= (over - began) / 2.0
+    first, last = times[0], times[-1]
+    third = (last - first) / 3.0
+    between = any(first + third <= time <= last - third for time in times)
+    return between and last - first >= _GOOD_PART * (over - began)
 
 
 def jump(feedback: Sequence[Heard]) -> str:

@@ -13,14 +13,17 @@ from typing import TYPE_CHECKING
 from course_kit.graders._driving import (
     ACTION,
     FAST,
+    LONGEST_M,
     REACHED,
-    HastyError,
+    SHORTEST_M,
     Move,
     arrive,
-    drive,
+    drive_on,
+    driven,
     fairly,
     here,
     is_blank,
+    longest_way,
     misses,
     reject_all_or_some,
     send,
@@ -30,18 +33,12 @@ from course_kit.graders._driving import (
 from course_kit.graders._interrupting import cancel_midway, second_goal_of_two
 from course_kit.graders._moves import (
     ARENA,
-    BESIDE,
-    ENOUGH,
-    NEARLY_DONE,
     ORIGIN,
     TOLERANCE,
     Place,
-    beside,
-    is_spread,
-    jump,
     place_of,
-    target_from,
 )
+from course_kit.graders._watching import feedback_of_a_move, progress_of_a_move
 from course_kit.grading.actions import ensure_ready, expect_action
 from course_kit.grading.checks import Check, Evidence, Failed, check
 from course_kit.grading.offers import expect_node
@@ -55,7 +52,6 @@ INTERFACES = (ACTION.interface,)
 VARIABLES = FAST
 NODE = "/move_robot_server"
 _SHORT_M = 0.4  # metres; a move where nothing but its end matters
-_SHORTEST_M, _LONGEST_M = 1.2, 1.8  # metres; a move with feedback
 _AT_ONCE_S = 1.0  # a goal at the present position
 _EDGE_M = 0.01  # how near outside the arena we test
 
@@ -81,7 +77,7 @@ def accepted(bench: Bench) -> Evidence:
     if not goal.accepted:
         raise reject_all_or_some(bench, goal, [Place(2.0, 1.0), Place(5.0, 5.0)])
     try:
-        arrive(bench, goal, math.hypot(ARENA, ARENA))
+        arrive(bench, goal, longest_way(bench, target))
     except Failed:
         bench.spoil()  # how a goal ends is the next check's matter; it gets a fresh program
     return Evidence(goal.shown, "the goal accepted", "the goal accepted")
@@ -90,27 +86,27 @@ def accepted(bench: Bench) -> Evidence:
 @check(points=2.0, depends_on=["accepted"], deadline_s=30.0)
 def succeeds(bench: Bench) -> Evidence:
     """A goal in the arena ends SUCCEEDED, with a result."""
-    move = _drive(bench, _LONGEST_M)
+    move = drive_on(bench, LONGEST_M)
     return Evidence(move.goal.shown, REACHED, told(move.ended))
 
 
 @check(points=2.0, depends_on=["succeeds"], deadline_s=30.0)
 def arrives(bench: Bench) -> Evidence:
     """The robot is at the target when the goal has succeeded."""
-    return _require_arrived(_drive(bench, _SHORTEST_M))
+    return _require_arrived(drive_on(bench, SHORTEST_M))
 
 
 @check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
 def distance(bench: Bench) -> Evidence:
     """The distance travelled is the way of this move."""
-    return _require_distance(bench, _drive(bench, _LONGEST_M))
+    return _require_distance(bench, drive_on(bench, LONGEST_M))
 
 
 @check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
 def any_z(bench: Bench) -> Evidence:
     """The z of a target is ignored, be it 2.5 or NaN."""
     for z in (2.5, math.nan):
-        evidence = _require_arrived(_drive(bench, _SHORT_M, z))
+        evidence = _require_arrived(drive_on(bench, _SHORT_M, z))
     return evidence
 
 
@@ -147,13 +143,13 @@ def not_a_number(bench: Bench) -> Evidence:
 @check(points=2.0, depends_on=["arrives"], deadline_s=30.0)
 def feedback(bench: Bench) -> Evidence:
     """While the robot moves, at least five feedback messages a metre tell where it is."""
-    return fairly(bench, _feedback)
+    return fairly(bench, feedback_of_a_move)
 
 
 @check(points=1.5, depends_on=["feedback"], deadline_s=30.0)
 def progress(bench: Bench) -> Evidence:
     """Progress grows, the distance left shrinks, the position is on the straight way."""
-    return fairly(bench, _progress)
+    return fairly(bench, progress_of_a_move)
 
 
 @check(points=1.5, depends_on=["arrives"], deadline_s=60.0)
@@ -171,7 +167,7 @@ def cancel(bench: Bench) -> Evidence:
 @check(points=1.0, depends_on=["cancel"], deadline_s=30.0)
 def after_cancel(bench: Bench) -> Evidence:
     """After that the next goal works, and starts from there."""
-    move = _drive(bench, _SHORTEST_M)
+    move = drive_on(bench, SHORTEST_M)
     _require_arrived(move)
     return _require_distance(bench, move)
 
@@ -195,10 +191,6 @@ CHECKS: tuple[Check, ...] = (
 )
 
 
-def _drive(bench: Bench, length: float, z: float = 0.0) -> Move:
-    return drive(bench, target_from(here(bench), length, bench.random), z)
-
-
 def _require_arrived(move: Move) -> Evidence:
     final = place_of(move.ended.result.final_position)
     expected = f"{REACHED}, final_position within {TOLERANCE} m of {move.target}"
@@ -218,15 +210,15 @@ def _require_distance(bench: Bench, move: Move) -> Evidence:
     evidence = Evidence(move.goal.shown, expected, told(move.ended))
     if abs(travelled - move.length) <= tolerance:
         return evidence
-    bench.spoil()
-    if abs(travelled - math.dist(ORIGIN, move.target)) <= tolerance:
+    since_start = abs(travelled - driven(bench)) <= tolerance
+    if abs(travelled - math.dist(ORIGIN, move.target)) <= tolerance and not since_start:
         message = f"That is the way from {ORIGIN}. The robot was at {move.begin} when this goal came."
-    elif travelled > move.length + tolerance:
-        message = "That is longer than this move: does it add up the ways of earlier goals?"
+    elif travelled > move.length:
+        message = f"That is more than this move{', and fits all moves so far together' if since_start else ''}."
     elif travelled == 0.0:
         message = "The field was not filled in."
     else:
-        message = "That is shorter than the straight line, which no robot can do."
+        message = "That is less than the straight line."
     raise Failed(evidence, message)
 
 
@@ -240,45 +232,3 @@ def _rejects(bench: Bench, targets: Sequence[Place], why: str) -> Evidence:
             message = f"Your server accepted this goal, and {why}."
             raise Failed(Evidence(goal.shown, expected, "the goal accepted"), message, "action.accepts_impossible")
     return Evidence(goal.shown, expected, expected)
-
-
-def _feedback(bench: Bench) -> Evidence:
-    move = _drive(bench, _LONGEST_M)
-    times = [heard.sent_s for heard in move.goal.wait_for_last_feedback()]
-    expected = f"at least {ENOUGH} feedback messages, spread over the move of {move.length:.2g} m"
-    if len(times) < ENOUGH:
-        told_so = f"{len(times)} feedback message{'' if len(times) == 1 else 's'}"
-        message = f"A client saw {told_so} of a move of {move.length:.2g} m."
-        raise HastyError(Evidence(move.goal.shown, expected, told_so), message, "action.no_feedback")
-    began, over = move.goal.began_at or times[0], move.goal.over_at or times[-1]
-    got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the begin"
-    evidence = Evidence(move.goal.shown, expected, f"{got}; the goal ended after {over - began:.2f} s")
-    if not is_spread(times, began, over):
-        message = "The messages came in a bunch, not all along the move."
-        raise HastyError(evidence, message, "action.late_feedback")
-    return evidence
-
-
-def _progress(bench: Bench) -> Evidence:
-    move = _drive(bench, _SHORTEST_M)
-    heard = move.goal.wait_for_last_feedback()
-    expected = (
-        f"progress from 0 up to {NEARLY_DONE} or more, distance_remaining shrinking, {move.begin} to {move.target}"
-    )
-    if not heard:
-        raise HastyError(Evidence(move.goal.shown, expected, "no feedback"), "There was no feedback of this move.")
-    if found := jump(heard):
-        evidence = Evidence(move.goal.shown, expected, found)
-        message = f"Two messages of one move contradict each other: {found}." if "then" in found else f"It was {found}."
-        raise Failed(evidence, message, "action.feedback_not_monotonic")
-    for place in (place_of(one.message.feedback.position) for one in heard):
-        off = beside(move.begin, move.target, place)
-        if not off <= BESIDE:
-            evidence = Evidence(move.goal.shown, f"positions within {BESIDE} m of the straight way", f"{place}")
-            blank = " Was feedback.position filled in?" if place == ORIGIN else ""
-            raise Failed(evidence, f"This position lies {off:.2g} m beside the way to the target.{blank}")
-    last = heard[-1].message.feedback
-    evidence = Evidence(move.goal.shown, expected, f"{len(heard)} messages, the last with progress={last.progress:.4g}")
-    if last.progress < NEARLY_DONE:
-        raise HastyError(evidence, f"The last message of a goal that succeeded said progress={last.progress:.4g}.")
-    return evidence
