@@ -45,6 +45,8 @@ def install() -> None:
 
     finder.install()
     sys.meta_path.insert(0, _BeforeRclpy())
+    # Message classes read it when they are imported, which may be before rclpy is.
+    os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
 
 
 if os.environ.get("COURSE_KIT_AUTOLOAD") != "0":

@@ -32,15 +32,18 @@ class CourseKernel(nbval_kernel.RunningKernel):  # type: ignore[misc]  # it has 
     def await_reply(self, msg_id: str, timeout: float | None = None) -> None:
         """Wait for the reply in short steps, looking each time whether the kernel still lives."""
         deadline = None if timeout is None else time.monotonic() + timeout
-        while True:
-            try:
-                super().await_reply(msg_id, timeout=_POLL_S)
-                return
-            except Empty:  # noqa: PERF203 - a turn takes a second
-                if not self.is_alive():
-                    raise RuntimeError("The kernel has died while it ran this cell.") from None
-                if deadline is not None and time.monotonic() > deadline:
-                    raise
+        while not self._replied(msg_id):
+            if not self.is_alive():
+                raise RuntimeError("The kernel has died while it ran this cell.")
+            if deadline is not None and time.monotonic() > deadline:
+                raise Empty
+
+    def _replied(self, msg_id: str) -> bool:
+        try:
+            super().await_reply(msg_id, timeout=_POLL_S)
+        except Empty:
+            return False
+        return True
 
     def stop(self) -> None:
         """Ask the kernel to end; only one that does not is killed."""

@@ -27,6 +27,7 @@ class Job:
         limits: what the submission may use.
         isolation: filled in by the worker, which has tried it out.
         priority: the nice value the submission and the probe run at; filled in by the worker, whose own may be better.
+        scratch: the folder for the scratch directory; filled in by the worker.
         hidden: folders to keep out of the submission's sight.
     """
 
@@ -44,6 +45,7 @@ class Job:
     isolation: Isolation = field(default_factory=Isolation)
     hidden: tuple[str, ...] = ()
     priority: int = 0
+    scratch: str = ""
 
     def to_mapping(self) -> dict[str, Any]:
         """The job as JSON can carry it."""

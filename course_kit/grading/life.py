@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox import Streams
 
 _CHUNK = 65536
+_LISTS = ("node_classes", "classes", "functions")
+_NOTE_ITEMS, _NOTE_LENGTH = 20, 80
 _LAST_WORDS = 1 << 20  # the most a pipe holds
 _EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
 
@@ -111,5 +113,18 @@ class Life:
     def _read_notes(self) -> None:
         for line in self._evidence.split(b"\n"):
             if line.startswith(b'{"note"'):
-                with suppress(ValueError, TypeError, KeyError):
-                    self._notes.update(json.loads(line)["note"])
+                with suppress(ValueError, TypeError, KeyError, AttributeError, RecursionError):
+                    self._notes.update(_sound(json.loads(line)["note"]))
+
+
+def _sound(note: dict[str, Any]) -> dict[str, Any]:
+    """What of a note has the shape the runner gives it: the submission can write here, too."""
+    sound: dict[str, Any] = {}
+    for name, value in note.items():
+        if name in _LISTS and isinstance(value, list):
+            sound[name] = [str(item)[:_NOTE_LENGTH] for item in value[:_NOTE_ITEMS]]
+        elif name == "returned" and isinstance(value, str):
+            sound[name] = value[:_NOTE_LENGTH]
+        elif name == "exit_in_callback":
+            sound[name] = value is True
+    return sound

@@ -26,7 +26,7 @@ class Usage:
 
     Attributes:
         cpu_s: seconds of computing.
-        waited_s: seconds their threads were ready to run and the machine gave them no processor.
+        waited_s: seconds the thread that suffered most was ready to run and the machine gave it no processor.
         tasks: processes and threads.
         memory: resident bytes, what forks share counted for each of them.
     """
@@ -66,7 +66,7 @@ def usage(process_ids: Iterable[int]) -> Usage:
             cpu_s += (int(fields[11]) + int(fields[12])) / _TICKS
             tasks += int(fields[17])
             memory += int(fields[21]) * _PAGE
-            waited_s += _waited(process_id)
+            waited_s = max(waited_s, _waited(process_id))
     return Usage(cpu_s, waited_s, tasks, memory)
 
 
@@ -105,7 +105,7 @@ def tasks_of_user(user: int) -> int:
 
 
 def own_waiting() -> float:
-    """Seconds the threads of this process were ready to run and got no processor."""
+    """Seconds the thread of this process that suffered most was ready to run and got no processor."""
     with suppress(OSError, ValueError, IndexError):
         return _waited(this_process())
     return 0.0
@@ -147,9 +147,9 @@ def _stat(process_id: int) -> list[str]:
 
 
 def _waited(process_id: int) -> float:
-    nanoseconds = 0
+    longest = 0
     folder = f"/proc/{process_id}/task"
     for thread in os.listdir(folder):  # noqa: PTH208 - hot
         with suppress(OSError, ValueError, IndexError), open(f"{folder}/{thread}/schedstat", encoding="utf-8") as file:  # noqa: PTH123
-            nanoseconds += int(file.read().split()[1])
-    return nanoseconds / 1e9
+            longest = max(longest, int(file.read().split()[1]))
+    return longest / 1e9

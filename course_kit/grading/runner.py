@@ -15,6 +15,7 @@ import json
 import os
 import signal
 import sys
+import tempfile
 import threading
 import traceback
 from dataclasses import dataclass
@@ -65,6 +66,7 @@ def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
     evidence = _arrange_streams(inside)
     variables = {**cell.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}
     os.environ.update(variables)
+    tempfile.tempdir = None  # the grader's own choice; TMPDIR counts now
     os.chdir(program.folder or folder)
     os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
     limits.apply_to_this_process(cell.limits, cell.others)

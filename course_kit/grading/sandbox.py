@@ -43,6 +43,7 @@ class Cell:
         limits: what it may use.
         isolation: the walls known to stand on this machine.
         environment: variables to set for the program, beside HOME, TMPDIR and PWD.
+        scratch: where its scratch directory is made.
         priority: the nice value to run at.
         others: the user's other processes and threads where the kernel counts them together with the program's.
         hidden: folders that appear empty to it, where its files are walled off.
@@ -50,6 +51,7 @@ class Cell:
 
     limits: Limits
     isolation: Isolation
+    scratch: str
     environment: Mapping[str, str] = field(default_factory=dict)
     hidden: tuple[str, ...] = ()
     priority: int = 0
@@ -80,7 +82,7 @@ class Sandbox:
 
     def __init__(self, program: Program, cell: Cell) -> None:
         """Start `program`. Returns at once; whether it starts well is seen in what comes out of `streams`."""
-        self._folder = tempfile.mkdtemp(prefix="course-kit-")
+        self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=cell.scratch or None)
         self.streams, inside = _pipes()
         self._gate = os.fork()
         if self._gate == 0:

@@ -121,7 +121,7 @@ class Warden:
         job = self._job
         program = Program(job.name, job.source, job.class_name, arguments, job.command, job.folder)
         variables = {**variables, "ROS_DOMAIN_ID": str(domain)}
-        cell = Cell(job.limits, job.isolation, variables, job.hidden, job.priority, self._others())
+        cell = Cell(job.limits, job.isolation, job.scratch, variables, job.hidden, job.priority, self._others())
         self._sandbox = Sandbox(program, cell)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain}

@@ -11,22 +11,32 @@ import select
 import signal
 import socket
 import sys
-import tempfile
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import isolation, namespaces, probing, processes
+from course_kit.grading import isolation, namespaces, probing, processes, scratch
 from course_kit.grading.job import Job
 from course_kit.grading.warden import Warden
 from course_kit.grading.wire import Channel, ChannelClosedError
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 _FIRST_SERVED = -19  # nice value
 
 
 def serve(channel: Channel) -> None:
     """The process: get warm, then grade job after job until the other end closes."""
-    os.environ["ROS_LOG_DIR"] = tempfile.gettempdir()  # of the probe, which logs nothing
+    folder = scratch.make()
+    try:
+        _serve(channel, folder)
+    finally:
+        scratch.remove(folder)
+
+
+def _serve(channel: Channel, folder: Path) -> None:
+    os.environ["ROS_LOG_DIR"] = str(folder)  # of the probe, which logs nothing
     usual = os.getpriority(os.PRIO_PROCESS, 0)
     with suppress(OSError):
         # Root only, whom the kernel's limit on processes does not hold: the guard has to get a turn in a fork bomb.
@@ -37,10 +47,13 @@ def serve(channel: Channel) -> None:
     gc.freeze()  # keeps the forks from copying what they only look at
     channel.send({"isolation": found.to_mapping()})
     while True:
-        job = replace(Job.from_mapping(channel.receive()["job"]), isolation=found, priority=usual)
+        job = Job.from_mapping(channel.receive()["job"])
+        job = replace(job, isolation=found, priority=usual, scratch=str(folder))
         with suppress(Exception):  # the probe meets it again, and says what is wrong with the grader
             probing.load(job.exercise)
-        channel.send(_grade(job, channel))
+        outcome = _grade(job, channel)
+        scratch.clear(folder)
+        channel.send(outcome)
 
 
 def _grade(job: Job, channel: Channel) -> dict[str, Any]:

@@ -92,8 +92,8 @@ def _get_fields_and_field_types(cls: Any) -> dict[str, str]:
 def _documentation(name: str, constants: Sequence[str]) -> str:
     if not constants:
         return f"Message class '{name}'."
-    lines = "\n".join(f"      {constant}" for constant in constants)
-    return f"\n    Message class '{name}'.\n\n    Constants:\n{lines}\n    "
+    lines = "\n".join(f"  {constant}" for constant in constants)
+    return f"Message class '{name}'.\n\nConstants:\n{lines}"
 
 
 def _constant(value: object) -> property:

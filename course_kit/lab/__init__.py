@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from course_kit.lab.calls import Asked
     from course_kit.lab.core import Lab
     from course_kit.lab.live_nodes import NodeList
-    from course_kit.lab.scripts import Script
+    from course_kit.lab.process import Script
 
 __all__ = [
     "DeadlockError",
@@ -152,6 +152,7 @@ def publish(topic: str, message_type: Any, message: Any = None, /, **fields: Any
     """Publish one message: `lab.publish("/chatter", String, data="hello")`.
 
     The first one on a topic waits for the subscriptions that are on the graph (1 s at most), so that it is not lost.
+    Returns when the callbacks of this lab's own subscriptions have had the message (1 s at most).
 
     Raises:
         FieldError: no such field, or a value it cannot take.

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     from course_kit.lab.engine import Engine
     from course_kit.lab.live_nodes import NodeList
-    from course_kit.lab.scripts import Script, Scripts
+    from course_kit.lab.process import Script
+    from course_kit.lab.scripts import Scripts
 
 
 class Lab:
@@ -111,7 +112,7 @@ class Lab:
         ready = topics.message_of(message_type, message, fields)
         publisher = self.engine.clients.publisher(message_type, topic)
         topics.wait_for_subscriptions(self.engine.node, publisher)
-        publisher.publish(ready)
+        topics.publish(self.engine, publisher, ready)
 
     async def next_messages(self, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:
         """See `course_kit.lab.next_messages`."""

@@ -116,6 +116,19 @@ class Engine:
         """Destroy a subscription of the lab's node."""
         self.spinner.run_between_callbacks(lambda: self.node.destroy_subscription(subscription), 1.0)
 
+    def subscriptions(self, topic: str, message_type: Any) -> set[Any]:
+        """The subscriptions of the lab's nodes to a topic."""
+        return {
+            one
+            for live in self.nodes
+            for one in live.node.subscriptions
+            if one.topic_name == topic and one.msg_type is message_type
+        }
+
+    def listen_for_deliveries(self, told: Callable[[Any], None], *, listen: bool) -> None:
+        """Begin or end to call `told` with each subscription whose callback has had a message."""
+        (self._tapping.on_delivery.add if listen else self._tapping.on_delivery.discard)(told)
+
     def why_no_answer(self, service: str) -> str:
         """What is known about a server that does not answer."""
         turn = self.spinner.executor.turn

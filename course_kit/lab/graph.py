@@ -36,7 +36,7 @@ def served(node: Any, except_by: frozenset[str] = frozenset()) -> dict[str, list
         if full_name(name, namespace) in except_by:
             continue
         for service, types in _of_node(node, name, namespace):
-            if not is_of_every_node(service):
+            if not is_of_every_node(service) and "/_" not in service:  # a hidden name, such as an action's
                 found.setdefault(service, []).extend(kind for kind in types if kind not in found.get(service, []))
     return found
 

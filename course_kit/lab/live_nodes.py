@@ -18,6 +18,8 @@ import threading
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from rclpy.action import ActionClient, ActionServer
+
 from course_kit.lab.clients import HIDDEN_NAME, incompatible
 from course_kit.lab.describe import channels_of
 from course_kit.lab.errors import LabError
@@ -176,6 +178,7 @@ class Nodes:
     def _destroy(self, nodes: list[Any]) -> None:
         for node in nodes:
             self._spinner.executor.remove_node(node)
+            _destroy_actions(node)
             # One whose __init__ stopped half-way lacks parts; one that was destroyed already has none left.
             with contextlib.suppress(Exception):
                 node.destroy_node()
@@ -190,6 +193,14 @@ class NodeList(list[LiveNode]):
         if not self:
             return "No node is running in the lab."
         return "\n".join(describe_node(live.node) for live in self)
+
+
+def _destroy_actions(node: Any) -> None:
+    """Destroy a node's action servers and clients, which `destroy_node` leaves on the graph."""
+    for waitable in list(getattr(node, "waitables", ())):
+        if isinstance(waitable, (ActionClient, ActionServer)):
+            with contextlib.suppress(Exception):  # the learner's code has destroyed it already
+                waitable.destroy()
 
 
 def _equal(mine: tuple[Any, ...], other: tuple[Any, ...]) -> bool:

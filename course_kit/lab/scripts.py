@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import re
 import select
 import signal
 import subprocess
@@ -21,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 from course_kit import environment
 from course_kit.lab.errors import ScriptError
 from course_kit.lab.events import KINDS, Event
+from course_kit.lab.process import Script, checked_name, pipe
 
 if TYPE_CHECKING:
     from course_kit.lab.output import Output
@@ -35,43 +35,6 @@ _TURN = 0.1
 _BLOCK = 65536
 
 
-class Script:
-    """A running program.
-
-    Attributes:
-        name: what the learner calls it.
-        process: the child.
-        nodes: fully qualified names of the nodes it has made.
-        spins: "server" or "client" once its nodes are being spun.
-        stopping: whether we have asked it to end.
-        follower: the thread that waits for its end.
-    """
-
-    def __init__(self, name: str, process: subprocess.Popen[bytes]) -> None:
-        self.name = name
-        self.process = process
-        self.nodes: list[str] = []
-        self.spins = ""
-        self.stopping = False
-        self.follower: threading.Thread | None = None
-
-    @property
-    def running(self) -> bool:
-        """Whether it has not ended."""
-        return self.process.poll() is None
-
-    def __repr__(self) -> str:
-        if self.running:
-            return f"{self.name} is running."
-        code = self.process.returncode
-        return f"{self.name} has ended." if code == 0 or self.stopping else f"{self.name} ended with exit code {code}."
-
-    def signal(self, number: signal.Signals) -> None:
-        """Send a signal to it and to all it has started."""
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(self.process.pid, number)
-
-
 class Scripts:
     """The programs of one lab."""
 
@@ -80,8 +43,8 @@ class Scripts:
         self._output: Output = lab.output
         self._running: dict[str, Script] = {}
         self._lock = threading.Lock()
-        self._text, self._text_end = _pipe()
-        self._reports, self._reports_end = _pipe()
+        self._text, self._text_end = pipe()
+        self._reports, self._reports_end = pipe()
         self._unfinished = {self._text: b"", self._reports: b""}
         self._closing = threading.Event()
         self._output.pumps.append(self.pump)
@@ -90,7 +53,7 @@ class Scripts:
 
     def run(self, name: str, source: str, arguments: tuple[str, ...], mode: str) -> Script:
         """Start a program in place of the one of this name; returns as `mode` says (see `course_kit.lab.script`)."""
-        name = _checked_name(name)
+        name = checked_name(name)
         if mode not in get_args(Mode):
             raise ScriptError(f"The mode is one of {', '.join(get_args(Mode))}, not {mode!r}.")
         self._end(name)
@@ -106,7 +69,7 @@ class Scripts:
     def stop(self, name: str | None) -> None:
         """End one program, or all."""
         if name is not None:
-            name = _checked_name(name)
+            name = checked_name(name)
             if name not in self._running:
                 running = ", ".join(sorted(self._running)) or "none"
                 raise ScriptError(f"No script called {name!r} is running. Running: {running}.")
@@ -267,17 +230,3 @@ class Scripts:
         elif report.get("event") in KINDS:
             with contextlib.suppress(KeyError):
                 self._lab.taps.forward(Event(report["event"], *(report[name] for name in Event._fields[1:])))
-
-
-def _pipe() -> tuple[int, int]:
-    """A pipe whose reading end never blocks; the writing end reaches only children that are given it."""
-    reading, writing = os.pipe()
-    os.set_blocking(reading, False)
-    return reading, writing
-
-
-def _checked_name(name: str) -> str:
-    bare = name.removesuffix(".py")
-    if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", bare):
-        raise ScriptError(f"{name!r} cannot name a script: use letters, digits and underscores, such as server.")
-    return bare

@@ -51,12 +51,14 @@ class Tapping:
         aliases: what to call a node, by its fully qualified name.
         direct: clients whose futures may be completed at once, on the executor's thread, because nobody but the
             lab waits for them; saves a turn of the executor for each call.
+        on_delivery: called with a subscription when its callback has had a message.
     """
 
     def __init__(self, taps: Taps) -> None:
         self.taps = taps
         self.aliases: dict[str, str] = {}
         self.direct: set[Any] = set()
+        self.on_delivery: set[Callable[[Any], None]] = set()
 
     def where(self, entity: Any) -> Where:
         """The node, the full name and the type of a client, service, publisher or subscription."""
@@ -162,7 +164,11 @@ class Tapping:
         async def deliver() -> None:
             if not subscription.raw:
                 self._emit("received", subscription, taken[0], 0)
-            await _run(subscription.callback, *arguments)
+            try:
+                await _run(subscription.callback, *arguments)
+            finally:
+                for told in tuple(self.on_delivery):
+                    told(subscription)
 
         return deliver
 

@@ -5,15 +5,18 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.lab.errors import FieldError, NoAnswerError
 from course_kit.lab.messages import build, is_message_type, type_name
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from course_kit.lab.calls import Surroundings
 
 _MATCHING = 1.0  # seconds a new publisher waits for the subscriptions that are on the graph
+_DELIVERY = 1.0  # seconds the lab's own subscriptions are given to take what was published
 _POLL = 0.005
 _DEPTH = 10
 
@@ -45,6 +48,49 @@ def wait_for_subscriptions(node: Any, publisher: Any) -> None:
         if time.monotonic() > deadline:
             return
         pause.wait(_POLL)
+
+
+class Deliveries(Protocol):
+    """What publishing needs to know about the lab."""
+
+    def in_callback(self) -> bool:
+        """Whether the caller is inside a callback of the lab."""
+
+    def subscriptions(self, topic: str, message_type: Any) -> set[Any]:
+        """The subscriptions of the lab's nodes to a topic."""
+
+    def listen_for_deliveries(self, told: Callable[[Any], None], *, listen: bool) -> None:
+        """Begin or end to call `told` with each subscription whose callback has had a message."""
+
+    def settle(self) -> None:
+        """Show what callbacks have printed."""
+
+
+def publish(lab: Deliveries, publisher: Any, message: Any) -> None:
+    """Publish, and return when the callbacks of this lab's subscriptions have had the message.
+
+    So what they print is printed with the cell that published. At most one second: a subscription of another
+    quality of service gets nothing, and a callback may take long.
+    """
+    if lab.in_callback():  # the thread that would deliver
+        publisher.publish(message)
+        return
+    waiting = lab.subscriptions(publisher.topic_name, publisher.msg_type)
+    all_had_it = threading.Event()
+
+    def had(subscription: Any) -> None:
+        waiting.discard(subscription)
+        if not waiting:
+            all_had_it.set()
+
+    lab.listen_for_deliveries(had, listen=True)
+    try:
+        publisher.publish(message)
+        if waiting:
+            all_had_it.wait(_DELIVERY)
+    finally:
+        lab.listen_for_deliveries(had, listen=False)
+        lab.settle()
 
 
 async def next_messages(lab: Surroundings, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:

@@ -77,6 +77,13 @@ def test_python_without_rclpy_is_left_alone() -> None:
     assert in_fresh_process(program).stdout.split() == ["False", "False", "False"]
 
 
+def test_fields_are_checked_also_where_messages_are_imported_before_rclpy() -> None:
+    program = (
+        "from std_msgs.msg import Float64\nimport rclpy\ntry: Float64(data=1)\nexcept AssertionError as e: print(e)"
+    )
+    assert "must be of type 'float'" in in_fresh_process(program).stdout
+
+
 def test_the_autoload_can_be_turned_off() -> None:
     assert "ROS_LOG_DIR" not in dumped(COURSE_KIT_AUTOLOAD="0")
 

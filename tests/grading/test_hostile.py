@@ -30,6 +30,16 @@ for descriptor in range(3, 256):
         except OSError:
             pass
 """,
+    "sends_strange_notes": """
+import os
+for note in (b'{"note": 3}', b'{"note": {"functions": 5, "returned": [], "node_classes": {"a": 1}, "limit": "time"}}',
+             b'{"note": {"classes": [[[]], 7, null], "functions": [{}]}}', b'{"note": ' + b"[" * 60000):
+    for descriptor in range(3, 256):
+        try:
+            os.write(descriptor, b"\\n" + note + b"\\n")
+        except OSError:
+            pass
+""",
     "leaves_at_once": "import os\nos._exit(0)\n",
     "kills_its_parents": """
 import os, signal

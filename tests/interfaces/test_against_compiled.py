@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import Any
 
 import pytest
@@ -79,7 +80,7 @@ def facts(cls: Any) -> dict[str, Any]:
         "name": cls.__name__,
         "module": cls.__module__,
         "metaclass": type(cls).__name__,
-        "documentation": [cls.__doc__, type(cls).__doc__],
+        "documentation": [inspect.getdoc(cls), inspect.getdoc(type(cls))],
         "attributes": sorted(name for name in dir(cls) if not name.startswith("__")),
     }
     if hasattr(cls, "SLOT_TYPES"):

@@ -1,16 +1,19 @@
 from __future__ import annotations
 
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 import rclpy
 from action_msgs.msg import GoalStatus
 from example_interfaces.action import Fibonacci
-from rclpy.action import ActionClient, ActionServer
+from rclpy.action import ActionClient, ActionServer, get_action_names_and_types
 from rclpy.node import Node
 
 from course_kit import lab
+
+if TYPE_CHECKING:
+    from course_kit.lab.core import Lab
 
 
 class Counter(Node):
@@ -58,6 +61,15 @@ def test_an_action_server_outlives_its_crash(capsys: pytest.CaptureFixture[str])
     shown = capsys.readouterr().err
     assert shown.startswith("counter: execute raised ValueError: cannot count down\n  test_actions.py, line ")
     assert "Traceback" not in shown
+
+
+def test_stopping_takes_actions_off_the_graph(own_lab: Lab) -> None:
+    counter, asker = lab.start(Counter), lab.start(Asker)
+    eye = own_lab.engine.node
+    assert [name for name, _ in get_action_names_and_types(eye)] == ["/count"]
+    lab.stop()
+    assert get_action_names_and_types(eye) == []
+    assert counter is not asker  # both are still held, as they are in a notebook
 
 
 @pytest.mark.usefixtures("own_lab")

@@ -285,10 +285,7 @@ def test_topics() -> None:
 
     lab.start(Listener)
     lab.publish("/said", String, data="hello")
-    deadline = time.monotonic() + 10
-    while not heard and time.monotonic() < deadline:
-        rclpy.spin_once(lab.nodes()[0].node)
-    assert heard == ["hello"]
+    assert heard == ["hello"]  # its callback has run when publish returns
 
 
 def test_no_message_says_why() -> None:
