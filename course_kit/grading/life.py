@@ -123,7 +123,7 @@ def _sound(note: dict[str, Any]) -> dict[str, Any]:
     for name, value in note.items():
         if name in _LISTS and isinstance(value, list):
             sound[name] = [str(item)[:_NOTE_LENGTH] for item in value[:_NOTE_ITEMS]]
-        elif name == "returned" and isinstance(value, str):
+        elif name in ("returned", "result") and isinstance(value, str):
             sound[name] = value[:_NOTE_LENGTH]
         elif name == "exit_in_callback":
             sound[name] = value is True
