@@ -12,6 +12,8 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
+from course_kit import environment
+
 _FILE = Path(__file__).with_name("diagnoses.toml")
 
 
@@ -53,4 +55,6 @@ def complete(message: str, code: str | None) -> str:
     if code is None:
         return message
     found = catalogue()[code]
-    return f"{message} {found.explanation} Read on: {found.link}"
+    root = environment.checkout()
+    read_on = f" Read on: {found.link}" if root is not None and (root / found.notebook).is_file() else ""
+    return f"{message} {found.explanation}{read_on}"

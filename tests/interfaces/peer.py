@@ -30,20 +30,6 @@ def use_live_types(folder: str) -> None:
     sys.meta_path.insert(0, ours)
 
 
-def wait_for(what: str, condition: Callable[[], bool]) -> None:
-    end = time.monotonic() + DEADLINE
-    while not condition():
-        assert time.monotonic() < end, f"waited {DEADLINE} s for {what}"
-        threading.Event().wait(0.01)  # the graph offers nothing to wait on that names a topic
-
-
-def result(future: Any, what: str) -> Any:
-    done = threading.Event()
-    future.add_done_callback(lambda _: done.set())
-    assert done.wait(DEADLINE), f"waited {DEADLINE} s for {what}"
-    return future.result()
-
-
 class Server:
     """Answers whatever it is asked, and sends back each message it gets."""
 
@@ -57,8 +43,7 @@ class Server:
 
         self.fibonacci, self.nested = Fibonacci, NestedMessage
         group = ReentrantCallbackGroup()
-        self.finished = threading.Event()
-        node.create_service(SetBool, "finish", self.finish, callback_group=group)
+        node.create_service(SetBool, "switch", self.switch, callback_group=group)
         node.create_service(Arrays, "arrays", self.arrays, callback_group=group)
         for name in TOPICS.split():
             cls = getattr(messages, name)
@@ -77,9 +62,8 @@ class Server:
             ActionServer(node, NestedMessage, "nested", self.nest, callback_group=group),
         ]
 
-    def finish(self, request: Any, response: Any) -> Any:
-        response.success, response.message = request.data, "finished ✓"
-        self.finished.set()
+    def switch(self, request: Any, response: Any) -> Any:
+        response.success, response.message = request.data, "switched ✓"
         return response
 
     def arrays(self, request: Any, response: Any) -> Any:
@@ -112,23 +96,35 @@ class Server:
 
 
 class Client:
-    """Uses everything the server offers and checks each answer."""
+    """Uses everything the server offers and checks each answer.
+
+    It spins its node itself: rclpy's action clients lose replies when they are used beside a spinning thread.
+    """
 
     def __init__(self, node: Any) -> None:
-        from rclpy.callback_groups import ReentrantCallbackGroup
+        from rclpy.executors import SingleThreadedExecutor
 
         from tests.interfaces.twins import seeded
 
-        self.node, self.group = node, ReentrantCallbackGroup()
-        self.random = seeded(7)
+        self.node, self.random, self.executor = node, seeded(7), SingleThreadedExecutor()
+        self.executor.add_node(node)
 
     def run(self) -> None:
         self.topics()
-        self.service()
+        self.services()
         self.fibonacci()
         self.nested_action()
         self.hashes()
-        self.finish()
+
+    def wait_for(self, what: str, condition: Callable[[], Any]) -> None:
+        end = time.monotonic() + DEADLINE
+        while not condition():
+            assert time.monotonic() < end, f"waited {DEADLINE} s for {what}"
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def result(self, future: Any, what: str) -> Any:
+        self.wait_for(what, future.done)
+        return future.result()
 
     def topics(self) -> None:
         from test_msgs import msg as messages
@@ -137,51 +133,75 @@ class Client:
 
         for name in TOPICS.split():
             cls, got = getattr(messages, name), []
-            self.node.create_subscription(cls, f"back_{name}", got.append, 10, callback_group=self.group)
+            self.node.create_subscription(cls, f"back_{name}", got.append, 10)
             publisher = self.node.create_publisher(cls, f"to_{name}", 10)
-            wait_for(f"{name} both ways", lambda p=publisher, n=name: self.is_connected(p, f"back_{n}"))
+            self.connect(name, cls, publisher, got)
             sent = [random_message(cls, self.random) for _ in range(5)]
             for message in sent:
                 publisher.publish(message)
-            wait_for(f"{name} to come back", lambda g=got: len(g) >= 5)
+            self.wait_for(f"{name} to come back", lambda g=got: len(g) >= 5)
             # The server's threads may send them back in another order.
             assert sorted(map(repr, got)) == sorted(map(repr, sent))
 
-    def is_connected(self, publisher: Any, back: str) -> bool:
-        return publisher.get_subscription_count() > 0 and self.node.count_publishers(back) > 0
+    def connect(self, name: str, cls: Any, publisher: Any, got: list[Any]) -> None:
+        """Wait until a first message has come back: what is sent before both ends know each other is lost."""
+        self.wait_for(f"a subscription to {name}", publisher.get_subscription_count)
+        sent = 0
 
-    def service(self) -> None:
+        def came_back() -> bool:
+            nonlocal sent
+            if not got:
+                publisher.publish(cls())
+                sent += 1
+            return bool(got)
+
+        self.wait_for(f"a first {name}", came_back)
+        self.wait_for(f"all first {name}", lambda: len(got) >= sent or self.is_quiet(got))
+        got.clear()
+
+    def is_quiet(self, got: list[Any]) -> bool:
+        before = len(got)
+        for _ in range(3):
+            self.executor.spin_once(timeout_sec=0.1)
+        return len(got) == before
+
+    def services(self) -> None:
+        from std_srvs.srv import SetBool
         from test_msgs.srv import Arrays
 
         from tests.interfaces.twins import random_message
 
-        client = self.node.create_client(Arrays, "arrays", callback_group=self.group)
-        wait_for("/arrays", client.service_is_ready)
+        client = self.node.create_client(Arrays, "arrays")
+        self.wait_for("/arrays", client.service_is_ready)
         for _ in range(10):
             request = random_message(Arrays.Request, self.random)
-            answer = result(client.call_async(request), "/arrays")
+            answer = self.result(client.call_async(request), "/arrays")
             assert repr(answer).partition("(")[2] == repr(request).partition("(")[2]
+        switch = self.node.create_client(SetBool, "switch")
+        self.wait_for("/switch", switch.service_is_ready)
+        answer = self.result(switch.call_async(SetBool.Request(data=True)), "/switch")
+        assert (answer.success, answer.message) == (True, "switched ✓")
 
     def fibonacci(self) -> None:
         from rclpy.action import ActionClient
         from test_msgs.action import Fibonacci
 
-        client = ActionClient(self.node, Fibonacci, "fibonacci", callback_group=self.group)
-        wait_for("/fibonacci", client.server_is_ready)
+        client = ActionClient(self.node, Fibonacci, "fibonacci")
+        self.wait_for("/fibonacci", client.server_is_ready)
         feedback: list[list[int]] = []
-        goal = result(
+        goal = self.result(
             client.send_goal_async(Fibonacci.Goal(order=10), lambda m: feedback.append(list(m.feedback.sequence))),
             "a goal's acceptance",
         )
         assert goal.accepted
-        answer = result(goal.get_result_async(), "a result")
-        assert list(answer.result.sequence) == [0, 1, 1, 2, 3, 5, 8, 13, 21, 34, 55]
-        assert feedback[0] == [0, 1, 1]
-        endless = result(client.send_goal_async(Fibonacci.Goal(order=900)), "a goal's acceptance")
-        assert len(result(endless.cancel_goal_async(), "cancelling").goals_canceling) == 1
-        assert result(endless.get_result_async(), "the result of a cancelled goal").status == 5
-        assert not result(client.send_goal_async(Fibonacci.Goal(order=1001)), "a goal's rejection").accepted
-        client.destroy()
+        sequence = list(self.result(goal.get_result_async(), "a result").result.sequence)
+        assert sequence == [0, 1, 1, 2, 3, 5, 8, 13, 21, 34, 55]
+        assert feedback
+        assert all(part == sequence[: len(part)] for part in feedback)
+        endless = self.result(client.send_goal_async(Fibonacci.Goal(order=900)), "a goal's acceptance")
+        assert len(self.result(endless.cancel_goal_async(), "cancelling").goals_canceling) == 1
+        assert self.result(endless.get_result_async(), "the result of a cancelled goal").status == 5
+        assert not self.result(client.send_goal_async(Fibonacci.Goal(order=1001)), "a goal's rejection").accepted
 
     def nested_action(self) -> None:
         from rclpy.action import ActionClient
@@ -189,31 +209,35 @@ class Client:
 
         from tests.interfaces.twins import random_message
 
-        client = ActionClient(self.node, NestedMessage, "nested", callback_group=self.group)
-        wait_for("/nested", client.server_is_ready)
+        client = ActionClient(self.node, NestedMessage, "nested")
+        self.wait_for("/nested", client.server_is_ready)
         wanted = random_message(NestedMessage.Goal, self.random)
-        goal = result(client.send_goal_async(wanted), "a goal's acceptance")
-        answer = result(goal.get_result_async(), "a result").result
+        goal = self.result(client.send_goal_async(wanted), "a goal's acceptance")
+        answer = self.result(goal.get_result_async(), "a result").result
         assert repr(answer.nested_field_no_pkg) == repr(wanted.nested_field_no_pkg)
-        client.destroy()
 
     def hashes(self) -> None:
         """Both sides announce the same type under each name."""
-        names = [f"/back_{name}" for name in TOPICS.split()] + ["rq/arraysRequest", "rr/arraysReply"]
-        for name in names:
+        for name in [f"/back_{name}" for name in TOPICS.split()] + ["rq/arraysRequest", "rr/arraysReply"]:
             plain = not name.startswith("/")
             ends = self.node.get_publishers_info_by_topic(name, no_mangle=plain)
             ends += self.node.get_subscriptions_info_by_topic(name, no_mangle=plain)
             assert len(ends) == 2, (name, ends)
             assert len({str(end.topic_type_hash) for end in ends}) == 1, name
 
-    def finish(self) -> None:
-        from std_srvs.srv import SetBool
 
-        client = self.node.create_client(SetBool, "finish", callback_group=self.group)
-        wait_for("/finish", client.service_is_ready)
-        answer = result(client.call_async(SetBool.Request(data=True)), "/finish")
-        assert (answer.success, answer.message) == (True, "finished ✓")
+def serve(node: Any) -> None:
+    """Answer until standard input is closed."""
+    from rclpy.executors import MultiThreadedExecutor
+
+    server, executor = Server(node), MultiThreadedExecutor(4)
+    executor.add_node(node)
+    thread = threading.Thread(target=executor.spin)
+    thread.start()
+    sys.stdin.read()
+    executor.shutdown()
+    thread.join()
+    server.close()
 
 
 def main(role: str, how: str, folder: str) -> None:
@@ -222,32 +246,20 @@ def main(role: str, how: str, folder: str) -> None:
     import faulthandler
 
     import rclpy
-    from rclpy.executors import MultiThreadedExecutor
     from test_msgs.msg import Arrays
 
     from course_kit.interfaces.live_record import record_of
 
-    faulthandler.dump_traceback_later(50, exit=True)  # a hang ends with a stack trace
+    faulthandler.dump_traceback_later(70, exit=True)  # a hang ends with a stack trace
     assert (record_of(Arrays) is not None) == (how == "live")
     rclpy.init()
     node = rclpy.create_node(role)
-    side = Server(node) if role == "server" else Client(node)
-    executor = MultiThreadedExecutor(4)
-    executor.add_node(node)
-    thread = threading.Thread(target=executor.spin)
-    thread.start()
-    try:
-        if isinstance(side, Client):
-            side.run()
-        else:
-            assert side.finished.wait(60), "waited 60 s for the client"
-    finally:
-        executor.shutdown()
-        thread.join()
-        if isinstance(side, Server):
-            side.close()
-        node.destroy_node()
-        rclpy.shutdown()
+    if role == "server":
+        serve(node)
+    else:
+        Client(node).run()
+    node.destroy_node()
+    rclpy.shutdown()
 
 
 if __name__ == "__main__":

@@ -43,8 +43,10 @@ NO_BYTE_STRING = "failed: ImportError"
 @pytest.mark.parametrize("package", ["test_msgs", "sensor_msgs", "std_srvs", "unique_identifier_msgs"])
 def test_fields_accept_and_refuse_the_same(package: str) -> None:
     for compiled, live in message_twins(package):
+        if "_" in live.__name__ and package == "test_msgs":
+            continue  # parts of services and actions have the same fields as its messages
         for name in compiled.get_fields_and_field_types():
             for value in ODD_VALUES:
                 for how in ("checked", "unchecked", "constructor"):
                     theirs, ours = outcome(compiled, name, value, how), outcome(live, name, value, how)
-                    assert ours == theirs or theirs == NO_BYTE_STRING, (compiled, name, value, how)
+                    assert theirs in (ours, NO_BYTE_STRING), (compiled, name, value, how)

@@ -35,6 +35,7 @@ def start(role: str, how: str, folder: Path) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, str(PEER), role, how, str(folder)],
         env=environment.child_environment(PYTHONPATH=search),
+        stdin=subprocess.PIPE,  # closing it ends the server
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -44,15 +45,12 @@ def start(role: str, how: str, folder: Path) -> subprocess.Popen[str]:
 @pytest.mark.parametrize(("server", "client"), [("compiled", "live"), ("live", "compiled"), ("live", "live")])
 @pytest.mark.usefixtures("domain")
 def test_two_processes_understand_each_other(server: str, client: str, definitions: Path) -> None:
-    serving = start("server", server, definitions)
-    asking = start("client", client, definitions)
-    try:
-        output = asking.communicate(timeout=80)[0]
-        if asking.returncode == 0:
+    with start("server", server, definitions) as serving, start("client", client, definitions) as asking:
+        try:
+            output = asking.communicate(timeout=80)[0]
             output += serving.communicate(timeout=20)[0]
-    finally:
-        for process in (serving, asking):
-            process.kill()
-            process.wait()
+        finally:
+            asking.kill()
+            serving.kill()
     assert (asking.returncode, serving.returncode) == (0, 0), output
     assert "WARN" not in output
