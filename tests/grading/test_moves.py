@@ -109,8 +109,10 @@ def cause_of(
     ("error", "code", "fact"),
     [
         (
-            ("rclpy._rclpy_pybind11.RCLError: Failed to update goal state: goal_handle attempted invalid "
-            "transition from state SUCCEEDED with event SUCCEED, at goal_handle.c:100"),
+            (
+                "rclpy._rclpy_pybind11.RCLError: Failed to update goal state: goal_handle attempted invalid "
+                "transition from state SUCCEEDED with event SUCCEED, at goal_handle.c:100"
+            ),
             "action.wrong_terminal",
             "called succeed() in line 7",
         ),
