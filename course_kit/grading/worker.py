@@ -11,7 +11,6 @@ import socket
 import subprocess
 import sys
 import tempfile
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
 
     from course_kit.grading.job import Job
 
-PROFILE = Path(__file__).with_name("loopback.xml")
 _START_S = 60.0  # importing everything from a cold disk on a loaded machine
 _GRACE_S = 60.0  # beyond the wall time; a worker that is later than that hangs, by a fault of ours
 _STOP_S = 5.0
@@ -165,9 +163,12 @@ def _environment(*, whole: bool, own_graph: bool) -> dict[str, str]:
         for name in _OTHER_GRAPHS:
             variables.pop(name, None)
         if variables.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps"):
-            # SUBNET has rmw_fastrtps leave the transports to the profile, which allows loopback only; with
+            # SYSTEM_DEFAULT has rmw_fastrtps leave the transports to the profile, which allows loopback only; with
             # LOCALHOST it would bring back shared memory.
-            variables.update(ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET", FASTRTPS_DEFAULT_PROFILES_FILE=str(PROFILE))
+            variables.update(
+                ROS_AUTOMATIC_DISCOVERY_RANGE="SYSTEM_DEFAULT",
+                FASTRTPS_DEFAULT_PROFILES_FILE=str(environment.LOOPBACK_PROFILE),
+            )
         else:
             variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     if whole:
