@@ -40,10 +40,12 @@ def _make_settings() -> None:
 
 
 def install() -> None:
-    """Put both finders in place."""
+    """Put the finders in place."""
     from course_kit.interfaces import finder
+    from course_kit.launch_shim import finder as launch_finder
 
     finder.install()
+    launch_finder.install()
     sys.meta_path.insert(0, _BeforeRclpy())
     # Message classes read it when they are imported, which may be before rclpy is.
     os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")

@@ -30,6 +30,10 @@ def build_parser() -> argparse.ArgumentParser:
     running.add_argument("--exec", dest="exec_command", metavar="CMD", help="start CMD and grade its node")
     grade.set_defaults(run=_grade)
 
+    quiz = verbs.add_parser("quiz", help="print the answer sheet of exercise 4, a file to fill in")
+    quiz.add_argument("--seed", type=int, help="the number your instructor gave you")
+    quiz.set_defaults(run=_quiz)
+
     doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
     doctor.set_defaults(run=_doctor)
     return parser
@@ -68,6 +72,13 @@ def _doctor(options: argparse.Namespace) -> int:
     from course_kit import doctor
 
     return doctor.run()
+
+
+def _quiz(options: argparse.Namespace) -> int:
+    from course_kit import quiz
+
+    print(quiz.show(quiz.DEFAULT_SEED if options.seed is None else options.seed).sheet(), end="")
+    return 0
 
 
 def _grade(options: argparse.Namespace) -> int:

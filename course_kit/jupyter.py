@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
@@ -11,6 +13,7 @@ from course_kit import environment
 if TYPE_CHECKING:
     from collections.abc import Sequence
 FIRST_LESSON = "notebooks/01_services.ipynb"
+TERMINAL = Path(__file__).with_name("terminal.bash")
 
 
 def run_lab(arguments: Sequence[str]) -> int:
@@ -29,6 +32,16 @@ def run_lab(arguments: Sequence[str]) -> int:
         "lab",
         f"--ServerApp.root_dir={root}",
         f"--LabApp.default_url=/lab/tree/{FIRST_LESSON}",
+        *_terminals(),
         *arguments,
     ]
     return os.execve(sys.executable, command, environment.child_environment())
+
+
+def _terminals() -> list[str]:
+    """Have terminals find the course's Python and complete `ros2` with Tab, whatever the user's own set-up does."""
+    bash = shutil.which("bash")
+    if bash is None:
+        return []
+    settings = {"shell_command": [bash, "--rcfile", str(TERMINAL)]}
+    return [f"--ServerApp.terminado_settings={settings}"]

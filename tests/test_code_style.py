@@ -14,8 +14,8 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 FLOORS = [
     {"environment"},
     {"interfaces"},
-    {"lab", "robot"},
-    {"trace", "panels", "ros2", "launch_shim", "grading"},
+    {"lab", "robot", "quiz", "launch_shim"},
+    {"trace", "panels", "ros2", "grading"},
     {"graders"},
     {"magics", "grade_magics", "cli", "doctor", "jupyter", "dev"},
 ]

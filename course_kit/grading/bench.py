@@ -102,6 +102,14 @@ class Bench:
             domain = int(self._ask("launch", arguments=list(arguments), variables=changed)["domain"])
         self._tester = Tester(domain)
 
+    def run_to_end(self) -> Life:
+        """Start the submission and wait until it has ended; for exercises that ask for a value, not for a node.
+
+        What it has put into the job's variable is in the notes of the result, as `values.describe` puts it.
+        """
+        self._ask("launch", arguments=[])
+        return _life(self._ask("finish", patience_s=self.job.limits.wall_s))
+
     def close(self) -> None:
         """Take the grader's node off the graph."""
         if self._tester is not None:
@@ -140,8 +148,7 @@ class Bench:
         """What is known of the submission; `fresh` has it counted now instead of up to 50 ms ago."""
         if self.job.mode == "attach":
             return Life(running=True)
-        facts = self._ask("facts" if fresh else "state")
-        return Life(**{name: value for name, value in facts.items() if name in Life.__dataclass_fields__})
+        return _life(self._ask("facts" if fresh else "state"))
 
     def stacks(self) -> str:
         """What each thread of the submission is executing, by faulthandler; empty for other than Python source."""
@@ -174,6 +181,10 @@ class Bench:
     def _waited(self) -> float:
         return self.life(fresh=True).waited_s if self._tester is not None else 0.0
 
-    def _ask(self, what: str, **more: Any) -> dict[str, Any]:
+    def _ask(self, what: str, *, patience_s: float = 0.0, **more: Any) -> dict[str, Any]:
         self._warden.send({"do": what, **more})
-        return self._warden.receive(_RPC_S)
+        return self._warden.receive(patience_s + _RPC_S)
+
+
+def _life(facts: dict[str, Any]) -> Life:
+    return Life(**{name: value for name, value in facts.items() if name in Life.__dataclass_fields__})

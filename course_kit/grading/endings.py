@@ -50,8 +50,9 @@ def of_limit(life: Life, job: Job) -> Cause | None:
             limit = "processes"
     if limit is None and "std::bad_alloc" in life.stderr:
         limit = "memory"
+    computed = limits.cpu_s if life.signal == signal.SIGXCPU else life.cpu_s  # what is dead is not counted any more
     told = {
-        "time": f"Your program was stopped: it had computed for {life.cpu_s:.0f} s (the limits are {limits.cpu_s} s of "
+        "time": f"Your program was stopped: it had computed for {computed:.0f} s (the limits are {limits.cpu_s} s of "
         f"computing and {limits.wall_s:g} s in all).",
         "memory": f"Your program wanted more than the {limits.memory_mb} MB of memory it may use.",
         "output": f"Your program was stopped: it had printed more than {limits.output_kb} kB.",
@@ -72,7 +73,7 @@ def of_start(life: Life, job: Job) -> Cause:
     where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
     if raised.type in ("ModuleNotFoundError", "ImportError"):
         return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
-    return "start.crash", f"Your program ended with {raised.describe()}{where}, before its service was up."
+    return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
 
 
 def _exited(life: Life) -> Cause:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.submission import Submission
 
+_HIDDEN = ("solutions", "tests", "course_kit/quiz/data")  # where the answers are
 _NOT_STARTED = ("start.", "limit.")
 
 
@@ -42,7 +43,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
     Args:
         exercise_id: which exercise.
         path: the submission, a .py or .ipynb file; None with `attach` or `exec_command`.
-        seed: what the checks draw their random values from; drawn itself when None.
+        seed: what the checks draw their random values from; when None the exercise's own, if it has one, else drawn.
         attach: grade the node that runs on the ROS graph of this environment.
         exec_command: start this command and grade its node.
         worker: a running worker to use; one is started and ended when None.
@@ -55,7 +56,10 @@ def grade(  # noqa: PLR0913 - the options of one verb
     task = exercise.load(exercise_id, exercises)
     if sum((path is not None, attach, exec_command is not None)) != 1:
         raise GradingError("Name one thing to grade: a file, --attach for a running node, or --exec with a command.")
-    seed = secrets.randbits(31) if seed is None else seed
+    if task.variable and path is None:
+        raise GradingError(f"The exercise {task.id} is answered in a file, without a running node. Name the file.")
+    if seed is None:
+        seed = secrets.randbits(31) if task.seed is None else task.seed
     text = None
     if path is not None:
         try:
@@ -80,10 +84,10 @@ def _domain() -> int:
 
 
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
-    job = Job(task.id, "attach", "", seed, class_name=task.class_name, limits=task.limits)
+    job = Job(task.id, "attach", "", seed, class_name=task.class_name, variable=task.variable, limits=task.limits)
     if text is not None:
         root = environment.checkout()
-        hidden = (str(root / "solutions"), str(root / "tests")) if root else ()
+        hidden = tuple(str(root / folder) for folder in _HIDDEN) if root else ()
         fault = _fault(text)
         return replace(
             job, mode="run", name=text.program, source=text.source, fault=fault, places=text.places, hidden=hidden

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
@@ -21,12 +22,12 @@ if TYPE_CHECKING:
 
 FORMAT_VERSION = 1
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
-_TEXTS = ("id", "title", "starter", "notebook", "class_name")
+_TEXTS = ("id", "title", "starter", "notebook")
 
 
 @dataclass(frozen=True)
 class Hint:
-    """One rung of the ladder, and what it helps with: ids of checks, codes of diagnoses."""
+    """One rung of the ladder, and what it helps with: ids of checks (`*_reason` means all that end so), diagnoses."""
 
     topics: tuple[str, ...]
     text: str
@@ -46,6 +47,8 @@ class Exercise:
         starter: the file name of the starter program.
         notebook: the file name of its notebook.
         class_name: the Node class a submission defines.
+        variable: what a submission sets instead, in exercises without ROS.
+        seed: what the checks draw from when nobody gives a seed; drawn itself when None.
         limits: what a submission may use.
         hints: the ladder, from a nudge to a push.
     """
@@ -59,12 +62,14 @@ class Exercise:
     starter: str
     notebook: str
     class_name: str
+    variable: str
+    seed: int | None
     limits: Limits
     hints: tuple[Hint, ...]
 
     def next_hint(self, topic: str, seen: int = 0) -> str | None:
         """The hint after the first `seen` for a check or a diagnosis; the last when there are no more, None if none."""
-        ladder = [hint.text for hint in self.hints if topic in hint.topics]
+        ladder = [hint.text for hint in self.hints if any(fnmatchcase(topic, name) for name in hint.topics)]
         return ladder[min(seen, len(ladder) - 1)] if ladder else None
 
 
@@ -115,6 +120,12 @@ def _parse(table: dict[str, Any], folder: Path) -> Exercise:
         raise ValueError(f"the pass mark {pass_mark:g} does not lie between 0 and {points:g} points")
     hints = tuple(Hint(tuple(hint["for"]), str(hint["text"])) for hint in table.get("hints", []))
     texts = {name: table[name] for name in _TEXTS}
+    goal = {name: str(table.get(name, "")) for name in ("class_name", "variable")}
+    if bool(goal["class_name"]) == bool(goal["variable"]):
+        raise ValueError("it needs either a 'class_name' or a 'variable'")
+    seed = table.get("seed")
+    if seed is not None and not isinstance(seed, int):
+        raise ValueError("'seed' is no whole number")
     limits = Limits.from_mapping(table.get("limits", {}))
     return Exercise(
         folder=folder,
@@ -123,5 +134,7 @@ def _parse(table: dict[str, Any], folder: Path) -> Exercise:
         pass_mark=pass_mark,
         limits=limits,
         hints=hints,
+        seed=seed,
+        **goal,
         **texts,
     )

@@ -21,6 +21,7 @@ class Job:
         fault: why the source is not Python; then nothing is run, and every check knows.
         places: where each line of a notebook's source stands, cell and line.
         class_name: the Node class the exercise names.
+        variable: the variable it names instead, when it needs no ROS.
         command: the executable and its arguments, for "exec".
         folder: the working directory of a command.
         seed: what the random values of the checks are drawn from.
@@ -39,6 +40,7 @@ class Job:
     fault: str = ""
     places: tuple[tuple[int, int], ...] = ()
     class_name: str = ""
+    variable: str = ""
     command: tuple[str, ...] = ()
     folder: str = ""
     limits: Limits = field(default_factory=Limits)

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox import Streams
 
 _CHUNK = 65536
-_LISTS = ("node_classes", "classes", "functions")
+_LISTS = ("node_classes", "classes", "functions", "set_names")
+_TEXTS = ("returned", "value")
+_FACTS = ("exit_in_callback", "ended_itself", "too_large")
 _NOTE_ITEMS, _NOTE_LENGTH = 20, 80
 _LAST_WORDS = 1 << 20  # the most a pipe holds
 _EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
@@ -123,8 +125,14 @@ def _sound(note: dict[str, Any]) -> dict[str, Any]:
     for name, value in note.items():
         if name in _LISTS and isinstance(value, list):
             sound[name] = [str(item)[:_NOTE_LENGTH] for item in value[:_NOTE_ITEMS]]
+<<<<<<< HEAD
         elif name in ("returned", "result") and isinstance(value, str):
+=======
+        elif name in _TEXTS and isinstance(value, str):
+>>>>>>> main
             sound[name] = value[:_NOTE_LENGTH]
-        elif name == "exit_in_callback":
+        elif name in _FACTS:
             sound[name] = value is True
+        elif name == "entries" and isinstance(value, list):
+            sound[name] = [(str(key), str(text)) for key, text in value]
     return sound

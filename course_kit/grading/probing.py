@@ -12,6 +12,9 @@ from course_kit.grading.checks import run_all
 from course_kit.grading.wire import ChannelClosedError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.grading.checks import Check
     from course_kit.grading.job import Job
     from course_kit.grading.wire import Channel
 
@@ -38,6 +41,12 @@ def load(exercise: str) -> Any:
     return grader
 
 
+def checks_of(grader: Any, job: Job) -> Sequence[Check]:
+    """The checks of a grader module: its `CHECKS`, or what its `checks_for(job)` makes of the job's seed."""
+    made: Sequence[Check] = grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS
+    return made
+
+
 def main(warden: Channel, job: Job) -> None:
     """Run all checks of the job's exercise; returns when each is told, or why they could not be run."""
     os.setpriority(os.PRIO_PROCESS, 0, job.priority)
@@ -56,10 +65,10 @@ def _run(warden: Channel, job: Job) -> dict[str, Any]:
     grader = load(job.exercise)
     bench = Bench(warden, job, getattr(grader, "VARIABLES", None))
     times = {}
-    if not job.fault:
+    if not job.fault and not job.variable:
         bench.launch()
     try:
-        for result in run_all(grader.CHECKS, bench):
+        for result in run_all(checks_of(grader, job), bench):
             warden.send({"do": "result", "result": result.to_mapping()})
             times[result.id] = time.monotonic() - began
     finally:

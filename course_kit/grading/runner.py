@@ -19,11 +19,12 @@ import tempfile
 import threading
 import traceback
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import limits, namespaces
+from course_kit.grading import limits, namespaces, values
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -49,6 +50,7 @@ class Program:
         arguments: what follows the program's name on its command line.
         command: an executable with its arguments to start instead of Python source.
         folder: the working directory of a command; source runs in its scratch directory.
+        variable: what the program is to set, when it is asked for a value and not for a node.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Program:
     arguments: tuple[str, ...] = ()
     command: tuple[str, ...] = ()
     folder: str = ""
+    variable: str = ""
 
 
 def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
@@ -126,7 +129,11 @@ def _run(program: Program, evidence: int) -> None:
     module.__file__ = str(path)
     sys.modules["__main__"] = module
     threading.excepthook = lambda problem: _thread_failed(problem, evidence)
-    exec(compile(program.source, program.name, "exec", dont_inherit=True), module.__dict__)  # noqa: S102
+    code = compile(program.source, program.name, "exec", dont_inherit=True)
+    if program.variable:
+        values.run(code, module, program.variable, partial(_note, evidence))
+        return
+    exec(code, module.__dict__)  # noqa: S102
     if _has_made_nodes():
         return
     node_class = _find_class(module, program.class_name, evidence)

@@ -112,6 +112,8 @@ class Warden:
             self._stop()
         elif what == "stacks":
             return {"stacks": self._stacks()}
+        elif what == "finish":
+            self._finish()
         return self._facts(fresh=what == "facts")
 
     def _launch(self, arguments: tuple[str, ...], variables: dict[str, str]) -> dict[str, Any]:
@@ -119,12 +121,21 @@ class Warden:
         self._launches += 1
         domain = self._domain()
         job = self._job
-        program = Program(job.name, job.source, job.class_name, arguments, job.command, job.folder)
+        program = Program(job.name, job.source, job.class_name, arguments, job.command, job.folder, job.variable)
         variables = {**variables, "ROS_DOMAIN_ID": str(domain)}
         cell = Cell(job.limits, job.isolation, job.scratch, variables, job.hidden, job.priority, self._others())
         self._sandbox = Sandbox(program, cell)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain}
+
+    def _finish(self) -> None:
+        """Wait until the submission has ended, or end it when its time is up."""
+        deadline = self._began + self._job.limits.wall_s
+        while self._life is not None and not self._life.over:
+            if time.monotonic() > deadline:
+                self._end_life("time")
+                return
+            self._pump(_QUIET_S, None)
 
     def _domain(self) -> int:
         """A ROS domain nobody else uses: any in a network of our own, else one leased on this machine."""

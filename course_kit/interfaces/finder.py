@@ -7,6 +7,7 @@ every interpreter and must cost next to nothing: even `typing` and `importlib.ab
 from __future__ import annotations
 
 import sys
+from _thread import allocate_lock, get_ident
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
@@ -31,31 +32,36 @@ class LiveFinder:
 
     def __init__(self) -> None:
         self._library: Library | None = None
-        self._searching = False
+        self._lock = allocate_lock()
+        self._searching: set[int] = set()  # threads in find_spec
 
     @property
     def library(self) -> Library:
-        """The live types of this process."""
-        if self._library is None:
-            from course_kit.interfaces.library import Library
+        """The live types of this process.
 
-            self._library = Library(lambda name: sources.find_text(*name))
-        return self._library
+        Raises:
+            ImportError: ROS 2 is not installed.
+        """
+        with self._lock:
+            if self._library is None:
+                self._library = _new_library()
+            return self._library
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """Find a package of live interfaces, its msg, srv or action, or the module of one of them."""
         del path, target
-        if self._searching:  # looking for folders imports modules, which come by here if they do not exist
+        thread = get_ident()
+        if thread in self._searching:  # looking for folders imports modules; those that do not exist come by here
             return None
-        self._searching = True
+        self._searching.add(thread)
         try:
             depth = fullname.count(".") + 1
             if depth > _MODULE or not self._has(fullname.split("."), depth):
                 return None
         finally:
-            self._searching = False
+            self._searching.discard(thread)
         return ModuleSpec(fullname, self, origin="live interfaces", is_package=depth < _MODULE)  # type: ignore[arg-type]
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
@@ -78,10 +84,11 @@ class LiveFinder:
         return set() if rest else self._names(package, kind)
 
     def _built(self, package: str, kind: str, name: str) -> Built | None:
+        library = self.library  # first: it explains what is missing without ROS 2
         from course_kit.interfaces.definition import TypeName
 
         interface = name.removeprefix("Metaclass_").partition("_")[0]
-        return self.library.get(TypeName(package, kind, interface))
+        return library.get(TypeName(package, kind, interface))
 
     def _has(self, parts: list[str], depth: int) -> bool:
         package = parts[0]
@@ -122,6 +129,19 @@ class _TypesModule(ModuleType):
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self.__dict__["_finder"].names(self.__name__)})
+
+
+def _new_library() -> Library:
+    try:
+        from course_kit.interfaces.library import Library
+    except ModuleNotFoundError as error:
+        if error.name != "rosidl_parser":
+            raise
+        raise ImportError(
+            "The course's interfaces need ROS 2 Jazzy, which this Python does not have. Use the Python of the course "
+            "(.venv/bin/python, made by ./course), or source your ROS 2 Jazzy first."
+        ) from error
+    return Library(lambda name: sources.find_text(*name))
 
 
 def install() -> None:

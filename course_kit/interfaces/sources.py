@@ -6,6 +6,7 @@ Read at the start of every Python of the environment, so nothing but `os` is imp
 from __future__ import annotations
 
 import os
+import sys
 
 TYPE_CHECKING = False  # importing typing would cost more than this module
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ KINDS = ("msg", "srv", "action")
 PATH_VARIABLE = "COURSE_KIT_INTERFACE_PATH"
 # What comes with the course cannot be replaced by what somebody defines: exercises are graded with it.
 OWN_FOLDER = os.path.join(os.path.dirname(__file__), "data")  # noqa: PTH118, PTH120
+_ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))  # noqa: PTH100, PTH120
 # Sought by Python itself at every start, before anything of the environment may be imported.
 _NEVER_PACKAGES = ("sitecustomize", "usercustomize")
 
@@ -29,7 +31,14 @@ def folders() -> Iterator[str]:
 
 
 def saved_folder() -> str | None:
-    """Where definitions are saved for other processes of this checkout, None where nothing can be written."""
+    """Where definitions are saved for other processes of this checkout, None where nothing can be written.
+
+    That is `environment.run_dir()`. But every module that is missing is sought here, in every Python, and importing
+    `environment` takes 10 ms; so before it is there, the course's folder is taken at its word if it can be written.
+    """
+    loaded = sys.modules.get("course_kit.environment")
+    if not hasattr(loaded, "run_dir") and os.path.isdir(os.path.join(_ROOT, "notebooks")) and os.access(_ROOT, os.W_OK):  # noqa: PTH112, PTH118
+        return os.path.join(_ROOT, ".course", "interfaces")  # noqa: PTH118
     try:
         from course_kit import environment
 

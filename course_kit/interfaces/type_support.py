@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import struct
+import threading
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,8 @@ from course_kit.interfaces.native.memory import capsule, pointer
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+# Two threads may use a type for the first time at once; what is made for it must be made once.
+_making = threading.RLock()
 # rosidl_service_introspection_info_t: event type, seconds, nanoseconds, client's id, sequence number.
 _EVENT_INFO = struct.Struct("B3xiI16s4xq")
 
@@ -31,31 +34,35 @@ def add_message_support(cls: Any) -> None:
         NativeHelperError: the native helper cannot be used here.
     """
     metaclass, record = type(cls), record_of(cls)
-    if metaclass._TYPE_SUPPORT is not None or record is None:
-        return
-    made = _helper().message(cls, _support_address)
-    metaclass._CREATE_ROS_MESSAGE = capsule(made.create)
-    metaclass._DESTROY_ROS_MESSAGE = capsule(made.destroy)
-    metaclass._CONVERT_FROM_PY = capsule(made.from_python)
-    metaclass._CONVERT_TO_PY = capsule(made.to_python)
-    record.native = made.type
-    metaclass._TYPE_SUPPORT = capsule(made.support)  # last: with it rclpy takes the rest as given
+    with _making:
+        if metaclass._TYPE_SUPPORT is not None or record is None:
+            return
+        made = _helper().message(cls, _support_address)
+        metaclass._CREATE_ROS_MESSAGE = capsule(made.create)
+        metaclass._DESTROY_ROS_MESSAGE = capsule(made.destroy)
+        metaclass._CONVERT_FROM_PY = capsule(made.from_python)
+        metaclass._CONVERT_TO_PY = capsule(made.to_python)
+        record.native = made.type
+        metaclass._TYPE_SUPPORT = capsule(made.support)  # last: with it rclpy takes the rest as given
 
 
 def add_service_support(cls: Any) -> None:
     """Fill in what rclpy looks for on a service's metaclass, its three messages included."""
     metaclass = type(cls)
-    if metaclass._TYPE_SUPPORT is None:
+    with _making:
+        if metaclass._TYPE_SUPPORT is not None:
+            return
         parts = [_support_address(part) for part in (cls.Request, cls.Response, cls.Event)]
-        event_type = native_type(cls.Event)
-        support = _helper().service(cls, parts, event_type, _event_maker(cls))
+        support = _helper().service(cls, parts, native_type(cls.Event), _event_maker(cls))
         metaclass._TYPE_SUPPORT = capsule(support)
 
 
 def add_action_support(cls: Any) -> None:
     """Fill in what rclpy looks for on an action's metaclass and on all its parts."""
     metaclass = type(cls)
-    if metaclass._TYPE_SUPPORT is None:
+    with _making:
+        if metaclass._TYPE_SUPPORT is not None:
+            return
         for part in (cls.Goal, cls.Result, cls.Feedback):
             add_message_support(part)
         names = ("SendGoalService", "GetResultService", "CancelGoalService", "FeedbackMessage", "GoalStatusMessage")

@@ -163,7 +163,7 @@ def test_catalogue_has_all_for_each_code() -> None:
         assert entry.title, code
         assert entry.explanation.endswith("."), code
         assert entry.hint.endswith((".", "?")), code
-        assert entry.notebook.startswith("notebooks/"), code
+        assert entry.notebook.endswith(".ipynb"), code
         assert " " not in entry.link, code
 
 

@@ -172,7 +172,7 @@ def make_encoder(cls: type[Any]) -> Callable[[Any], bytes]:
 def explained(message: Any, error: Exception) -> Exception:
     """The error that names the field which could not be encoded; the given one if no field is at fault."""
     for field in message_fields(type(message)):
-        value = getattr(message, f"_{field.name}", None)
+        value: Any = getattr(message, f"_{field.name}", None)
         reason = _fault(field, value)
         if reason is not None:
             held = f"{reason}, and holds {reprlib.repr(value)}"

@@ -240,7 +240,7 @@ static void complain(struct live_type *type)
   char text[512];
   int length = snprintf(text, sizeof text,
                         "[WARN] [course_kit.interfaces]: dropped a message that is not a %s as this program knows it. "
-                        "Another program on the same name uses a different definition: restart the older of the two. "
+                        "Some node on the same name uses a different definition: stop or restart the older one. "
                         "(This is said once.)\n", type->name);
   if (length > 0 && write(STDERR_FILENO, text, strlen(text)) < 0) return;  /* nobody is listening */
 }

@@ -1,0 +1,132 @@
+"""Exercise 4: which communication pattern fits. The answers are read and marked; no ROS is involved.
+
+The contract: ten scenarios of the seed; half a point for each pattern, half for each reason; missing, unknown and
+malformed answers are named, and the others count.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from course_kit import quiz
+from course_kit.graders._answers import Found, handed_over, written_out
+from course_kit.grading import endings
+from course_kit.grading.checks import Check, Evidence, Failed
+
+if TYPE_CHECKING:
+    from course_kit.grading.bench import Bench
+    from course_kit.grading.job import Job
+    from course_kit.quiz import Half, Result, Scenario
+
+INTERFACES = ()
+_READ = "answers"  # the id of the check all others need
+_SHAPE = 'a dictionary: answers = {"<scenario id>": ("<pattern>", "<reason id>"), ...}'
+_PATTERN_WANTED = "the pattern that fits: topic, service or action"
+_DEADLINE_S = 5.0
+
+
+def checks_for(job: Job) -> list[Check]:
+    """The checks of the scenarios that the job's seed draws: two for each, after one that reads the answers."""
+    scenarios = quiz.draw(job.seed)
+    sheet = _Sheet(scenarios)
+    # Worth nothing by themselves: the contract gives all points to the halves.
+    checks = [
+        Check(_READ, "There is a dictionary of answers", 0.0, (), job.limits.wall_s, sheet.read),
+        Check("known_ids", "Every entry belongs to a scenario", 0.0, (_READ,), _DEADLINE_S, sheet.known_ids),
+    ]
+    for place, scenario in enumerate(scenarios):
+        for half, run in (("pattern", sheet.pattern), ("reason", sheet.reason)):
+            title = f"{half.capitalize()}: {scenario.title}"
+            checks.append(Check(f"{scenario.id}_{half}", title, 0.5, (_READ,), _DEADLINE_S, partial(run, place)))
+    return checks
+
+
+class _Sheet:
+    """The answers of one submission, read by the first check and marked for the others."""
+
+    def __init__(self, scenarios: tuple[Scenario, ...]) -> None:
+        self._scenarios = scenarios
+        self._result: Result | None = None
+
+    def read(self, bench: Bench) -> Evidence:
+        entries = _read(bench)
+        self._result = quiz.mark(self._scenarios, entries)
+        return Evidence("", _SHAPE, f"a dictionary with {len(entries)} entries")
+
+    def known_ids(self, bench: Bench) -> Evidence:
+        del bench
+        strangers = self._marked().strangers
+        expected = "ids of scenarios only"
+        if not strangers:
+            return Evidence("", expected, expected)
+        drawn = [scenario.id for scenario in self._scenarios]
+        named = [_with_nearest(name, drawn) for name in strangers]
+        message = f"These entries belong to no scenario: {'; '.join(named)}. They change nothing in your points."
+        raise Failed(Evidence("", expected, ", ".join(strangers)), message, "quiz.unknown")
+
+    def pattern(self, place: int, bench: Bench) -> Evidence:
+        del bench
+        marks = self._marked().marks[place]
+        sent = f"{marks.scenario.id}: {marks.scenario.text}"
+        return _verdict(marks.pattern, sent, _PATTERN_WANTED)
+
+    def reason(self, place: int, bench: Bench) -> Evidence:
+        marks = self._marked().marks[place]
+        listed = [name for name, _ in quiz.reasons_as_shown(marks.scenario, bench.job.seed)]
+        given = marks.scenario.reasons.get(marks.reason.got)
+        half = marks.reason
+        got = f"{half.got}: {given}" if given else half.got
+        return _verdict(half, "", f"the reason that decides, out of {', '.join(listed)}", got)
+
+    def _marked(self) -> Result:
+        if self._result is None:
+            raise RuntimeError("the answers were not read")
+        return self._result
+
+
+def _verdict(half: Half, sent: str, expected: str, got: str | None = None) -> Evidence:
+    evidence = Evidence(sent, expected, (half.got if got is None else got) or "nothing")
+    if not half.right:
+        raise Failed(evidence, half.explanation, half.code)
+    return evidence
+
+
+def _with_nearest(name: str, drawn: list[str]) -> str:
+    meant = quiz.nearest(name, drawn)
+    return f"'{name}' (did you mean '{meant}'?)" if meant else f"'{name}'"
+
+
+def _read(bench: Bench) -> dict[object, object]:
+    """The entries of the submission, by reading it if that is enough, else by running it."""
+    found = written_out(bench.job.source, bench.job.variable) or _run(bench)
+    variable = bench.job.variable
+    if found.too_large:
+        raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to be answers.", "quiz.malformed")
+    if not found.is_set:
+        raise _not_set(found, variable)
+    if found.entries is None:
+        message = f"{variable} is no dictionary, so there is no answer to find under a scenario's id."
+        raise Failed(Evidence("", _SHAPE, found.value[:80]), message, "quiz.malformed")
+    return found.entries
+
+
+def _run(bench: Bench) -> Found:
+    """Have the program work its answers out, and find out why if it does not come to its end."""
+    job = bench.job
+    life = bench.run_to_end()
+    if "set_names" in life.notes:
+        found = handed_over(life.notes, job.variable)
+        if found.is_set or not life.notes.get("ended_itself"):
+            return found
+    code, message = endings.of_start(life, job)
+    raise Failed(Evidence("", _SHAPE, "a program that did not come to its end"), message, code)
+
+
+def _not_set(found: Found, variable: str) -> Failed:
+    names = ", ".join(found.set_names) or "nothing"
+    meant = quiz.nearest(variable, found.set_names)
+    message = f"Your program sets no variable called {variable}; it sets {names}."
+    if meant:
+        message += f" Did you mean {meant}?"
+    return Failed(Evidence("", _SHAPE, f"the names {names}"), message, "quiz.missing")

@@ -1,0 +1,31 @@
+"""The quiz on communication patterns: its scenarios, who gets which, what an answer earns, and how they are shown.
+
+The exercise's grader and the notebook's panel both use it: `draw` the scenarios of a seed, `mark` answers to them. It
+needs no ROS. A learner calls `show()`.
+"""
+
+from course_kit.quiz.bank import PATTERNS, BankError, Scenario, bank
+from course_kit.quiz.drawing import DEFAULT_SEED, DRAWN, draw, reasons_as_shown
+from course_kit.quiz.marking import PASS_SHARE, Half, Marks, Result, Unusable, mark, mark_one, nearest
+from course_kit.quiz.showing import Questions, show
+
+__all__ = [
+    "DEFAULT_SEED",
+    "DRAWN",
+    "PASS_SHARE",
+    "PATTERNS",
+    "BankError",
+    "Half",
+    "Marks",
+    "Questions",
+    "Result",
+    "Scenario",
+    "Unusable",
+    "bank",
+    "draw",
+    "mark",
+    "mark_one",
+    "nearest",
+    "reasons_as_shown",
+    "show",
+]

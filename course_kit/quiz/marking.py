@@ -1,0 +1,196 @@
+"""What answers earn: half a point for the pattern, half for the reason.
+
+An answer is a pair: the pattern, then the id of a reason. Whatever else stands there (nothing, a word, a number) is
+named and earns nothing, and the other answers count.
+"""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from course_kit.quiz.bank import PATTERNS, bank
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping, Sequence
+
+    from course_kit.quiz.bank import Scenario
+
+PASS_SHARE = 0.8  # of all points
+HALF = 0.5
+EXAMPLE = '("topic", "reason_id")'
+MISSING, UNKNOWN, MALFORMED = "quiz.missing", "quiz.unknown", "quiz.malformed"
+_NEAR = 0.75  # how alike two ids are that one may have been meant for the other; 1.0 is the same
+_SHOWN = 60  # characters of an answer that are repeated
+
+
+@dataclass(frozen=True)
+class Unusable:
+    """Stands for an answer that is no value at all; `text` is what was written, `problem` a sentence about it."""
+
+    text: str
+    problem: str
+
+
+@dataclass(frozen=True)
+class Half:
+    """One half of an answer.
+
+    Attributes:
+        right: whether it earns its half point.
+        got: what was answered, as text; empty for nothing.
+        explanation: why it is right or wrong, for the learner.
+        code: a diagnosis when it is not a choice at all, else None.
+    """
+
+    right: bool
+    got: str
+    explanation: str
+    code: str | None = None
+
+    @property
+    def points(self) -> float:
+        """0.5 or 0.0."""
+        return HALF if self.right else 0.0
+
+
+@dataclass(frozen=True)
+class Marks:
+    """One scenario, marked."""
+
+    scenario: Scenario
+    pattern: Half
+    reason: Half
+
+    @property
+    def points(self) -> float:
+        """0.0, 0.5 or 1.0."""
+        return self.pattern.points + self.reason.points
+
+
+@dataclass(frozen=True)
+class Result:
+    """All scenarios, marked; `strangers` are the entries whose id is in no bank."""
+
+    marks: tuple[Marks, ...]
+    strangers: tuple[str, ...] = ()
+
+    @property
+    def points(self) -> float:
+        """The sum."""
+        return sum(marks.points for marks in self.marks)
+
+    @property
+    def max_points(self) -> float:
+        """One point a scenario."""
+        return 2 * HALF * len(self.marks)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the points reach the pass mark."""
+        return self.points >= PASS_SHARE * self.max_points
+
+
+def mark(scenarios: Sequence[Scenario], answers: Mapping[Any, Any], known: Collection[str] | None = None) -> Result:
+    """Mark the answers to `scenarios`.
+
+    Args:
+        scenarios: those that were drawn.
+        answers: a pair for each scenario's id; anything else is named, never raised.
+        known: ids that may stand in `answers` beside those drawn, the whole bank when None.
+    """
+    known = bank() if known is None else known
+    given = {_plain(name): answer for name, answer in answers.items()}
+    drawn = [scenario.id for scenario in scenarios]
+    strangers = [name for name in given if name not in known and name not in drawn]
+    others = sum(name in known and name not in drawn for name in given)
+    marks = []
+    for scenario in scenarios:
+        if scenario.id in given:
+            marks.append(mark_one(scenario, given[scenario.id]))
+        else:
+            marks.append(_absent(scenario, strangers, others))
+    return Result(tuple(marks), tuple(strangers))
+
+
+def mark_one(scenario: Scenario, answer: object) -> Marks:
+    """Mark the answer to one scenario."""
+    if isinstance(answer, Unusable):
+        return _both(scenario, Half(False, _shown(answer.text), answer.problem, MALFORMED))
+    if not isinstance(answer, (tuple, list)) or len(answer) != 2:  # noqa: PLR2004 - a pair
+        problem = f"An answer is a pair such as {EXAMPLE}, and this is {_kind(answer)}."
+        return _both(scenario, Half(False, _shown(repr(answer)), problem, MALFORMED))
+    pattern, reason = (_plain(part) for part in answer)
+    if pattern in scenario.reasons and reason in PATTERNS:
+        problem = "Pattern and reason stand the wrong way round: the pattern comes first."
+        return _both(scenario, Half(False, _shown(repr(answer)), problem, MALFORMED))
+    return Marks(scenario, _pattern(scenario, pattern), _reason(scenario, pattern, reason))
+
+
+def nearest(name: str, names: Collection[str]) -> str | None:
+    """The one of `names` that `name` was probably meant to be."""
+    close = difflib.get_close_matches(name, sorted(names), n=1, cutoff=_NEAR)
+    return close[0] if close else None
+
+
+def _pattern(scenario: Scenario, given: str) -> Half:
+    if not given:
+        return Half(False, "", "The pattern is still empty.", MISSING)
+    if given not in PATTERNS:
+        return Half(False, _shown(given), _no_choice(given, "pattern", PATTERNS), MALFORMED)
+    if given in scenario.accepted:
+        return Half(True, given, scenario.why)
+    return Half(False, given, scenario.wrong[given])
+
+
+def _reason(scenario: Scenario, pattern: str, given: str) -> Half:
+    if not given:
+        return Half(False, "", "The reason is still empty.", MISSING)
+    if given not in scenario.reasons:
+        return Half(False, _shown(given), _no_choice(given, "reason", tuple(scenario.reasons)), MALFORMED)
+    if given in scenario.wrong:
+        return Half(False, given, scenario.wrong[given])
+    if pattern in scenario.accepted and given not in scenario.accepted[pattern]:
+        problem = (
+            f"This speaks for another pattern than the one you chose ({pattern}): the halves must belong together."
+        )
+        return Half(False, given, problem)
+    return Half(True, given, scenario.why)
+
+
+def _absent(scenario: Scenario, strangers: Collection[str], others: int) -> Marks:
+    if meant := nearest(scenario.id, strangers):
+        problem = f"There is no answer under this id, but one under '{_shown(meant)}', which is no scenario."
+        return _both(scenario, Half(False, "", problem, UNKNOWN))
+    problem = "There is no answer to this scenario."
+    if others:
+        problem += f" You answer {others} that were not drawn here: were you given a seed of your own (--seed)?"
+    return _both(scenario, Half(False, "", problem, MISSING))
+
+
+def _both(scenario: Scenario, half: Half) -> Marks:
+    return Marks(scenario, half, half)
+
+
+def _no_choice(given: str, kind: str, choices: Sequence[str]) -> str:
+    meant = nearest(given, choices)
+    proposal = f" Did you mean '{meant}'?" if meant else ""
+    return f"'{_shown(given)}' is no {kind} of this scenario; there are {', '.join(choices)}.{proposal}"
+
+
+def _plain(value: object) -> str:
+    """An id as it is compared: case and spaces around it do not matter; what is no text is no id."""
+    return value.strip().casefold() if isinstance(value, str) else repr(value)
+
+
+def _kind(answer: object) -> str:
+    if isinstance(answer, str):
+        return "one text"
+    if isinstance(answer, (tuple, list)):
+        return f"a group of {len(answer)}"
+    return f"of type {type(answer).__name__}"
+
+
+def _shown(text: str) -> str:
+    return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."

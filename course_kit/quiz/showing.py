@@ -1,0 +1,102 @@
+"""How a learner sees their scenarios: in a notebook, in a terminal, and as a file to fill in."""
+
+from __future__ import annotations
+
+import textwrap
+from html import escape
+from typing import TYPE_CHECKING
+
+from course_kit.quiz.drawing import DEFAULT_SEED, draw, reasons_as_shown
+
+if TYPE_CHECKING:
+    from course_kit.quiz.bank import Scenario
+
+WIDTH = 80  # columns of text
+_ASKED = "Which pattern fits best (topic, service or action), and which one of the four reasons decides?"
+_STYLE = """
+.course-kit-quiz{max-width:60em}
+.course-kit-quiz li{margin:.8em 0}
+.course-kit-quiz p{margin:.2em 0}
+.course-kit-quiz dl{display:grid;grid-template-columns:max-content 1fr;gap:.1em .9em;margin:.3em 0}
+.course-kit-quiz dt{font-family:var(--jp-code-font-family,monospace)}
+.course-kit-quiz dd{margin:0}
+"""
+_HEAD = '''"""Exercise 4: which communication pattern fits?
+
+For each scenario, write the pattern ("topic", "service" or "action") into the first
+pair of quotes and the id of the reason that decides into the second:
+
+    "some_robot": ("topic", "some_reason"),
+
+Each half is worth half a point. Several reasons may be true; one decides.
+Keep it a plain dictionary of texts: it is read, not run.
+"""
+'''
+
+
+class Questions:
+    """The scenarios of one seed; a notebook shows them as HTML, anything else as text."""
+
+    def __init__(self, seed: int = DEFAULT_SEED) -> None:
+        self.seed = seed
+        self.scenarios = draw(seed)
+
+    def form(self) -> str:
+        """The answers as Python, one empty pair for each scenario, to be copied."""
+        lines = [f'    "{scenario.id}": ("", ""),' for scenario in self.scenarios]
+        return "\n".join(["answers = {", *lines, "}"])
+
+    def sheet(self) -> str:
+        """A Python file to fill in: all scenarios and reasons as comments, with an empty pair under each."""
+        blocks = [_block(number, scenario, self.seed) for number, scenario in enumerate(self.scenarios, start=1)]
+        return f"{_HEAD}\nanswers = {{\n" + "\n".join(blocks) + "\n}\n"
+
+    def __repr__(self) -> str:
+        parts = [textwrap.fill(_ASKED, WIDTH)]
+        for number, scenario in enumerate(self.scenarios, start=1):
+            lines = [f"{number}. {scenario.title}  [{scenario.id}]", *_wrap(scenario.text, "   ", "   ")]
+            for name, text in reasons_as_shown(scenario, self.seed):
+                lines += _wrap(f"{name}: {text}", "   - ", "     ")
+            parts.append("\n".join(lines))
+        return "\n\n".join(parts)
+
+    def _repr_html_(self) -> str:
+        items = "".join(
+            f"<li><strong>{escape(scenario.title)}</strong> <code>{scenario.id}</code><p>{escape(scenario.text)}</p>"
+            f"<dl>{''.join(_reason(*reason) for reason in reasons_as_shown(scenario, self.seed))}</dl></li>"
+            for scenario in self.scenarios
+        )
+        return (
+            f'<style>{_STYLE}</style><section class="course-kit-quiz" aria-label="Scenarios"><p>{_ASKED}</p>'
+            f"<ol>{items}</ol><details><summary>The form to copy and fill in</summary>"
+            f"<pre>{escape(self.form())}</pre></details></section>"
+        )
+
+
+def show(seed: int = DEFAULT_SEED) -> Questions:
+    """The ten scenarios of a learner, to be the last line of a cell.
+
+    Args:
+        seed: the number your instructor gave you; without one, leave it out.
+
+    Raises:
+        TypeError: the seed is no whole number.
+    """
+    if not isinstance(seed, int) or isinstance(seed, bool):
+        raise TypeError(f"The seed is a whole number, such as show(seed=17), and this is {seed!r}.")
+    return Questions(seed)
+
+
+def _block(number: int, scenario: Scenario, seed: int) -> str:
+    lines = [f"    # ---- {number}. {scenario.title} ----", *_wrap(scenario.text, "    # ", "    # ")]
+    for name, text in reasons_as_shown(scenario, seed):
+        lines += _wrap(f"{name}: {text}", "    #   - ", "    #     ")
+    return "\n".join([*lines, f'    "{scenario.id}": ("", ""),'])
+
+
+def _reason(name: str, text: str) -> str:
+    return f"<dt>{name}</dt><dd>{escape(text)}</dd>"
+
+
+def _wrap(text: str, first: str, following: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH, initial_indent=first, subsequent_indent=following, break_on_hyphens=False)

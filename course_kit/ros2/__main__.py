@@ -1,0 +1,7 @@
+"""`python -m course_kit.ros2`: always the course kit's own command, never a real one."""
+
+import sys
+
+from course_kit.ros2.cli import run
+
+sys.exit(run(sys.argv[1:]))

@@ -1,0 +1,3 @@
+answers = {}
+while not answers:
+    print('topic, service or action?')

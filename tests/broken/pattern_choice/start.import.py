@@ -1,0 +1,3 @@
+from course_kits import choose
+
+answers = choose()

@@ -1,0 +1,11 @@
+answers = {}
+answers["weld_seam"] = ("action", "watched_and_stoppable")
+answers["water_pressure"] = ("topic", "start_in_any_order")
+answers["bumper_hit"] = ("topic", "event_for_many")
+answers["drone_setpoints"] = ("topic", "stream_is_alive")
+answers["gps_to_field"] = ("service", "remote_function")
+answers["close_gripper"] = ("action", "react_before_end")
+answers["save_map"] = ("service", "short_with_answer")
+answers["gripper_homing"] = ("action", "may_be_given_up")
+answers["inspect_bridge"] = ("action", "known_end_can_change")
+answers["tractor_position"] = ("topic", "independent_of_readers")

@@ -1,0 +1,16 @@
+answers = dict(  # noqa: C408 - some write it so
+    weld_seam=("action", "watched_and_stoppable"),
+    water_pressure=("topic", "start_in_any_order"),
+    bumper_hit=("topic", "event_for_many"),
+    drone_setpoints=("topic", "stream_is_alive"),
+    gps_to_field=("service", "remote_function"),
+)
+answers.update(
+    {
+        "close_gripper": ("action", "react_before_end"),
+        "save_map": ("service", "short_with_answer"),
+        "gripper_homing": ("action", "may_be_given_up"),
+        "inspect_bridge": ("action", "known_end_can_change"),
+        "tractor_position": ("topic", "independent_of_readers"),
+    }
+)

@@ -1,0 +1,266 @@
+"""Exercise 4 through the whole grader."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from course_kit import grading, quiz
+from course_kit.grading import exercise
+from course_kit.grading.diagnosis import complete
+from tests.grading.conftest import ROOT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+EXERCISE = "pattern_choice"
+BROKEN = sorted((ROOT / "tests" / "broken" / EXERCISE).glob("*.py"))
+CORRECT = sorted((ROOT / "tests" / "grading" / "correct" / EXERCISE).glob("*.py"))
+SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
+STARTER = ROOT / "exercises" / EXERCISE / f"{EXERCISE}.py"
+CODES = {
+    *(f"quiz.{name}" for name in ("missing", "unknown", "malformed")),
+    *(f"start.{name}" for name in ("syntax", "import", "crash", "exit")),
+    *(f"limit.{name}" for name in ("time", "memory", "output", "processes")),
+}
+
+
+@pytest.fixture
+def grade(worker: grading.Worker, tmp_path: Path) -> Callable[..., grading.Report]:
+    def run(source: str | bytes, name: str = "answer.py", **options: Any) -> grading.Report:
+        path = tmp_path / name
+        path.write_bytes(source if isinstance(source, bytes) else source.encode())
+        return grading.grade(EXERCISE, path, worker=worker, **options)
+
+    return run
+
+
+@pytest.fixture
+def answers() -> dict[str, tuple[str, str]]:
+    found = {}
+    for scenario in quiz.draw():
+        pattern = next(iter(scenario.accepted))
+        found[scenario.id] = (pattern, scenario.accepted[pattern][0])
+    return found
+
+
+def failed(report: grading.Report) -> list[grading.CheckReport]:
+    return [check for check in report.checks if check.status != "passed"]
+
+
+def test_points_and_seed_are_those_of_the_contract() -> None:
+    task = exercise.load(EXERCISE)
+    assert (task.points, task.pass_mark, task.seed) == (10.0, 10.0 * quiz.PASS_SHARE, quiz.DEFAULT_SEED)
+
+
+@pytest.mark.parametrize("path", CORRECT, ids=lambda path: path.stem)
+def test_right_answers_get_full_marks_in_any_style(path: Path, worker: grading.Worker) -> None:
+    report = grading.grade(EXERCISE, path, worker=worker)
+    assert failed(report) == []
+    assert (report.status, report.score, report.passed) == ("graded", 10.0, True)
+
+
+def test_there_are_at_least_eight_styles() -> None:
+    assert len(CORRECT) >= 8
+
+
+@pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
+def test_broken_submission_gets_exactly_its_code(path: Path, worker: grading.Worker) -> None:
+    report = grading.grade(EXERCISE, path, worker=worker)
+    wrong = [check for check in report.checks if check.status == "failed"]
+    assert {check.diagnosis for check in wrong} == {path.stem}
+    assert not any(check.status == "error" for check in report.checks)
+    assert report.score < report.max_score
+    for check in wrong:
+        assert check.expected
+        assert check.got
+        assert check.hint
+        assert complete("", path.stem) in check.message
+
+
+def test_every_code_that_applies_has_its_broken_submission() -> None:
+    assert {path.stem for path in BROKEN} == CODES
+
+
+@pytest.mark.parametrize(
+    ("code", "fact"),
+    [
+        ("start.syntax", "in line 2"),
+        ("start.import", "The nearest name there is: course_kit"),
+        ("start.crash", "in line 3"),
+        ("start.exit", "exit code 0"),
+        ("limit.time", "computed for 3 s"),
+        ("limit.memory", "256 MB"),
+        ("quiz.malformed", "Without quotes, Python takes"),
+        ("quiz.unknown", "did you mean"),
+    ],
+)
+def test_message_names_the_fact(code: str, fact: str, worker: grading.Worker) -> None:
+    report = grading.grade(EXERCISE, ROOT / "tests" / "broken" / EXERCISE / f"{code}.py", worker=worker)
+    assert fact in " ".join(check.message for check in failed(report))
+
+
+def test_starter_fails_with_a_first_hint(worker: grading.Worker) -> None:
+    report = grading.grade(EXERCISE, STARTER, worker=worker)
+    first = failed(report)[0]
+    assert (report.score, first.diagnosis) == (0.0, "quiz.missing")
+    assert first.hint is not None
+    assert "Begin with the easiest" in first.hint
+
+
+@pytest.mark.parametrize("seed", [2, 17, 90210])
+def test_solution_gets_full_marks_for_every_seed(seed: int, worker: grading.Worker) -> None:
+    report = grading.grade(EXERCISE, SOLUTION, seed=seed, worker=worker)
+    assert failed(report) == []
+    assert {check.id.rpartition("_")[0] for check in report.checks[2:]} == {made.id for made in quiz.draw(seed)}
+
+
+def test_each_half_has_a_check_that_can_fail(
+    grade: Callable[..., grading.Report], answers: dict[str, tuple[str, str]]
+) -> None:
+    """Each answer in turn is made wrong: first the pattern alone, then the reason alone."""
+    for place, half in ((0, "pattern"), (1, "reason")):
+        wrong: dict[str, list[str]] = {}
+        for scenario in quiz.draw():
+            choices = [choice for choice in scenario.wrong if (choice in quiz.PATTERNS) == (half == "pattern")]
+            wrong[scenario.id] = list(answers[scenario.id])
+            wrong[scenario.id][place] = choices[0]
+        report = grade(f"answers = {wrong!r}")
+        assert report.score == 5.0
+        assert {check.id for check in failed(report)} == {f"{name}_{half}" for name in answers}
+        for check in failed(report):
+            assert check.diagnosis is None
+            assert (
+                check.message
+                == quiz.bank()[check.id.removesuffix(f"_{half}")].wrong[wrong[check.id[: -len(half) - 1]][place]]
+            )
+            assert check.hint
+
+
+def test_no_report_of_a_wrong_answer_tells_the_right_one(
+    grade: Callable[..., grading.Report], answers: dict[str, tuple[str, str]]
+) -> None:
+    report = grade("answers = {}")
+    shown = " ".join(f"{check.got} {check.message} {check.hint}" for check in report.checks)
+    assert not any(reason in shown for _, reason in answers.values())
+
+
+def test_eight_points_pass_and_less_does_not(
+    grade: Callable[..., grading.Report], answers: dict[str, tuple[str, str]]
+) -> None:
+    names = list(answers)
+    kept = {name: answers[name] for name in names[:8]}
+    assert grade(f"answers = {kept!r}").passed
+    kept[names[0]] = (answers[names[0]][0], "")
+    report = grade(f"answers = {kept!r}")
+    assert (report.score, report.passed, grading.exit_code(report)) == (7.5, False, 1)
+
+
+def test_nothing_called_answers(grade: Callable[..., grading.Report], answers: dict[str, tuple[str, str]]) -> None:
+    report = grade(f"answer = {answers!r}")
+    first, *others = failed(report)
+    assert (first.id, first.diagnosis) == ("answers", "quiz.missing")
+    assert "Did you mean answer?" in first.message
+    assert {check.status for check in others} == {"skipped"}
+
+
+@pytest.mark.parametrize("text", ["[1, 2]", "'topic'", "None", "3", "set([1])", "object()"])
+def test_answers_that_are_no_dictionary(text: str, grade: Callable[..., grading.Report]) -> None:
+    first = failed(grade(f"answers = {text}"))[0]
+    assert (first.id, first.diagnosis) == ("answers", "quiz.malformed")
+    assert "no dictionary" in first.message
+
+
+def test_far_too_many_answers(grade: Callable[..., grading.Report]) -> None:
+    first = failed(grade("answers = {number: 'topic' * 9 for number in range(100_000)}"))[0]
+    assert first.diagnosis == "quiz.malformed"
+    assert "too large" in first.message
+
+
+def test_deep_nesting_harms_nobody(grade: Callable[..., grading.Report]) -> None:
+    report = grade("answers = {'weld_seam': " + "(" * 150 + "'action'," + ")" * 150 + "}")
+    assert report.status == "graded"
+    assert "quiz.malformed" in {check.diagnosis for check in failed(report)}
+
+
+def test_a_program_that_only_waits_is_ended(
+    grade: Callable[..., grading.Report], answers: dict[str, tuple[str, str]], tmp_path: Path
+) -> None:
+    """At the limit of wall time: it uses no processor, so that no other limit would end it."""
+    folder = tmp_path / "exercises" / EXERCISE
+    folder.mkdir(parents=True)
+    text = (ROOT / "exercises" / EXERCISE / "exercise.toml").read_text()
+    (folder / "exercise.toml").write_text(text.replace("wall_s = 20.0", "wall_s = 1.5"))
+    program = f"import time\nanswers = {{}}\ntime.sleep(1000)\nanswers.update({answers!r})"
+    report = grade(program, exercises=folder.parent)
+    assert {check.diagnosis for check in failed(report) if check.status == "failed"} == {"limit.time"}
+    assert "1.5 s in all" in failed(report)[0].message
+
+
+def test_a_literal_is_read_and_never_run(
+    grade: Callable[..., grading.Report], answers: dict[str, tuple[str, str]], tmp_path: Path
+) -> None:
+    report = grade(f"answers = {answers!r}\nprint('was run')\nopen({str(tmp_path / 'trace')!r}, 'w')")
+    assert report.score == 10.0
+    assert report.stdout == ""
+
+
+def test_a_program_cannot_look_the_answers_up(grade: Callable[..., grading.Report], worker: grading.Worker) -> None:
+    """Where its files are walled off: the bank is hidden from it, as the solutions are."""
+    program = """
+from course_kit import quiz
+answers = {}
+for name, scenario in quiz.bank().items():
+    pattern = next(iter(scenario.accepted))
+    answers[name] = pattern, scenario.accepted[pattern][0]
+"""
+    walled = worker.ready()["files"]
+    assert grade(program).score == (0.0 if walled else 10.0)
+
+
+def test_forged_notes_are_no_more_than_answers(grade: Callable[..., grading.Report]) -> None:
+    program = """
+import os
+for note in (b'{"note": {"set_names": 3, "entries": 7}}', b'{"note": {"set_names": [], "entries": [1]}}'):
+    for number in range(200, 256):
+        try:
+            os.write(number, b"\\n" + note + b"\\n")
+        except OSError:
+            pass
+answers = {}
+del answers
+os._exit(0)
+"""
+    report = grade(program)
+    assert report.score == 0.0
+    assert not any(check.status == "error" for check in report.checks)
+
+
+def test_notebook_in_several_cells(grade: Callable[..., grading.Report], answers: dict[str, tuple[str, str]]) -> None:
+    lines = [f'answers["{name}"] = {answer!r}\n' for name, answer in answers.items()]
+    cells = [
+        {"cell_type": "code", "source": f"%%submission {EXERCISE}\nanswers = {{}}\n"},
+        {"cell_type": "code", "source": "%load_ext course_kit"},
+        {"cell_type": "code", "source": [f"%%submission {EXERCISE}\n", *lines]},
+    ]
+    assert failed(grade(json.dumps({"cells": cells}), "answer.ipynb")) == []
+
+
+def test_windows_line_ends_and_byte_order_mark(grade: Callable[..., grading.Report]) -> None:
+    data = b"\xef\xbb\xbf" + SOLUTION.read_text().replace("\n", "\r\n").encode()
+    assert failed(grade(data)) == []
+
+
+@pytest.mark.parametrize("options", [{"attach": True}, {"exec_command": "ls"}])
+def test_there_is_no_node_to_grade(options: dict[str, Any]) -> None:
+    with pytest.raises(grading.GradingError, match="answered in a file"):
+        grading.grade(EXERCISE, **options)
+
+
+def test_report_fits_a_terminal_and_a_notebook(grade: Callable[..., grading.Report]) -> None:
+    report = grade("answers = {'weld_seam': ('topic', 'many_points'), 'unicorn': 1}")
+    assert max(map(len, grading.render_text(report).splitlines())) <= 80
+    assert "unicorn" in grading.render_html(report)

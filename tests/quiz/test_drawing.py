@@ -1,0 +1,75 @@
+"""Which scenarios a seed draws."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from course_kit import quiz
+from course_kit.quiz.bank import Scenario
+
+SEEDS = range(400)
+GOLDEN_1 = [20, 4, 7, 8, 25, 6, 10, 2, 28, 3]
+GOLDEN_2 = [28, 24, 9, 25, 13, 1, 16, 17, 0, 29]
+GOLDEN_REASONS = ["d", "a", "c", "b"]
+
+
+def some(number: int) -> dict[str, Scenario]:
+    """A bank that has nothing to do with the course's: its draw must never change."""
+    made = {}
+    for place in range(number):
+        name = f"scenario_{place}"
+        accepted = {quiz.PATTERNS[place % 3]: ("a",)}
+        made[name] = Scenario(name, "", "", "", "", "", accepted, dict.fromkeys("abcd", ""), {})
+    return made
+
+
+def names(scenarios: tuple[Scenario, ...]) -> list[int]:
+    return [int(scenario.id.rpartition("_")[2]) for scenario in scenarios]
+
+
+def test_the_draw_is_the_same_everywhere() -> None:
+    """Golden values: a learner's scenarios may not depend on the Python or the machine."""
+    assert names(quiz.draw(1, some(36))) == GOLDEN_1
+    assert names(quiz.draw(-20260101, some(36))) == GOLDEN_2
+    assert [name for name, _ in quiz.reasons_as_shown(some(1)["scenario_0"], 5)] == GOLDEN_REASONS
+
+
+@pytest.mark.parametrize("seed", [0, 1, 17, -3, 2**40])
+def test_ten_different_ones_and_each_pattern_among_them(seed: int) -> None:
+    drawn = quiz.draw(seed)
+    assert len({scenario.id for scenario in drawn}) == 10
+    alone = Counter(tuple(scenario.accepted) for scenario in drawn)
+    assert all(alone[pattern,] >= 2 for pattern in quiz.PATTERNS)
+    assert quiz.draw(seed) == drawn
+
+
+def test_seeds_draw_different_ones_and_every_scenario_is_drawn() -> None:
+    drawn = [tuple(scenario.id for scenario in quiz.draw(seed)) for seed in SEEDS]
+    assert len(set(drawn)) == len(SEEDS)
+    counts = Counter(name for names_of_one in drawn for name in names_of_one)
+    assert set(counts) == set(quiz.bank())
+    assert max(counts.values()) < 3 * min(counts.values())
+
+
+def test_the_number_of_each_pattern_varies() -> None:
+    """Otherwise the last scenarios could be told from the count of the others."""
+    counts = {Counter(tuple(scenario.accepted) for scenario in quiz.draw(seed))["topic",] for seed in SEEDS}
+    assert counts >= {2, 3, 4, 5}
+
+
+def test_a_new_scenario_leaves_most_of_a_draw_as_it_is() -> None:
+    before, after = set(names(quiz.draw(3, some(36)))), set(names(quiz.draw(3, some(37))))
+    assert len(before & after) >= 9
+
+
+def test_the_place_of_a_reason_is_no_clue() -> None:
+    places = Counter(
+        place
+        for seed in SEEDS
+        for scenario in quiz.draw(seed)
+        for place, (name, _) in enumerate(quiz.reasons_as_shown(scenario, seed))
+        if name in scenario.deciding
+    )
+    assert max(places.values()) < 1.2 * min(places.values())

@@ -1,0 +1,160 @@
+"""What answers earn, and that guessing does not pass."""
+
+from __future__ import annotations
+
+import random
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from course_kit import quiz
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+DRAWN = quiz.draw(1)
+FIRST = DRAWN[0]
+PATTERN = next(iter(FIRST.accepted))
+REASON = FIRST.accepted[PATTERN][0]
+BOTH = next(scenario for scenario in quiz.bank().values() if set(scenario.accepted) == {"topic", "service"})
+
+
+def right(scenario: quiz.Scenario) -> tuple[str, str]:
+    pattern = next(iter(scenario.accepted))
+    return pattern, scenario.accepted[pattern][0]
+
+
+def all_right(scenarios: tuple[quiz.Scenario, ...] = DRAWN) -> dict[str, Any]:
+    return {scenario.id: right(scenario) for scenario in scenarios}
+
+
+def test_all_right_is_full_marks() -> None:
+    result = quiz.mark(DRAWN, all_right())
+    assert (result.points, result.max_points, result.passed, result.strangers) == (10.0, 10.0, True, ())
+    assert all(marks.pattern.explanation == marks.scenario.why for marks in result.marks)
+
+
+def test_each_half_counts_by_itself() -> None:
+    wrong_pattern = next(pattern for pattern in quiz.PATTERNS if pattern not in FIRST.accepted)
+    wrong_reason = next(reason for reason in FIRST.reasons if reason not in FIRST.deciding)
+    marks = quiz.mark_one(FIRST, (wrong_pattern, REASON))
+    assert (marks.pattern.points, marks.reason.points) == (0.0, 0.5)
+    assert marks.pattern.explanation == FIRST.wrong[wrong_pattern]
+    marks = quiz.mark_one(FIRST, (PATTERN, wrong_reason))
+    assert (marks.pattern.points, marks.reason.points) == (0.5, 0.0)
+    assert marks.reason.explanation == FIRST.wrong[wrong_reason]
+    assert marks.reason.code is None
+
+
+def test_either_answer_of_an_open_scenario_counts_with_its_own_reason_only() -> None:
+    for pattern, other in (("topic", "service"), ("service", "topic")):
+        assert quiz.mark_one(BOTH, (pattern, BOTH.accepted[pattern][0])).points == 1.0
+        crossed = quiz.mark_one(BOTH, (pattern, BOTH.accepted[other][0]))
+        assert (crossed.pattern.right, crossed.reason.right) == (True, False)
+        assert "must belong together" in crossed.reason.explanation
+
+
+@pytest.mark.parametrize(
+    ("answer", "codes", "told"),
+    [
+        (("", ""), ("quiz.missing", "quiz.missing"), "still empty"),
+        ((PATTERN, ""), (None, "quiz.missing"), "still empty"),
+        (("publisher", REASON), ("quiz.malformed", None), "'publisher' is no pattern"),
+        (("servise", REASON), ("quiz.malformed", None), "Did you mean 'service'?"),
+        ((PATTERN, REASON + "x"), (None, "quiz.malformed"), f"Did you mean '{REASON}'?"),
+        ((REASON, PATTERN), ("quiz.malformed", "quiz.malformed"), "the wrong way round"),
+        (PATTERN, ("quiz.malformed", "quiz.malformed"), "one text"),
+        ((PATTERN,), ("quiz.malformed", "quiz.malformed"), "a group of 1"),
+        ((PATTERN, REASON, "because"), ("quiz.malformed", "quiz.malformed"), "a group of 3"),
+        (None, ("quiz.malformed", "quiz.malformed"), "of type NoneType"),
+        ({PATTERN: REASON}, ("quiz.malformed", "quiz.malformed"), "of type dict"),
+        ((1, 2.5), ("quiz.malformed", "quiz.malformed"), "'1' is no pattern"),
+        (([], {}), ("quiz.malformed", "quiz.malformed"), "'[]' is no pattern"),
+        (quiz.Unusable("topic", "No quotes."), ("quiz.malformed", "quiz.malformed"), "No quotes."),
+        (("x" * 10_000, REASON), ("quiz.malformed", None), "xxx..."),
+    ],
+)
+def test_a_misshapen_answer_is_named_and_the_rest_counts(
+    answer: object, codes: tuple[str | None, str | None], told: str
+) -> None:
+    result = quiz.mark(DRAWN, {**all_right(), FIRST.id: answer})
+    marks = result.marks[0]
+    assert (marks.pattern.code, marks.reason.code) == codes
+    assert any(told in half.explanation for half in (marks.pattern, marks.reason))
+    assert result.points == 9.0 + marks.points
+    assert marks.points == 0.5 * codes.count(None)
+
+
+def test_a_missing_answer_is_named() -> None:
+    answers = all_right()
+    del answers[FIRST.id]
+    result = quiz.mark(DRAWN, answers)
+    assert (result.marks[0].pattern.code, result.marks[0].reason.code) == ("quiz.missing", "quiz.missing")
+    assert result.points == 9.0
+
+
+def test_an_id_with_a_slip_is_found() -> None:
+    answers = all_right()
+    answers[FIRST.id + "s"] = answers.pop(FIRST.id)
+    result = quiz.mark(DRAWN, answers)
+    assert result.strangers == (FIRST.id + "s",)
+    assert result.marks[0].pattern.code == "quiz.unknown"
+    assert FIRST.id + "s" in result.marks[0].pattern.explanation
+
+
+def test_strangers_cost_nothing() -> None:
+    result = quiz.mark(DRAWN, {**all_right(), "unicorn": ("topic", "x"), 7: (), None: None})
+    assert result.points == 10.0
+    assert result.strangers == ("unicorn", "7", "None")
+
+
+def test_answers_to_another_seed_are_recognised() -> None:
+    others = {name: right(scenario) for name, scenario in quiz.bank().items() if scenario not in DRAWN}
+    result = quiz.mark(DRAWN, others)
+    assert result.strangers == ()
+    assert {marks.pattern.code for marks in result.marks} == {"quiz.missing"}
+    assert "were you given a seed of your own" in result.marks[0].pattern.explanation
+
+
+def test_case_and_spaces_do_not_matter() -> None:
+    answers = {f" {name.upper()}": [pattern.title(), f"{reason} "] for name, (pattern, reason) in all_right().items()}
+    assert quiz.mark(DRAWN, answers).points == 10.0
+
+
+def passes(choose: Callable[[quiz.Scenario, random.Random], tuple[str, str]]) -> float:
+    """How often a way of guessing passes, over many seeds."""
+    chance = random.Random(20)  # noqa: S311 - guesses, not secrets
+    taken = 0
+    for seed in range(1500):
+        scenarios = quiz.draw(seed)
+        taken += quiz.mark(scenarios, {scenario.id: choose(scenario, chance) for scenario in scenarios}).passed
+    return taken / 1500
+
+
+def any_reason(scenario: quiz.Scenario, chance: random.Random) -> str:
+    return chance.choice(list(scenario.reasons))
+
+
+def longest(scenario: quiz.Scenario) -> str:
+    return max(scenario.reasons, key=lambda name: len(scenario.reasons[name]))
+
+
+@pytest.mark.parametrize("pattern", quiz.PATTERNS)
+def test_always_the_same_pattern_does_not_pass_even_with_all_reasons_right(pattern: str) -> None:
+    assert passes(lambda scenario, _: (pattern, right(scenario)[1])) < 0.1
+
+
+def test_guessing_does_not_pass() -> None:
+    assert passes(lambda scenario, chance: (chance.choice(quiz.PATTERNS), any_reason(scenario, chance))) < 0.001
+
+
+def test_right_patterns_with_guessed_reasons_do_not_pass() -> None:
+    assert passes(lambda scenario, chance: (right(scenario)[0], any_reason(scenario, chance))) < 0.04
+
+
+def test_right_patterns_with_the_longest_reasons_do_not_pass() -> None:
+    assert passes(lambda scenario, _: (right(scenario)[0], longest(scenario))) < 0.04
+
+
+def test_right_reasons_with_guessed_patterns_seldom_pass() -> None:
+    assert passes(lambda scenario, chance: (chance.choice(quiz.PATTERNS), right(scenario)[1])) < 0.12

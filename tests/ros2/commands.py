@@ -1,0 +1,125 @@
+"""Runs the course kit's `ros2` and the nodes it is to find, each in a process of its own."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+
+from course_kit import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from typing_extensions import Self
+
+HERE = Path(__file__).resolve().parent
+GOLDEN = HERE / "golden"
+SEED = HERE.parent / "seed"
+OURS = [sys.executable, "-m", "course_kit.ros2"]
+PATIENCE = 60.0
+
+
+class Ros2:
+    """The command in one ROS domain, and the programs started there.
+
+    Args:
+        domain: the ROS domain.
+        folder: where commands are run.
+    """
+
+    def __init__(self, domain: int, folder: Path) -> None:
+        self.folder = folder
+        self.environ = environment.child_environment(ROS_DOMAIN_ID=str(domain))
+        self._programs: list[subprocess.Popen[str]] = []
+        self._files: list[TextIO] = []
+
+    def __call__(self, *words: str, **environ: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [*OURS, *words],
+            cwd=self.folder,
+            env={**self.environ, **environ},
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=False,
+        )
+
+    def begin(self, *command: str) -> subprocess.Popen[str]:
+        """Start a program whose stdout and stderr can be read."""
+        program = subprocess.Popen(
+            command, cwd=self.folder, env=self.environ, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        self._programs.append(program)
+        return program
+
+    def start(self, script: Path, node: str, *arguments: str) -> subprocess.Popen[str]:
+        """Start a node whose output nobody reads, and wait until it is on the graph."""
+        errors = (self.folder / f"{script.stem}.stderr").open("w+")
+        self._files.append(errors)
+        program = subprocess.Popen(
+            [sys.executable, str(script), *arguments],
+            cwd=self.folder,
+            env=self.environ,
+            stdout=subprocess.DEVNULL,
+            stderr=errors,
+            text=True,
+        )
+        self._programs.append(program)
+
+        def is_there() -> bool:
+            assert program.poll() is None, (errors.seek(0), errors.read())
+            return node in self("node", "list").stdout.splitlines()
+
+        wait_until(is_there, f"{node} on the graph")
+        return program
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """End what was started here, the daemon too."""
+        for program in self._programs:
+            if program.poll() is None:
+                program.kill()
+            program.communicate()
+        for errors in self._files:
+            errors.close()
+        self("daemon", "stop")
+
+
+def wait_until(is_true: Callable[[], bool], what: str, patience: float = PATIENCE) -> None:
+    deadline = time.monotonic() + patience
+    while not is_true():
+        assert time.monotonic() < deadline, f"{what} did not come within {patience} s"
+        time.sleep(0.02)
+
+
+def lines_until(program: subprocess.Popen[str], wanted: str) -> list[str]:
+    """The lines of a program's stdout up to the first that holds `wanted`."""
+    assert program.stdout is not None
+    lines = []
+    for line in program.stdout:
+        lines.append(line)
+        if wanted in line:
+            return lines
+    raise AssertionError(f"{wanted!r} was never printed; stdout: {''.join(lines)}")
+
+
+def interrupt(program: subprocess.Popen[str]) -> tuple[str, str]:
+    """Ctrl-C, and what the program says after it."""
+    program.send_signal(signal.SIGINT)
+    return program.communicate(timeout=PATIENCE)
+
+
+def is_alive(process_id: int) -> bool:
+    try:
+        os.kill(process_id, 0)
+    except ProcessLookupError:
+        return False
+    state = Path(f"/proc/{process_id}/stat").read_text().rpartition(")")[2].split()[0]
+    return state != "Z"

@@ -1,0 +1,95 @@
+"""What goes wrong is one line on stderr with the nearest right name, and soon."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.ros2.cli import run
+
+if TYPE_CHECKING:
+    from .commands import Ros2
+
+
+@pytest.fixture
+def robots_domain(robot: Ros2, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Commands in this process, for speed, see the robot as well."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", robot.environ["ROS_DOMAIN_ID"])
+
+
+CALL = ("service", "call")
+
+
+@pytest.mark.parametrize(
+    ("words", "exit_code", "wanted"),
+    [
+        (("service", "lst"), 2, "there is no 'lst'. Did you mean list?"),
+        (("servise", "list"), 2, "there is no 'servise'. Did you mean service?"),
+        (("service", "list", "--bogus"), 2, "unknown: --bogus"),
+        (("service", "type", "/set_powr"), 1, "Unknown service '/set_powr'. Did you mean /set_power?"),
+        (("service", "info", "/set power"), 1, "'/set power' cannot be a name on the graph"),
+        ((*CALL, "/set_power", "std_srvs/srv/SetBol"), 1, "Did you mean std_srvs/srv/SetBool?"),
+        ((*CALL, "/set_power", "std_msgs/msg/String"), 1, "std_msgs/msg/String is no service"),
+        ((*CALL, "/set_powr", "std_srvs/srv/SetBool", "--timeout", "1"), 1, "within 1 s. Did you mean /set_power?"),
+        ((*CALL, "/set_power", "std_srvs/srv/Trigger"), 1, "a service of the type std_srvs/srv/SetBool, not"),
+        ((*CALL, "/set_power", "std_srvs/srv/SetBool", "--timeout", "-1"), 2, "-1 is no number of seconds above 0"),
+        (("action", "type", "/fibonaci"), 1, "Did you mean /fibonacci?"),
+        (("action", "send_goal", "/fibonacci", "test_msgs/action/Fibonacci", "{order: 1.5}"), 1, "'order' is an int32"),
+        (
+            ("action", "send_goal", "/fib", "test_msgs/action/Fibonacci", "{order: 1}", "--timeout", "1"),
+            1,
+            "No action server for /fib within 1 s. Did you mean /fibonacci?",
+        ),
+        (("node", "info", "/robt"), 1, "Unable to find node '/robt'. Did you mean /robot?"),
+        (("param", "get", "/robot", "max_velocty"), 1, "Did you mean max_velocity?"),
+        (("param", "set", "/robot", "max_velocity", "@1"), 1, "is no value of a parameter"),
+        (("param", "load", "/robot", "missing.yaml"), 1, "missing.yaml: No such file or directory"),
+        (("topic", "info", "/chater"), 1, "Unknown topic '/chater'. Did you mean /chatter?"),
+        (("topic", "echo", "/chater", "--timeout", "1"), 1, "Did you mean /chatter?"),
+        (("topic", "echo", "/in", "--timeout", "1"), 1, "No message on /in for 1 s; no publishers on it."),
+        (("topic", "echo", "/chatter", "--field", "dta"), 1, "no field 'dta' in the message. Did you mean data?"),
+        (("topic", "pub", "/chatter", "std_msgs/String", "{dat: 1}"), 1, "Did you mean data?"),
+        (("topic", "pub", "-1", "/nobody", "std_msgs/String", "--timeout", "1"), 1, "0 matching subscription(s)"),
+        (("interface", "show", "std_srvs/srv/SetBol"), 1, "Did you mean std_srvs/srv/SetBool?"),
+        (("interface", "package", "std_srv"), 1, "Did you mean std_srvs?"),
+        (("run", "nowhere", "nothing"), 1, "Package 'nowhere' not found"),
+        (("launch", "nowhere.launch.py"), 1, "There is no launch file nowhere.launch.py."),
+    ],
+    ids=lambda value: " ".join(value[:3]) if isinstance(value, tuple) else "",
+)
+@pytest.mark.usefixtures("robots_domain")
+def test_one_line_that_helps(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...], exit_code: int, wanted: str
+) -> None:
+    code = run(words)
+    said = capsys.readouterr().err
+    assert wanted in said
+    assert len(said.splitlines()) == 1
+    assert code == exit_code
+
+
+def test_an_unknown_action_has_nobody_and_a_hint(robot: Ros2) -> None:
+    done = robot("action", "info", "/fibonaci")
+    assert done.stdout == "Action: /fibonaci\nAction clients: 0\nAction servers: 0\n"
+    assert "Did you mean /fibonacci?" in done.stderr
+    assert done.returncode == 0
+
+
+@pytest.mark.parametrize("words", [("--help",), ("service", "--help"), ()])
+def test_help_says_that_it_is_a_subset(robot: Ros2, words: tuple[str, ...]) -> None:
+    done = robot(*words)
+    assert "course kit" in done.stdout
+    assert "subset" in done.stdout
+    assert done.returncode == 0
+
+
+def test_a_reader_that_has_seen_enough_is_no_error(robot: Ros2) -> None:
+    import subprocess
+
+    from .commands import OURS
+
+    pipe = f"{' '.join(OURS)} topic echo /chatter | head -n 1"
+    done = subprocess.run(pipe, shell=True, env=robot.environ, capture_output=True, text=True, timeout=60, check=True)  # noqa: S602
+    assert "data: hello" in done.stdout
+    assert done.stderr == ""

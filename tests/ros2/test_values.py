@@ -1,0 +1,92 @@
+"""What is typed as YAML, put into messages."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from geometry_msgs.msg import PoseStamped, Twist
+from std_msgs.msg import ByteMultiArray, Float32, Header, Int8, String, UInt8, UInt8MultiArray
+from std_srvs.srv import SetBool
+from test_msgs.msg import Arrays, BoundedSequences
+
+from course_kit.ros2 import values
+from course_kit.ros2.errors import CommandError
+
+
+@pytest.mark.parametrize(
+    ("message", "text", "field", "wanted"),
+    [
+        (SetBool.Request(), "{data: true}", "data", True),
+        (SetBool.Request(), "data: 1", "data", True),
+        (String(), "data: 5", "data", "5"),
+        (Int8(), "data: -128", "data", -128),
+        (Int8(), "data: '7'", "data", 7),
+        (Float32(), "data: 1", "data", 1.0),
+        (Float32(), "data: 1e3", "data", 1000.0),
+        (UInt8MultiArray(), "data: [1, 255]", "data", [1, 255]),
+        (ByteMultiArray(), "data: [0, 255]", "data", [b"\x00", b"\xff"]),
+    ],
+)
+def test_values_that_fit(message: object, text: str, field: str, wanted: object) -> None:
+    values.fill(message, text, "m")
+    found = getattr(message, field)
+    assert (list(found) if isinstance(wanted, list) else found) == wanted
+
+
+def test_messages_inside_messages() -> None:
+    twist = Twist()
+    values.fill(twist, "{linear: {x: 2}, angular: {z: -.5}}", "m")
+    assert (twist.linear.x, twist.angular.z, twist.linear.y) == (2.0, -0.5, 0.0)
+
+
+def test_lists_of_messages_and_fixed_arrays() -> None:
+    arrays = Arrays()
+    values.fill(arrays, "{int32_values: [1, 2, 3], string_values: [a, b, c]}", "m")
+    assert list(arrays.int32_values) == [1, 2, 3]
+    assert list(arrays.string_values) == ["a", "b", "c"]
+
+
+def test_now_and_auto_are_the_time() -> None:
+    pose, header = PoseStamped(), Header()
+    values.fill(pose, "header: auto", "m")
+    values.fill(header, "stamp: now", "m")
+    assert pose.header.stamp.sec > 1e9
+    assert header.stamp.sec > 1e9
+
+
+def test_not_a_number_is_a_float() -> None:
+    message = Float32()
+    values.fill(message, "data: .nan", "m")
+    assert math.isnan(message.data)
+
+
+@pytest.mark.parametrize(
+    ("message", "text", "wanted"),
+    [
+        (SetBool.Request(), "{data: 1.5}", "The field 'data' is a bool; 1.5 is a float."),
+        (SetBool.Request(), "{data: 2}", "The field 'data' is a bool; 2 is an integer."),
+        (SetBool.Request(), "{dta: true}", "m has no field 'dta'; it has data. Did you mean data?"),
+        (Int8(), "{data: 1.0}", "The field 'data' is an int8; 1.0 is a float."),
+        (Int8(), "{data: true}", "The field 'data' is an int8; True is a boolean."),
+        (Int8(), "{data: 128}", "The field 'data' is an int8, from -128 to 127; 128 is out of range."),
+        (UInt8(), "{data: -1}", "The field 'data' is a uint8, from 0 to 255; -1 is out of range."),
+        (Float32(), "{data: 1.0e+39}", "The field 'data' is a float32; 1e+39 is out of range."),
+        (Float32(), "{data: fast}", "The field 'data' is a float32; 'fast' is a string."),
+        (String(), "{data: [1]}", "The field 'data' is a string; [1] is a list."),
+        (String(), "hello", "m takes its fields as '{data: ...}', not 'hello'."),
+        (Twist(), "{linear: {w: 1}}", "m has no field 'linear.w'"),
+        (Twist(), "{linear: 1}", "The field 'linear' is a geometry_msgs/Vector3; 1 is an integer."),
+        (UInt8MultiArray(), "{data: [1, 256]}", "The field 'data[1]' is a uint8, from 0 to 255; 256 is out of range."),
+        (UInt8MultiArray(), "{data: 1}", "The field 'data' is a list of uint8; 1 is an integer."),
+        (Arrays(), "{int32_values: [1, 2]}", "The field 'int32_values' takes exactly 3 values, not 2."),
+        (BoundedSequences(), "{int32_values: [1, 2, 3, 4]}", "The field 'int32_values' takes at most 3 values, not 4."),
+        (String(), "{data: hi", "The values are no valid YAML: expected ',' or '}', but got '<stream end>' in line 1"),
+    ],
+)
+def test_values_that_do_not_fit_are_named(message: object, text: str, wanted: str) -> None:
+    with pytest.raises(CommandError) as caught:
+        values.fill(message, text, "m")
+    said = str(caught.value).replace("geometry_msgs/Vector3 has no field", "m has no field")
+    assert said.startswith(wanted)
+    assert len(said.splitlines()) == 1
