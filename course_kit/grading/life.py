@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 _CHUNK = 65536
 _LISTS = ("node_classes", "classes", "functions", "set_names")
-_TEXTS = ("returned", "value")
+_TEXTS = ("returned", "result", "value")
 _FACTS = ("exit_in_callback", "ended_itself", "too_large")
 _NOTE_ITEMS, _NOTE_LENGTH = 20, 80
 _LAST_WORDS = 1 << 20  # the most a pipe holds
@@ -125,11 +125,7 @@ def _sound(note: dict[str, Any]) -> dict[str, Any]:
     for name, value in note.items():
         if name in _LISTS and isinstance(value, list):
             sound[name] = [str(item)[:_NOTE_LENGTH] for item in value[:_NOTE_ITEMS]]
-<<<<<<< HEAD
-        elif name in ("returned", "result") and isinstance(value, str):
-=======
         elif name in _TEXTS and isinstance(value, str):
->>>>>>> main
             sound[name] = value[:_NOTE_LENGTH]
         elif name in _FACTS:
             sound[name] = value is True
