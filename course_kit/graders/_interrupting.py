@@ -76,7 +76,7 @@ def _get_under_way(bench: Bench, goal: Goal, begin: Place) -> None:
         return (
             goal.over_at is not None
             or goal.clock.wall() > seconds
-            or any(math.dist(begin, place_of(heard.message.feedback.position)) >= way for heard in goal.feedback)
+            or any(math.dist(begin, place_of(one.feedback.position)) >= way for one in goal.feedback)
         )
 
     try:
@@ -171,5 +171,5 @@ def _require_stopped(goal: Goal, ended: Ended, evidence: Evidence, begin: Place,
 
 def _last_seen(goal: Goal, begin: Place, target: Place) -> Place | None:
     """Where feedback last said that the robot was on its way; what lies beside it is another check's matter."""
-    seen = [place_of(heard.message.feedback.position) for heard in goal.feedback]
+    seen = [place_of(one.feedback.position) for one in goal.feedback]
     return next((place for place in reversed(seen) if beside(begin, target, place) <= BESIDE), None)

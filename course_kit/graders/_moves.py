@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import random
     from collections.abc import Sequence
 
-    from course_kit.grading.tester import Heard
+    from course_kit.grading.goals import Told
 
 ARENA = 10.0  # metres; 0 <= x, y <= ARENA
 TOLERANCE = 0.05  # metres; how near to the target a move has to end
@@ -82,9 +82,9 @@ def is_spread(times: Sequence[float], began: float, over: float) -> bool:
     return between and last - first >= _GOOD_PART * (over - began)
 
 
-def jump(feedback: Sequence[Heard]) -> str:
+def jump(feedback: Sequence[Told]) -> str:
     """The first two messages between which progress falls or the distance left grows; empty when there are none."""
-    values = [heard.message.feedback for heard in feedback]
+    values = [one.feedback for one in feedback]
     for value in values:
         if not -_ROUNDING <= value.progress <= 1.0 + _ROUNDING:
             return f"progress={value.progress!r}, which is not between 0 and 1"

@@ -43,13 +43,13 @@ def progress_of_a_move(bench: Bench) -> Evidence:
         evidence = Evidence(move.goal.shown, expected, found)
         message = f"Two messages of one move contradict each other: {found}." if "then" in found else f"It was {found}."
         raise Failed(evidence, message, "action.feedback_not_monotonic")
-    for place in (place_of(one.message.feedback.position) for one in heard):
+    for place in (place_of(one.feedback.position) for one in heard):
         off = beside(move.begin, move.target, place)
         if not off <= BESIDE:
             evidence = Evidence(move.goal.shown, f"positions within {BESIDE} m of the straight way", f"{place}")
             blank = " Was feedback.position filled in?" if place == ORIGIN else ""
             raise Failed(evidence, f"This position lies {off:.2g} m beside the way to the target.{blank}")
-    last = heard[-1].message.feedback
+    last = heard[-1].feedback
     evidence = Evidence(move.goal.shown, expected, f"{len(heard)} messages, the last with progress={last.progress:.4g}")
     if last.progress < NEARLY_DONE:
         raise HastyError(evidence, f"The last message of a goal that succeeded said progress={last.progress:.4g}.")

@@ -56,8 +56,8 @@ class Line:
         self.goals = self._client(parts.SendGoalService, "send_goal")
         self.results = self._client(parts.GetResultService, "get_result")
         self.cancels = self._client(parts.CancelGoalService, "cancel_goal")
-        self.feedback: list[Heard] = self._listen(parts.FeedbackMessage, "feedback", _FEEDBACK)
-        self.status: list[Heard] = self._listen(parts.GoalStatusMessage, "status", _STATUS)
+        self.feedback: Heard = self._listen(parts.FeedbackMessage, "feedback", _FEEDBACK)
+        self.status: Heard = self._listen(parts.GoalStatusMessage, "status", _STATUS)
 
     def ready(self) -> bool:
         """Whether a goal can be sent and everything about it will be heard."""
@@ -68,8 +68,8 @@ class Line:
     def _client(self, interface: Any, part: str) -> Client:
         return self._tester.client(interface, f"{self._name}/_action/{part}")
 
-    def _listen(self, interface: Any, part: str, qos: QoSProfile) -> list[Heard]:
-        return self._tester.listen(interface, f"{self._name}/_action/{part}", qos)
+    def _listen(self, interface: Any, part: str, qos: QoSProfile) -> Heard:
+        return self._tester.hear(interface, f"{self._name}/_action/{part}", qos)
 
 
 def expect_action(bench: Bench, action: Action) -> Evidence:

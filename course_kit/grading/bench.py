@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import endings
-from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.checks import Evidence, Failed, NotRun
 from course_kit.grading.patience import FairClock
 from course_kit.grading.tester import Tester
 
@@ -84,22 +84,34 @@ class Bench:
             raise RuntimeError("the check uses the graph before `launch`")
         return self._tester
 
-    def launch(self, arguments: Sequence[str] = (), variables: Mapping[str, str] | None = None) -> None:
+    def launch(
+        self,
+        arguments: Sequence[str] = (),
+        files: Mapping[str, str] | None = None,
+        variables: Mapping[str, str] | None = None,
+    ) -> None:
         """Start the submission on an empty graph of its own; one that runs is ended first.
 
-        With `--attach` the graph is the one that is there, and neither argument has an effect.
+        With `--attach` the graph is the one that is there.
 
         Args:
             arguments: what follows the program's name on its command line.
-            variables: environment variables that differ from the exercise's own.
+            files: texts to lay beside it, by file name; an argument that is such a name becomes the file's path.
+            variables: environment variables that differ from the exercise's own; without effect with `--attach`.
+
+        Raises:
+            NotRun: arguments for a program that somebody else has started.
         """
+        if arguments and self.job.mode == "attach":
+            raise NotRun("it starts your program anew with other arguments, and with --attach it was started already.")
         self.close()
         self._spoiled = False
         self.memory.clear()
         domain = None
         if self.job.mode != "attach":
             changed = {**self._variables, **(variables or {})}
-            domain = int(self._ask("launch", arguments=list(arguments), variables=changed)["domain"])
+            answer = self._ask("launch", arguments=list(arguments), files=dict(files or {}), variables=changed)
+            domain = int(answer["domain"])
         self._tester = Tester(domain)
 
     def run_to_end(self) -> Life:

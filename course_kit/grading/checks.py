@@ -43,6 +43,10 @@ class Failed(Exception):  # noqa: N818 - it is a verdict, not an error
         self.diagnosis = diagnosis
 
 
+class NotRun(Exception):  # noqa: N818 - it is a verdict, not an error
+    """A check that makes no sense in this grading; the text tells the learner why."""
+
+
 @dataclass(frozen=True)
 class Check:
     """One thing a submission must do.
@@ -151,6 +155,8 @@ def _run(one: Check, bench: Bench) -> Result:
     except Failed as verdict:
         seen = verdict.evidence
         status, diagnosis, message = "failed", verdict.diagnosis, verdict.message
+    except NotRun as reason:
+        return Result(one.id, one.title, "skipped", one.points, message=f"Not run: {reason}")
     except Exception as problem:  # noqa: BLE001 - whatever it is, it is our fault and must not cost the other checks
         text = f"The grader itself failed here ({type(problem).__name__}: {problem}). This is not your fault."
         return Result(one.id, one.title, "error", one.points, message=text)

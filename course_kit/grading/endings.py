@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from course_kit.grading.bench import Life
     from course_kit.grading.job import Job
 
-_FIELD = re.compile(r"'(?P<field>\w+)' field must be of type '(?P<type>[\w.]+)'")
+_FIELD = re.compile(r"'(?P<field>\w+)' field must be (?:a sub message )?of type '(?P<type>[\w.]+)'")
 _NO_MODULE = re.compile(r"No module named '(?P<module>[\w.]+)'")
 _NO_NAME = re.compile(r"cannot import name '(?P<name>\w+)' from '(?P<module>[\w.]+)'")
 _TOO_MANY = ("can't start new thread", "[Errno 11] Resource temporarily unavailable")
@@ -69,21 +69,22 @@ def of_start(life: Life, job: Job) -> Cause:
         return "start.nothing", _no_class(life, job)
     raised = last_exception(life.stderr, job.name)
     if raised is None:
-        return _exited(life)
+        return exited(life)
     where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
     if raised.type in ("ModuleNotFoundError", "ImportError"):
         return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
     return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
 
 
-def _exited(life: Life) -> Cause:
+def exited(life: Life) -> Cause:
+    """How it ended, when nothing tells why."""
     how = f"by signal {_signal_name(life.signal)}" if life.signal else f"with exit code {life.exit_code}"
     return "start.exit", f"Your program ended {how} before it could answer anything."
 
 
 def of_call(life: Life, job: Job) -> Cause:
     """Why a submission ended while it was to answer a call."""
-    return of_limit(life, job) or _of_callback(life, job) or _exited(life)
+    return of_limit(life, job) or _of_callback(life, job) or exited(life)
 
 
 def _of_callback(life: Life, job: Job) -> Cause | None:
@@ -116,13 +117,13 @@ def _of_exception(raised: Raised, job: Job) -> Cause:
             "service.wrong_return",
             "Your callback did not return the response it was given; rclpy refused to send it.",
         )
-    if fault := field_fault(raised, job):
-        return fault
+    if cause := of_field(raised, job):
+        return cause
     return "service.exception", f"Your callback raised {raised.describe()}{where}. The client got no answer."
 
 
-def field_fault(raised: Raised, job: Job) -> Cause | None:
-    """The field that refused a value, if that is what the exception tells."""
+def of_field(raised: Raised, job: Job) -> Cause | None:
+    """The field of a message that refused its value, if that is what was raised."""
     match = _FIELD.search(raised.text)
     if match is None:
         return None

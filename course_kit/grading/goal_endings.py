@@ -93,7 +93,7 @@ def _in_execute(raised: Raised) -> bool:
 
 
 def _of_exception(raised: Raised, job: Job) -> Cause:
-    if fault := endings.field_fault(raised, job):
+    if fault := endings.of_field(raised, job):
         return fault
     where = f" in {endings.source_line(job, raised.own.line)}" if raised.own else ""
     if match := _TRANSITION.search(raised.text):

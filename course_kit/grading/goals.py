@@ -17,7 +17,6 @@ from course_kit.grading.checks import Evidence, Failed
 
 if TYPE_CHECKING:
     from course_kit.grading.bench import Bench, Life
-    from course_kit.grading.tester import Heard
 
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
 NAMES = {
@@ -25,6 +24,14 @@ NAMES = {
 }
 _NUDGE_S = 1.0  # an executor with several threads notices a callback's exception with the next event only
 _QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
+
+
+@dataclass(frozen=True)
+class Told:
+    """Feedback, and when it was published, in seconds of the server's clock."""
+
+    feedback: Any
+    sent_s: float
 
 
 @dataclass(frozen=True)
@@ -73,17 +80,23 @@ class Goal:
         return self.answered and bool(self._answer.result().accepted)
 
     @property
-    def feedback(self) -> list[Heard]:
-        """The feedback messages about this goal so far."""
-        return [heard for heard in self._line.feedback if bytes(heard.message.goal_id.uuid) == self._id]
+    def feedback(self) -> list[Told]:
+        """The feedback about this goal so far, oldest first."""
+        heard = self._line.feedback
+        return [
+            Told(message.feedback, sent_s)
+            for message, sent_s in zip(heard.messages, heard.sent, strict=True)
+            if bytes(message.goal_id.uuid) == self._id
+        ]
 
     @property
     def statuses(self) -> list[tuple[float, int]]:
         """The statuses the server has published for this goal so far, each with its time on the server's clock."""
+        heard = self._line.status
         return [
-            (heard.sent_s, entry.status)
-            for heard in self._line.status
-            for entry in heard.message.status_list
+            (sent_s, entry.status)
+            for message, sent_s in zip(heard.messages, heard.sent, strict=True)
+            for entry in message.status_list
             if bytes(entry.goal_info.goal_id.uuid) == self._id
         ]
 
@@ -145,14 +158,14 @@ class Goal:
         diagnosis, message = goal_endings.of_silence(self._bench, over, seconds, self.life())
         raise Failed(Evidence(self.shown, expected, f"no result within {seconds:.1f} s"), message, diagnosis)
 
-    def wait_for_last_feedback(self) -> list[Heard]:
+    def wait_for_last_feedback(self) -> list[Told]:
         """The feedback of a goal that has ended, once no more comes."""
         count, clock = -1, self._bench.clock()
 
         def quiet() -> bool:
             nonlocal count, clock
-            if count != len(self._line.feedback):
-                count, clock = len(self._line.feedback), self._bench.clock()
+            if count != len(self._line.feedback.messages):
+                count, clock = len(self._line.feedback.messages), self._bench.clock()
             return clock.past(_QUIET_S)
 
         self._bench.wait_until(quiet, silence.ANSWER_S)

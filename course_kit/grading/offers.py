@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.grading import endings, silence
+from course_kit.grading import endings, graph, silence
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
 
@@ -126,25 +125,14 @@ def expect_node(bench: Bench, name: str, ensure: Callable[[], None]) -> Evidence
         return Evidence("", expected, expected)
     nodes = bench.tester.nodes()
     got = f"on the graph: {', '.join(nodes) or 'no node'}"
-    message = f"The graph has {listed(nodes, 'node')}, and none is called {name}.{closest(name, nodes)}"
+    message = f"The graph has {graph.listed(nodes, 'node')}, and none is called {name}.{graph.closest(name, nodes)}"
     raise Failed(Evidence("", expected, got), message, "name.node")
-
-
-def closest(wanted: str, names: Sequence[str]) -> str:
-    """A sentence that names the nearest of `names`; empty when there is none."""
-    near = difflib.get_close_matches(wanted, names, n=1, cutoff=0.3) or list(names)[:1]
-    return f" The closest is {near[0]}." if near else ""
-
-
-def listed(names: Sequence[str], what: str) -> str:
-    """`the node /a`, `the nodes /a, /b` or `no node`."""
-    return f"the {what}{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else f"no {what}"
 
 
 def _not_offered(bench: Bench, wanted: Wanted, offers: Sequence[Offer], expected: str) -> Failed:
     nodes = bench.tester.nodes()
     bench.spoil()
-    got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or listed(nodes, "node")
+    got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or graph.listed(nodes, "node")
     evidence = Evidence("", expected, f"on the graph: {got}")
     same_name = [offer for offer in offers if offer.name == wanted.name]
     if same_name:
@@ -153,23 +141,10 @@ def _not_offered(bench: Bench, wanted: Wanted, offers: Sequence[Offer], expected
         return Failed(evidence, message, "type.interface")
     if offers:
         alike = [offer for offer in offers if offer.type == wanted.type] or offers
-        message = f"No {wanted.kind} is called {wanted.name}.{closest(wanted.name, [offer.name for offer in alike])}"
+        message = (
+            f"No {wanted.kind} is called {wanted.name}.{graph.closest(wanted.name, [offer.name for offer in alike])}"
+        )
         return Failed(evidence, message, f"name.{wanted.kind}")
     if nodes:
         return Failed(evidence, f"Your node {nodes[0]} is up, and offers no {wanted.kind}.", None)
-    return Failed(evidence, *_nothing_there(bench, wanted)[::-1])
-
-
-def _nothing_there(bench: Bench, wanted: Wanted) -> endings.Cause:
-    if bench.job.mode == "attach":
-        return "start.nothing", f"Nobody on the graph of ROS domain {bench.tester.domain} offers {wanted.name}."
-    clock = bench.clock()
-    before = bench.life(fresh=True)
-    doing = silence.doing(bench)
-    bench.wait_until(lambda: clock.wall() > silence.LOOK_S, silence.LOOK_S)
-    busy = silence.computes(before, bench.life(fresh=True), clock.wall())
-    where = f" It is in {endings.source_line(bench.job, doing.own.line)}." if doing.own else ""
-    start_s = bench.job.limits.start_s
-    if busy:
-        return "limit.time", f"After {start_s:g} s your program was still computing, and no node had appeared.{where}"
-    return "start.nothing", f"Your program runs, but within {start_s:g} s no node has appeared on the graph.{where}"
+    return Failed(evidence, *graph.why_empty(bench, wanted.name)[::-1])

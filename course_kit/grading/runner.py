@@ -18,7 +18,7 @@ import sys
 import tempfile
 import threading
 import traceback
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading import limits, namespaces, values
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from types import TracebackType
 
     from course_kit.grading.sandbox import Cell, Streams
@@ -47,7 +48,8 @@ class Program:
         name: the file's name, as it is to appear in tracebacks.
         source: its text; unused with a command.
         class_name: the Node class the exercise names, for modules that only define classes.
-        arguments: what follows the program's name on its command line.
+        arguments: what follows the program's name on its command line; the name of one of `files` stands for its path.
+        files: texts to lay into its scratch directory, by file name.
         command: an executable with its arguments to start instead of Python source.
         folder: the working directory of a command; source runs in its scratch directory.
         variable: what the program is to set, when it is asked for a value and not for a node.
@@ -57,6 +59,7 @@ class Program:
     source: str = ""
     class_name: str = ""
     arguments: tuple[str, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict)
     command: tuple[str, ...] = ()
     folder: str = ""
     variable: str = ""
@@ -74,6 +77,7 @@ def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
     os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
     limits.apply_to_this_process(cell.limits, cell.others)
     namespaces.drop_privileges()
+    program = _with_files(program, Path(folder))
     if program.command:
         _execute(program)
     faulthandler.register(STACKS_SIGNAL, file=evidence, all_threads=True)
@@ -111,9 +115,16 @@ def _text(descriptor: int) -> io.TextIOWrapper:
     return io.TextIOWrapper(raw, encoding="utf-8", errors="backslashreplace", line_buffering=True)
 
 
+def _with_files(program: Program, folder: Path) -> Program:
+    for name, text in program.files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    named = (str(folder / word) if word in program.files else word for word in program.arguments)
+    return replace(program, arguments=tuple(named))
+
+
 def _execute(program: Program) -> None:
     try:
-        os.execvpe(program.command[0], program.command, os.environ)
+        os.execvpe(program.command[0], [*program.command, *program.arguments], os.environ)
     except OSError as problem:
         sys.stderr.write(f"{program.command[0]}: {problem.strerror}\n")
         sys.stderr.flush()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import rclpy
@@ -16,8 +16,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from rclpy.client import Client
+    from rclpy.publisher import Publisher
     from rclpy.qos import QoSProfile
 
+DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
+_OF_EVERY_NODE = ("/rosout", "/parameter_events")
 NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an underscore are
 
 
@@ -31,16 +34,33 @@ class Offer:
 
 
 @dataclass(frozen=True)
+class Endpoint:
+    """A publisher or a subscription of somebody on the graph."""
+
+    node: str
+    type: str
+    qos: QoSProfile
+
+
+@dataclass
 class Heard:
-    """A message from a topic.
+    """What has come on a topic.
 
     Attributes:
-        message: the message.
-        sent_s: when it was published, seconds of the publisher's clock; no delay of ours is in it.
+        messages: the messages, oldest first.
+        times: when each was received, in seconds of the system's clock.
+        sent: when each was published, in seconds of the publisher's clock: no delay of ours is in it.
     """
 
-    message: Any
-    sent_s: float
+    messages: list[Any] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
+    sent: list[float] = field(default_factory=list)
+
+    def take(self, message: Any, info: Any) -> None:
+        """Keep one message; `info` is rclpy's, with the times the middleware noted, however late we look."""
+        self.messages.append(message)
+        self.times.append(info["received_timestamp"] / 1e9)
+        self.sent.append(info["source_timestamp"] / 1e9)
 
 
 class Tester:
@@ -60,7 +80,8 @@ class Tester:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[tuple[str, int], Client] = {}
-        self._heard: dict[str, list[Heard]] = {}
+        self._heard: dict[str, Heard] = {}
+        self._publishers: dict[str, Publisher] = {}
 
     @property
     def domain(self) -> int:
@@ -80,16 +101,31 @@ class Tester:
             self._clients[key] = self.node.create_client(interface, name)
         return self._clients[key]
 
-    def listen(self, interface: Any, topic: str, qos: QoSProfile) -> list[Heard]:
-        """What comes on a topic, oldest first: a list that grows. Later calls return the same list."""
+    def hear(self, interface: Any, topic: str, qos: QoSProfile | int = DEPTH) -> Heard:
+        """What comes on a topic, from the first use on; without `qos` with the default profile of depth 10."""
         if topic not in self._heard:
-            heard = self._heard[topic] = []
-
-            def hear(message: Any, about: Any) -> None:
-                heard.append(Heard(message, about["source_timestamp"] / 1e9))
-
-            self.node.create_subscription(interface, topic, hear, qos)
+            self._heard[topic] = heard = Heard()
+            self.node.create_subscription(interface, topic, heard.take, qos)
         return self._heard[topic]
+
+    def publisher(self, interface: Any, topic: str) -> Publisher:
+        """The publisher on a topic, with the default QoS profile of depth 10; made on first use and kept."""
+        if topic not in self._publishers:
+            self._publishers[topic] = self.node.create_publisher(interface, topic, DEPTH)
+        return self._publishers[topic]
+
+    def publishers(self, topic: str) -> list[Endpoint]:
+        """Who else publishes on a topic."""
+        return _endpoints(self.node.get_publishers_info_by_topic(topic))
+
+    def subscriptions(self, topic: str) -> list[Endpoint]:
+        """Who else subscribes to a topic."""
+        return _endpoints(self.node.get_subscriptions_info_by_topic(topic))
+
+    def topics(self) -> list[str]:
+        """The names of all topics but those every node has and those only the grader uses."""
+        names = (name for name, _ in self.node.get_topic_names_and_types() if name not in _OF_EVERY_NODE)
+        return [name for name in names if self.publishers(name) or self.subscriptions(name)]
 
     def nodes(self) -> list[str]:
         """Full names of all other nodes; a name stands as often as nodes carry it."""
@@ -124,6 +160,10 @@ class Tester:
 
     def _others(self) -> Iterator[tuple[str, str]]:
         return ((name, space) for name, space in self.node.get_node_names_and_namespaces() if name != NAME)
+
+
+def _endpoints(found: Any) -> list[Endpoint]:
+    return [Endpoint(one.node_name, one.topic_type, one.qos_profile) for one in found if one.node_name != NAME]
 
 
 def _is_for_parameters(offer: Offer) -> bool:

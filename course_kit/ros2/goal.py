@@ -58,7 +58,7 @@ class Goal:
         if not handle.accepted:
             print("Goal was rejected.")
             return
-        print(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n", flush=True)
+        print(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n\n", end="", flush=True)
         result = handle.get_result_async()
         with _Interrupt() as interrupt:
             self._wait_for_result(result, interrupt)
@@ -70,11 +70,11 @@ class Goal:
         print(f"Goal finished with status: {_STATUS.get(answer.status, answer.status)}")
 
     def _cancel(self, handle: Any) -> None:
-        print("Canceling goal...", flush=True)
+        print("Canceling goal...\n", end="", flush=True)
         silent = f"{self._name} has not answered the request to cancel within {self._timeout:g} s."
         answer = self._session.result_of(handle.cancel_goal_async(), self._timeout, silent)
         if answer.goals_canceling:
-            print("Goal canceled.", flush=True)
+            print("Goal canceled.\n", end="", flush=True)
         else:
             sys.stderr.write(f"{self._name} does not cancel the goal; waiting for its result.\n")
 
@@ -113,7 +113,8 @@ class Goal:
 
     def _on_feedback(self, message: Any) -> None:
         self._on_sign_of_life(message)
-        print(f"Feedback:\n    {to_yaml(message.feedback)}", flush=True)
+        # One piece, its line end included: the main thread may print at the same time.
+        print(f"Feedback:\n    {to_yaml(message.feedback)}\n", end="", flush=True)
 
 
 class _Interrupt:

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from course_kit.graders._moves import ARENA, ORIGIN, Place, beside, farthest_corner, is_spread, jump, target_from
 from course_kit.grading import goal_endings
 from course_kit.grading.bench import Life
+from course_kit.grading.goals import Told
 from course_kit.grading.job import Job
 
 coordinates = st.floats(0.0, ARENA)
@@ -62,10 +63,7 @@ def test_feedback_is_spread_or_in_a_bunch(times: list[float], spread: bool) -> N
 
 
 def heard(*values: tuple[float, float]) -> list[Any]:
-    return [
-        SimpleNamespace(message=SimpleNamespace(feedback=SimpleNamespace(progress=progress, distance_remaining=left)))
-        for progress, left in values
-    ]
+    return [Told(SimpleNamespace(progress=progress, distance_remaining=left), 0.0) for progress, left in values]
 
 
 @pytest.mark.parametrize(

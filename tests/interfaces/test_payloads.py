@@ -9,7 +9,7 @@ import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
 from tests.interfaces.fastcdr import ENCODINGS, Writer
-from tests.interfaces.twins import PACKAGES, message_twins, random_message, seeded
+from tests.interfaces.twins import PACKAGES, as_message_of, message_twins, random_message, seeded
 
 if TYPE_CHECKING:
     import random
@@ -56,17 +56,24 @@ def mutations(payload: bytes, rng: random.Random) -> list[bytes]:
     ]
 
 
+def is_odd(payload: bytes, live: Any, compiled: Any) -> bool:
+    """Whether compiled types take it though it is not in an encoding of plain types, or more follows than padding."""
+    if payload[:2] not in (b"\0\0", b"\0\1", b"\0\6", b"\0\7"):
+        return True
+    message = deserialize_message(payload, compiled)
+    return len(payload) > len(serialize_message(as_message_of(live, message))) + 3
+
+
 @pytest.mark.parametrize("package", PACKAGES)
 def test_malformed_payloads_are_refused_or_read_alike(package: str) -> None:
     rng = seeded(package)
     accepted = refused = 0
     for compiled, live in message_twins(package):
         for payload in mutations(serialize_message(random_message(compiled, rng)), rng):
-            ours = read(payload, live)
-            if ours is None:
-                refused += 1
-            else:
-                accepted += 1
-                assert ours == read(payload, compiled), (compiled, payload.hex())
+            ours, theirs = read(payload, live), read(payload, compiled)
+            refused += ours is None
+            accepted += ours is not None
+            if ours is not None or (theirs is not None and not is_odd(payload, live, compiled)):
+                assert ours == theirs, (compiled, payload.hex())
     assert accepted
     assert refused

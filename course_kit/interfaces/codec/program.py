@@ -12,7 +12,7 @@ from course_kit.interfaces.message_fields import message_fields
 if TYPE_CHECKING:
     from course_kit.interfaces.message_fields import MessageField
 
-_RUN, _BOOLEANS, _STRING, _WSTRING, _VALUES, _BOOLEAN_LIST, _REPEAT, _REPEAT_LIST = range(1, 9)
+_RUN, _STRING, _WSTRING, _VALUES, _REPEAT, _REPEAT_LIST = range(1, 7)
 
 
 def validation_program(cls: type[Any]) -> list[int]:
@@ -30,7 +30,7 @@ class _Program:
     def message(self, cls: type[Any]) -> None:
         fields = message_fields(cls)
         if not fields:
-            self._fixed("uint8", 1, 1)
+            self._fixed(1, 1)
         for field in fields:
             self._field(field)
 
@@ -39,9 +39,7 @@ class _Program:
         if not kind.container:
             self._value(field)
         elif kind.primitive and kind.container == "array":
-            self._fixed(kind.base, kind.primitive.size, kind.size)
-        elif kind.base == "boolean":
-            self._step(_BOOLEAN_LIST, kind.size)
+            self._fixed(kind.primitive.size, kind.size)
         elif kind.primitive:
             self._step(_VALUES, kind.primitive.size, kind.size)
         else:
@@ -50,14 +48,14 @@ class _Program:
     def _value(self, field: MessageField) -> None:
         kind = field.type
         if kind.primitive:
-            self._fixed(kind.base, kind.primitive.size, 1)
+            self._fixed(kind.primitive.size, 1)
         elif field.nested is not None:
             self.message(field.nested)
         else:
             self._step(_WSTRING if kind.base == "wstring" else _STRING)
 
-    def _fixed(self, base: str, size: int, count: int) -> None:
-        step = [_BOOLEANS] if base == "boolean" else [_RUN, size, size]
+    def _fixed(self, size: int, count: int) -> None:
+        step = [_RUN, size, size]
         if self._last_step >= 0 and self.words[self._last_step : -1] == step:
             self.words[-1] += count
         else:

@@ -95,11 +95,9 @@ static bool assign(struct live_message *message, const char *data, size_t size)
  */
 enum step {
   RUN = 1,       /* align, size, count     that many values of a fixed size */
-  BOOLEANS,      /* count                  each 0 or 1, as Fast CDR demands */
   STRING,        /*                        length in bytes, bytes */
   WSTRING,       /*                        length in units, 4 bytes each */
   VALUES,        /* size, bound            sequence of values; a bound of 0 is none */
-  BOOLEAN_LIST,  /* bound                  sequence of booleans */
   REPEAT,        /* count, length, ...     array: the next `length` words, `count` times */
   REPEAT_LIST    /* bound, length, ...     sequence: the same, as often as the payload says */
 };
@@ -145,14 +143,6 @@ static bool read_bounded_length(struct walk *walk, size_t bound, size_t *length)
   return read_length(walk, length) && (!bound || *length <= bound);
 }
 
-static bool booleans(struct walk *walk, size_t count)
-{
-  if (!skip(walk, 1, count)) return false;
-  for (const unsigned char *b = walk->payload + walk->at - count; count; count--, b++)
-    if (*b > 1) return false;
-  return true;
-}
-
 /* UTF-16, one unit in each 4 bytes; surrogates only in pairs, or there is no Python string for it. */
 static bool wide_string(struct walk *walk)
 {
@@ -178,10 +168,6 @@ static bool follow(struct walk *walk, const uint32_t *step, const uint32_t *end)
       if (!skip(walk, step[1], (size_t)step[2] * step[3])) return false;
       step += 4;
       break;
-    case BOOLEANS:
-      if (!booleans(walk, step[1])) return false;
-      step += 2;
-      break;
     case STRING:
       if (!read_length(walk, &n) || !skip(walk, 1, n)) return false;
       step += 1;
@@ -195,10 +181,6 @@ static bool follow(struct walk *walk, const uint32_t *step, const uint32_t *end)
       if (n && !skip(walk, step[1], n * step[1])) return false;
       if (!n) walk->estimate = aligned(walk, walk->estimate, step[1]);  /* an empty sequence has no padding */
       step += 3;
-      break;
-    case BOOLEAN_LIST:
-      if (!read_bounded_length(walk, step[1], &n) || !booleans(walk, n)) return false;
-      step += 2;
       break;
     case REPEAT:
     case REPEAT_LIST:

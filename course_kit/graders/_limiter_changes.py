@@ -1,0 +1,169 @@
+"""Exercise 3, the checks of values that are set while the node runs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from course_kit.graders._limiter import (
+    BEYOND,
+    BOUNDS,
+    RANGES,
+    TYPES,
+    Reaction,
+    Settings,
+    command,
+    missing_in_reason,
+    same_reaction,
+)
+from course_kit.graders._limiter import shown as shown_command
+from course_kit.graders._limiter_node import (
+    BOTH,
+    VELOCITY,
+    WHEELS,
+    Limiter,
+    drawn,
+    require_proper_answer,
+    require_refused,
+    rest,
+)
+from course_kit.graders._limiter_status import expect_status
+from course_kit.grading.checks import Evidence, Failed, check
+from course_kit.grading.parameters import shown
+
+if TYPE_CHECKING:
+    from course_kit.grading.bench import Bench
+
+
+@check(points=1.0, depends_on=["limits"])
+def change_velocity(bench: Bench) -> Evidence:
+    """A change of max_velocity acts on the next command."""
+    with Limiter(bench) as limiter:
+        limiter.driving()
+        evidence = Evidence()
+        for value in (drawn(bench, 2.1, 4.9), drawn(bench, 0.2, 0.9)):
+            for twist in (command(-BEYOND), command(BEYOND)):
+                was = _seen(limiter, twist)
+                after = limiter.set(max_velocity=value)
+                sent = shown({"max_velocity": value})
+                evidence = limiter.expect(after, twist, VELOCITY, was=was, sent=sent)
+        return evidence
+
+
+@check(points=1.0, depends_on=["wheel_speed"])
+def change_diameter(bench: Bench) -> Evidence:
+    """A change of wheel_diameter acts on the next command."""
+    with Limiter(bench) as limiter:
+        twist = command(limiter.driving().max_velocity)
+        evidence = Evidence()
+        for value in (drawn(bench, 0.2, 0.9), 0.02):
+            was = _seen(limiter, twist)
+            after = limiter.set(wheel_diameter=value)
+            evidence = limiter.expect(after, twist, WHEELS, was=was, sent=shown({"wheel_diameter": value}))
+        return evidence
+
+
+@check(points=1.0, depends_on=["reacts"])
+def change_enabled(bench: Bench) -> Evidence:
+    """With enabled false the robot stands still, with true it drives again."""
+    with Limiter(bench) as limiter:
+        twist = command(limiter.driving().max_velocity * 0.6, **rest(bench))
+        drove = _seen(limiter, twist)
+        evidence = limiter.expect(limiter.set(enabled=False), twist, BOTH, was=drove, sent="enabled=False")
+        limiter.set(enabled=True)
+        again = Evidence(f"enabled=False, then enabled=True; {shown_command(twist)}", drove.shown())
+        got = limiter.react(twist, again)
+        if not same_reaction(drove, got):
+            message = "Enabled again, the node does not do what it did before."
+            raise Failed(replace(again, got=got.shown()), message, None if any(got.fields) else "parameter.read_once")
+        return evidence
+
+
+@check(points=0.5, depends_on=["status"])
+def change_status(bench: Bench) -> Evidence:
+    """A change of robot_name and max_velocity shows in the next /status."""
+    with Limiter(bench) as limiter:
+        was = next((str(message.data) for message in limiter.status.messages[-1:]), None)
+        values = {"robot_name": f"rover_{bench.random.randrange(100, 1000)}", "max_velocity": drawn(bench, 1.1, 2.0)}
+        return expect_status(bench, limiter.status, limiter.set(**values), was=was, sent=shown(values))
+
+
+@check(points=2.0, depends_on=["reacts"], deadline_s=12.0)
+def refuses(bench: Bench) -> Evidence:
+    """An invalid value is refused with a reason, and the old one stays in force."""
+    evidence = Evidence()
+    velocities = (-1.0, bench.random.uniform(5.1, 20.0), math.inf, math.nan)
+    diameters = (0.0, -0.1, bench.random.uniform(1.1, 20.0))
+    attempts = [("robot_name", ""), *(("max_velocity", v) for v in velocities)]
+    for name, value in [*attempts, *(("wheel_diameter", d) for d in diameters)]:
+        with Limiter(bench) as limiter:
+            before = limiter.driving()
+            twist = command(BEYOND)
+            was = _seen(limiter, twist)
+            expected = f"refused, with a reason that names the parameter and its range ({RANGES[name]})"
+            outcome = limiter.remote.set(name, value)
+            evidence = require_refused(outcome, {name: value}, expected, "validation.missing")
+            require_proper_answer(outcome, evidence)
+            if lacks := missing_in_reason(name, outcome.reason):
+                message = f"Refusing is right; but whoever has set the value needs to know why. {lacks}"
+                raise Failed(evidence, message, "validation.no_reason")
+            _require_unchanged(limiter, before, was, evidence)
+    return evidence
+
+
+@check(points=0.5, depends_on=["types"])
+def wrong_type(bench: Bench) -> Evidence:
+    """A value of another type is refused."""
+    with Limiter(bench) as limiter:
+        evidence = Evidence()
+        for name, value in (("max_velocity", "fast"), ("max_velocity", 2), ("enabled", 1), ("robot_name", 7)):
+            expected = f"refused: {name} is a {TYPES[name]}"
+            evidence = require_refused(limiter.remote.set(name, value), {name: value}, expected, "parameter.type")
+        return evidence
+
+
+@check(points=0.5, depends_on=["declared"])
+def undeclared(bench: Bench) -> Evidence:
+    """A parameter that is not declared is refused."""
+    name = f"wheel_count_{bench.random.randrange(100, 1000)}"
+    outcome = Limiter(bench).remote.set(name, 4)
+    return require_refused(outcome, {name: 4}, "refused: there is no such parameter", "parameter.undeclared")
+
+
+@check(points=1.0, depends_on=["reacts"])
+def atomic(bench: Bench) -> Evidence:
+    """Set atomically, a valid and an invalid value change nothing."""
+    evidence = Evidence()
+    for valid, invalid in (("max_velocity", "wheel_diameter"), ("wheel_diameter", "max_velocity")):
+        with Limiter(bench) as limiter:
+            before = limiter.driving()
+            twist = command(BEYOND)
+            was = _seen(limiter, twist)
+            values = {valid: getattr(before, valid) / 2.0 + BOUNDS[valid][1] / 4.0, invalid: 2.0 * BOUNDS[invalid][1]}
+            expected = f"refused, and nothing changed: {invalid} is out of its range"
+            outcome = limiter.remote.set_together(values)
+            evidence = require_refused(outcome, values, expected, "validation.missing")
+            _require_unchanged(limiter, before, was, evidence)
+    with Limiter(bench) as limiter:
+        limiter.set_together(max_velocity=drawn(bench, 1.1, 2.0), wheel_diameter=drawn(bench, 0.2, 0.9))
+    return evidence
+
+
+def _seen(limiter: Limiter, twist: Any) -> Reaction:
+    """What comes out for a command now, right or not."""
+    return limiter.react(twist, Evidence(shown_command(twist), "a message on /cmd_vel and one on /wheel_speed"))
+
+
+def _require_unchanged(limiter: Limiter, before: Settings, was: Reaction, evidence: Evidence) -> None:
+    """After a refusal nothing has changed: neither what the node reports, nor what it does."""
+    if (now := limiter.settings()) != before:
+        changed = {name: value for name, value in now.to_mapping().items() if value != before.to_mapping()[name]}
+        evidence = Evidence(evidence.sent, evidence.expected, f"refused, and yet now {shown(changed)}")
+        raise Failed(evidence, "The parameter has changed although the change was refused.", "parameter.not_atomic")
+    twist = command(BEYOND)
+    got = limiter.react(twist, Evidence(f"{evidence.sent}; {shown_command(twist)}", evidence.expected))
+    if not same_reaction(was, got):
+        sent = f"{evidence.sent}; {shown_command(twist)}"
+        message = "The change was refused, and yet your node acts on it: it had kept a value before it knew the answer."
+        raise Failed(Evidence(sent, was.shown(), got.shown()), message, "parameter.not_atomic")

@@ -1,0 +1,219 @@
+"""The velocity limiter of a submission as the grader meets it: its topics, its parameters, what a change must do."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from geometry_msgs.msg import Twist
+from std_msgs.msg import Float64, String
+
+from course_kit.graders import _limiter
+from course_kit.graders._limiter import TYPES, Reaction, Settings, same_reaction
+from course_kit.grading.callbacks import INVALID_RESULT
+from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.parameters import Outcome, Remote, ensure_served, shown
+from course_kit.grading.topics import Exchange, Topic
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from types import TracebackType
+
+    from typing_extensions import Self
+
+    from course_kit.grading.bench import Bench
+    from course_kit.grading.tester import Heard
+
+NODE = "/velocity_limiter"
+COMMAND = Topic("/cmd_vel_in", Twist, "geometry_msgs/msg/Twist")
+LIMITED = Topic("/cmd_vel", Twist, "geometry_msgs/msg/Twist")
+WHEEL = Topic("/wheel_speed", Float64, "std_msgs/msg/Float64")
+STATUS = Topic("/status", String, "std_msgs/msg/String")
+VELOCITY, WHEELS, BOTH = "velocity", "wheels", "both"
+_TRIES = 2  # a node that follows its parameters through /parameter_events may be one message late
+_ACCEPTED = "it is accepted: the value is valid"
+
+
+class Limiter:
+    """The running submission; each check makes its own.
+
+    As a context manager it puts the parameters back to what they were before: the next check, and with `--attach`
+    the next grading, meets the node as this one did.
+    """
+
+    def __init__(self, bench: Bench) -> None:
+        """Meet the submission, started again if it has died.
+
+        Raises:
+            Failed: it does not come up again.
+        """
+        self._bench = bench
+        self.remote: Remote = ensure_served(bench, NODE)
+        self._exchange, self.status = endpoints(bench)
+
+    def __enter__(self) -> Self:
+        self._before = self.settings()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if not self._bench.spoiled:
+            with suppress(Failed):  # what is wrong with it was or will be said by the checks themselves
+                self.remote.set_together(self._before.to_mapping())
+
+    def settings(self) -> Settings:
+        """The values in force, as the node's own services report them."""
+        return Settings(**{name: found.value for name, found in self.remote.values(list(TYPES)).items()})
+
+    def driving(self) -> Settings:
+        """The same, once `enabled` is true: only then is there something to see."""
+        settings = self.settings()
+        return settings if settings.enabled else self.set(enabled=True)
+
+    def set(self, **values: Any) -> Settings:
+        """Set valid values, one after the other; returns the settings after it.
+
+        Raises:
+            Failed: one was refused, or does not read back; with validation.overzealous or parameter.bad_callback.
+        """
+        for name, value in values.items():
+            require_accepted(self.remote.set(name, value), {name: value})
+        return self._require_values(values)
+
+    def set_together(self, **values: Any) -> Settings:
+        """Set valid values at once; otherwise like `set`."""
+        require_accepted(self.remote.set_together(values), values)
+        return self._require_values(values)
+
+    def react(self, twist: Any, evidence: Evidence) -> Reaction:
+        """What comes out for one command."""
+        return Reaction.of(*self._exchange.send(twist, evidence))
+
+    def count(self, burst: Sequence[Any], then: Any, evidence: Evidence) -> tuple[int, int]:
+        """How many messages come on /cmd_vel and on /wheel_speed for commands that are sent at once, and one more.
+
+        The last one drives backwards and the others do not, so that its answers are known: on each topic the
+        messages come in order, and what belongs to the others is there when they are.
+        """
+        self.react(then, evidence)
+        before = [len(heard) for heard in self._heard()]
+        self._exchange.send_all(burst, evidence)
+        self.react(then, evidence)
+        self._better(lambda last: last.fields[0] < 0.0 and last.wheel < 0.0, evidence)
+        velocities, wheels = (len(heard) - count for heard, count in zip(self._heard(), before, strict=True))
+        return velocities, wheels
+
+    def _heard(self) -> tuple[list[Any], list[Any]]:
+        hear = self._bench.tester.hear
+        return (hear(LIMITED.interface, LIMITED.name).messages, hear(WHEEL.interface, WHEEL.name).messages)
+
+    def expect(
+        self, settings: Settings, twist: Any, part: str, *, was: Reaction | None = None, sent: str = ""
+    ) -> Evidence:
+        """The command `twist` has the effect that the settings give it.
+
+        Args:
+            settings: the settings in force.
+            twist: the command.
+            part: VELOCITY, WHEELS or BOTH, what is looked at.
+            was: what came out for the same command before a change; the same after it is parameter.read_once.
+            sent: what was done before, for the evidence.
+
+        Raises:
+            Failed: it has not.
+        """
+        right = _limiter.right_reaction(settings, twist)
+        evidence = Evidence("; ".join(filter(None, (sent, _limiter.shown(twist)))), _shown(right, part))
+        for _ in range(_TRIES):
+            got = self.react(twist, evidence)
+            if not fits(settings, twist, part, got):
+                got = self._better(lambda late: fits(settings, twist, part, late), evidence)
+            if fits(settings, twist, part, got):
+                return replace(evidence, got=_shown(got, part))
+        evidence = replace(evidence, got=_shown(got, part))
+        if was is not None and same_reaction(was, got):
+            message = "The change was accepted, and what comes out is the same as before it."
+            raise Failed(evidence, message, "parameter.read_once")
+        raise self._wrong(settings, twist, part, got, evidence)
+
+    def _better(self, good: Callable[[Reaction], bool], evidence: Evidence) -> Reaction:
+        return Reaction.of(*self._exchange.wait_for_better(lambda last: good(Reaction.of(*last)), evidence))
+
+    def _wrong(self, settings: Settings, twist: Any, part: str, got: Reaction, evidence: Evidence) -> Failed:
+        if part != WHEELS and not _limiter.velocity_fits(settings, twist, got):
+            diagnosis, message = _limiter.explain_velocity(settings, twist, got)
+        else:
+            diagnosis, message = _limiter.explain_wheel(settings, twist, got, self._bench.job.source)
+        return Failed(evidence, message, diagnosis)
+
+    def _require_values(self, values: Mapping[str, Any]) -> Settings:
+        settings = self.settings()
+        read = {name: value for name, value in settings.to_mapping().items() if name in values}
+        if read != dict(values):
+            evidence = Evidence(shown(values), f"afterwards get_parameters says {shown(values)}", shown(read))
+            raise Failed(evidence, "Setting the value was answered with yes, and yet the parameter has another one.")
+        return settings
+
+
+def endpoints(bench: Bench) -> tuple[Exchange, Heard]:
+    """The grader's ends of the four topics; the sooner they are made, the sooner they are connected."""
+    return Exchange(bench, COMMAND, (LIMITED, WHEEL)), bench.tester.hear(STATUS.interface, STATUS.name)
+
+
+def drawn(bench: Bench, low: float, high: float) -> float:
+    """A value with one decimal place, which survives whatever format a status line is written in."""
+    return round(bench.random.uniform(low, high), 1)
+
+
+def rest(bench: Bench) -> dict[str, float]:
+    """Values for the fields of a command that pass unchanged."""
+    return {name: bench.random.uniform(-1.0, 1.0) for name in ("linear_y", "linear_z", "angular_x", "angular_z")}
+
+
+def fits(settings: Settings, twist: Any, part: str, got: Reaction) -> bool:
+    """Whether that part of a reaction is right."""
+    velocity = part == WHEELS or _limiter.velocity_fits(settings, twist, got)
+    return velocity and (part == VELOCITY or _limiter.wheel_fits(settings, got))
+
+
+def require_accepted(outcome: Outcome, values: Mapping[str, Any]) -> None:
+    """A valid value was accepted.
+
+    Raises:
+        Failed: with validation.overzealous or parameter.bad_callback.
+    """
+    if outcome.successful:
+        return
+    evidence = Evidence(shown(values), _ACCEPTED, outcome.shown())
+    require_proper_answer(outcome, evidence)
+    raise Failed(evidence, f"Your node refused {shown(values)}, which is valid.", "validation.overzealous")
+
+
+def require_refused(outcome: Outcome, values: Mapping[str, Any], expected: str, accepted: str) -> Evidence:
+    """A value was refused.
+
+    Raises:
+        Failed: with the code `accepted`, or parameter.bad_callback.
+    """
+    evidence = Evidence(shown(values), expected, outcome.shown())
+    if outcome.successful:
+        raise Failed(evidence, f"Your node accepted {shown(values)}.", accepted)
+    return evidence
+
+
+def require_proper_answer(outcome: Outcome, evidence: Evidence) -> None:
+    """A refusal is the learner's own, not rclpy's for a callback that returned something else.
+
+    Raises:
+        Failed: with parameter.bad_callback.
+    """
+    if INVALID_RESULT in outcome.reason:
+        message = "Your set-parameters callback returned something that is no SetParametersResult, and rclpy refused."
+        raise Failed(evidence, message, "parameter.bad_callback")
+
+
+def _shown(reaction: Reaction, part: str) -> str:
+    velocity, _, wheel = reaction.shown().partition("; ")
+    return velocity if part == VELOCITY else reaction.shown() if part == BOTH else f"{wheel} ({velocity})"

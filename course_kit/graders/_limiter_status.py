@@ -1,0 +1,73 @@
+"""What comes on /status: the line, and how often."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from course_kit.graders._limiter import Settings, read_status, status_fits, status_line
+from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.topics import await_next
+
+if TYPE_CHECKING:
+    from course_kit.grading.bench import Bench
+    from course_kit.grading.tester import Heard
+
+_SILENT_S = 2.0  # four periods
+_PERIOD_S = (0.42, 0.6)  # 2 Hz, on a machine that is now and then busy
+_LAST = 4  # messages; enough to forget one that a busy machine has delayed
+_WATCHED_S = 5.0
+
+
+def expect_status(
+    bench: Bench, heard: Heard, settings: Settings, *, was: str | None = None, sent: str = ""
+) -> Evidence:
+    """The next line tells these settings; or the one after it, as one may be on its way.
+
+    Raises:
+        Failed: it does not; with topic.silent, or parameter.read_once when it is what it `was` before a change.
+    """
+    evidence = Evidence(sent, f"on /status: {status_line(settings)}")
+    first = len(heard.messages)
+    for count in (first + 1, first + 2):
+        if not await_next(bench, heard, count, _SILENT_S, evidence):
+            evidence = replace(evidence, got=f"nothing within {_SILENT_S:g} s")
+            raise Failed(evidence, "/status is to come twice a second, by a timer.", "topic.silent")
+        line = str(heard.messages[count - 1].data)
+        evidence = replace(evidence, got=f"on /status: {line}")
+        if status_fits(settings, line):
+            return evidence
+    if line == was:
+        raise Failed(evidence, "The change was accepted, and /status is as before.", "parameter.read_once")
+    raise Failed(evidence, _what_is_wrong(settings, line))
+
+
+def expect_rate(bench: Bench, heard: Heard) -> Evidence:
+    """The lines come at 2 Hz.
+
+    Raises:
+        Failed: they come at another rate.
+    """
+    evidence = Evidence("", "a message on /status every 0.5 s")
+    clock = bench.clock()
+    count = max(3, len(heard.messages))
+    while await_next(bench, heard, count, _SILENT_S, evidence) and not clock.past(_WATCHED_S):
+        evidence = replace(evidence, got=f"one every {_period(heard.times):.2f} s")
+        if any(_PERIOD_S[0] <= _period(times) <= _PERIOD_S[1] for times in (heard.times, heard.times[-_LAST:])):
+            return evidence
+        count = len(heard.messages) + 1
+    got = evidence.got or f"{len(heard.messages)} messages, then none for {_SILENT_S:g} s"
+    raise Failed(replace(evidence, got=got), "Publish the line from a timer with a period of half a second.")
+
+
+def _period(times: list[float]) -> float:
+    return (times[-1] - times[0]) / (len(times) - 1)
+
+
+def _what_is_wrong(settings: Settings, line: str) -> str:
+    read = read_status(line)
+    if read is None:
+        return "The line is to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
+    if read[0] != settings.robot_name:
+        return f"The line begins with {read[0]!r}; robot_name is {settings.robot_name!r}."
+    return f"The line tells {read[1]:g} m/s; max_velocity is {settings.max_velocity:g}."

@@ -1,0 +1,45 @@
+"""What the graph holds instead of what was looked for, in words for the learner."""
+
+from __future__ import annotations
+
+import difflib
+from typing import TYPE_CHECKING
+
+from course_kit.grading import endings, silence
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.grading.bench import Bench
+
+
+def why_empty(bench: Bench, wanted: str) -> endings.Cause:
+    """Why no node has appeared, although the program runs.
+
+    Args:
+        bench: the test bench.
+        wanted: the full name of what a node was to bring: a service, an action, itself.
+    """
+    if bench.job.mode == "attach":
+        return "start.nothing", f"Nobody on the graph of ROS domain {bench.tester.domain} offers {wanted}."
+    clock = bench.clock()
+    before = bench.life(fresh=True)
+    doing = silence.doing(bench)
+    bench.wait_until(lambda: clock.wall() > silence.LOOK_S, silence.LOOK_S)
+    busy = silence.computes(before, bench.life(fresh=True), clock.wall())
+    where = f" It is in {endings.source_line(bench.job, doing.own.line)}." if doing.own else ""
+    start_s = bench.job.limits.start_s
+    if busy:
+        return "limit.time", f"After {start_s:g} s your program was still computing, and no node had appeared.{where}"
+    return "start.nothing", f"Your program runs, but within {start_s:g} s no node has appeared on the graph.{where}"
+
+
+def closest(wanted: str, names: Sequence[str]) -> str:
+    """A sentence that names what comes nearest to `wanted`, with a space before it; nothing without names."""
+    close = difflib.get_close_matches(wanted, names, n=1, cutoff=0.3) or list(names)[:1]
+    return f" The closest is {close[0]}." if close else ""
+
+
+def listed(names: Sequence[str], what: str) -> str:
+    """`the nodes /a, /b`, or `no node`."""
+    return f"the {what}{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else f"no {what}"

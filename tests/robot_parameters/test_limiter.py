@@ -1,0 +1,95 @@
+"""The arithmetic of the grader itself: what is right, and what a wrong value tells."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from course_kit.graders import _limiter
+from course_kit.graders._limiter import Reaction, Settings, command
+
+velocities = st.floats(-20.0, 20.0)
+settings = st.builds(
+    Settings,
+    max_velocity=st.floats(0.01, 5.0),
+    wheel_diameter=st.floats(0.01, 1.0),
+    enabled=st.booleans(),
+)
+
+
+@given(settings, velocities, velocities)
+def test_the_right_reaction_keeps_to_the_contract(values: Settings, speed: float, turn: float) -> None:
+    right = _limiter.right_reaction(values, command(speed, angular_z=turn))
+    if not values.enabled:
+        assert right == Reaction((0.0,) * 6, 0.0)
+        return
+    assert abs(right.fields[0]) <= values.max_velocity
+    assert right.fields[0] == speed or abs(speed) > values.max_velocity
+    assert right.fields[0] * speed >= 0.0
+    assert right.fields[1:] == (0.0, 0.0, 0.0, 0.0, turn)
+    assert math.isclose(right.wheel * values.wheel_diameter / 2.0, right.fields[0], abs_tol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("wheel", "code", "said"),
+    [
+        (10.0, "math.formula", "divided by the diameter"),
+        (0.05, "math.formula", "times the radius"),
+        (1.0 / (math.pi * 0.1), "math.formula", "turns per second"),
+        (60.0, "math.formula", "the command that came in"),
+        (-20.0, "math.formula", "sign"),
+        (1.0, "math.formula", "in m/s"),
+        (17.3, "math.formula", "none of the usual slips"),
+        (21.0, "math.integer_division", "Digits were lost"),
+    ],
+)
+def test_a_wrong_wheel_speed_is_explained(wheel: float, code: str, said: str) -> None:
+    got = Reaction((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), wheel)
+    diagnosis, message = _limiter.explain_wheel(Settings(), command(3.0), got, "x = 1")
+    assert (diagnosis, said in message) == (code, True)
+
+
+@pytest.mark.parametrize(
+    ("name", "reason", "lacks"),
+    [
+        ("max_velocity", "", "empty"),
+        ("max_velocity", "  ", "empty"),
+        ("max_velocity", "out of range 0 .. 5", "name the parameter"),
+        ("max_velocity", "max_velocity must be positive", "tell the range"),
+        ("max_velocity", "max_velocity=-1.0 is not allowed", "tell the range"),
+        ("max_velocity", "max_velocity muss groesser als 0 und hoechstens 5 sein", ""),
+        ("max_velocity", "Parameter max_velocity out of range Min: 0.0, Max: 5.0, value: 7.2", ""),
+        ("wheel_diameter", "wheel_diameter: 1e-2 .. 1", ""),
+        ("robot_name", "robot_name must not be empty", ""),
+        ("robot_name", "empty", "name the parameter"),
+    ],
+)
+def test_what_a_reason_lacks(name: str, reason: str, lacks: str) -> None:
+    told = _limiter.missing_in_reason(name, reason)
+    assert bool(told) == bool(lacks)
+    assert lacks in told
+
+
+@pytest.mark.parametrize(
+    ("line", "read"),
+    [
+        ("default_robot: 1.0 m/s", ("default_robot", 1.0)),
+        ("a: b: 2 m/s", ("a: b", 2.0)),
+        ("rover: 2.50 m/s\n", ("rover", 2.5)),
+        ("rover: fast m/s", None),
+        ("rover 1.0 m/s", None),
+        ("rover: 1.0", None),
+    ],
+)
+def test_status_lines_are_read_as_people_do(line: str, read: tuple[str, float] | None) -> None:
+    assert _limiter.read_status(line) == read
+
+
+def test_a_parameter_file_is_what_ros_2_reads() -> None:
+    values = {"robot_name": "rover", "enabled": False, "max_velocity": 2.5}
+    assert _limiter.parameter_file("/velocity_limiter", values) == (
+        "velocity_limiter:\n  ros__parameters:\n    robot_name: 'rover'\n    enabled: false\n    max_velocity: 2.5\n"
+    )

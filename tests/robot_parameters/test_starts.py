@@ -1,0 +1,61 @@
+"""Programs that somebody else starts, or that are no Python source: what can be graded of them is."""
+
+from __future__ import annotations
+
+import shlex
+import signal
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import environment, grading
+from tests.robot_parameters.conftest import EXERCISE, SOLUTION, not_passed
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+STARTS = {"start_arguments", "start_file", "start_invalid"}
+
+
+@pytest.fixture
+def node_running(domain: int) -> Iterator[int]:
+    program = subprocess.Popen(
+        [sys.executable, str(SOLUTION)], env=environment.child_environment(ROS_DOMAIN_ID=str(domain))
+    )
+    yield domain
+    program.send_signal(signal.SIGINT)
+    program.wait(20)
+
+
+def test_a_command_is_given_arguments_and_files() -> None:
+    report = grading.grade(EXERCISE, exec_command=shlex.join([sys.executable, str(SOLUTION)]))
+    assert not_passed(report) == []
+
+
+def test_a_command_that_takes_no_arguments_ignores_them() -> None:
+    program = f"import runpy, sys; sys.argv = ['node']; runpy.run_path({str(SOLUTION)!r}, run_name='__main__')"
+    report = grading.grade(EXERCISE, exec_command=shlex.join([sys.executable, "-c", program]))
+    assert {(check, code) for check, status, code, _ in not_passed(report) if status == "failed"} == {
+        ("start_arguments", "parameter.override_ignored"),
+        ("start_file", "parameter.override_ignored"),
+    }
+
+
+@pytest.mark.usefixtures("node_running")
+def test_attached_to_a_node_it_grades_all_but_the_starts_and_leaves_the_node_as_it_was() -> None:
+    for _ in range(2):
+        report = grading.grade(EXERCISE, attach=True)
+        assert {check for check, status, _, _ in not_passed(report) if status == "skipped"} == STARTS
+        assert len(not_passed(report)) == len(STARTS)
+        assert report.passed
+    told = {check.id: check.message for check in report.checks}
+    assert "with --attach it was started already" in told["start_arguments"]
+
+
+def test_what_a_provoked_error_prints_is_marked_as_such() -> None:
+    report = grading.grade(EXERCISE, SOLUTION)
+    lines = report.stderr.splitlines()
+    assert "velocity_limiter cannot start" in lines[-2]
+    assert lines[-1].startswith("[The lines above are of a start with: --ros-args -p wheel_diameter:=")
