@@ -55,8 +55,17 @@ class SubmissionEndedError(Failed):
 class Bench:
     """What a check works with."""
 
-    def __init__(self, warden: Channel, job: Job) -> None:
+    def __init__(self, warden: Channel, job: Job, variables: Mapping[str, str] | None = None) -> None:
+        """Make a bench on which nothing runs yet.
+
+        Args:
+            warden: who starts and ends the submission.
+            job: what is graded.
+            variables: environment variables the submission is started with, unless `launch` says otherwise.
+        """
         self.job = job
+        self.memory: dict[str, Any] = {}  # what the checks know of the running submission; empty after each launch
+        self._variables = dict(variables or {})
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
         self._warden = warden
         self._tester: Tester | None = None
@@ -75,7 +84,12 @@ class Bench:
             raise RuntimeError("the check uses the graph before `launch`")
         return self._tester
 
-    def launch(self, arguments: Sequence[str] = (), files: Mapping[str, str] | None = None) -> None:
+    def launch(
+        self,
+        arguments: Sequence[str] = (),
+        files: Mapping[str, str] | None = None,
+        variables: Mapping[str, str] | None = None,
+    ) -> None:
         """Start the submission on an empty graph of its own; one that runs is ended first.
 
         With `--attach` the graph is the one that is there.
@@ -83,6 +97,7 @@ class Bench:
         Args:
             arguments: what follows the program's name on its command line.
             files: texts to lay beside it, by file name; an argument that is such a name becomes the file's path.
+            variables: environment variables that differ from the exercise's own; without effect with `--attach`.
 
         Raises:
             NotRun: arguments for a program that somebody else has started.
@@ -91,9 +106,12 @@ class Bench:
             raise NotRun("it starts your program anew with other arguments, and with --attach it was started already.")
         self.close()
         self._spoiled = False
+        self.memory.clear()
         domain = None
         if self.job.mode != "attach":
-            domain = int(self._ask("launch", arguments=list(arguments), files=dict(files or {}))["domain"])
+            changed = {**self._variables, **(variables or {})}
+            answer = self._ask("launch", arguments=list(arguments), files=dict(files or {}), variables=changed)
+            domain = int(answer["domain"])
         self._tester = Tester(domain)
 
     def run_to_end(self) -> Life:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 _CHUNK = 65536
 _LISTS = ("node_classes", "classes", "functions", "set_names")
-_TEXTS = ("returned", "value")
+_TEXTS = ("returned", "result", "value")
 _FACTS = ("exit_in_callback", "ended_itself", "too_large")
 _NOTE_ITEMS, _NOTE_LENGTH = 20, 80
 _LAST_WORDS = 1 << 20  # the most a pipe holds

@@ -63,7 +63,7 @@ def main(warden: Channel, job: Job) -> None:
 def _run(warden: Channel, job: Job) -> dict[str, Any]:
     began = time.monotonic()
     grader = load(job.exercise)
-    bench = Bench(warden, job)
+    bench = Bench(warden, job, getattr(grader, "VARIABLES", None))
     times = {}
     if not job.fault and not job.variable:
         bench.launch()

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 # Ignored unless handled: harmless to a program that has replaced itself by another (exec).
 STACKS_SIGNAL = signal.SIGURG
 _THREADS = 4
+# Where rclpy holds what a callback has returned: by function, the name of our note and that of its variable.
+_RETURNED = {"send_response": ("returned", "response"), "_execute_goal": ("result", "execute_result")}
 _FIRST_HIGH_DESCRIPTOR = 200
 
 
@@ -237,13 +239,11 @@ def _thread_failed(hook: threading.ExceptHookArgs, evidence: int) -> None:
 
 
 def _note_exception(problem: BaseException, evidence: int) -> None:
-    """Tell what a callback returned when rclpy refused to send it; its own exception carries no text."""
-    trace = problem.__traceback__
-    while trace is not None:
-        if trace.tb_frame.f_code.co_name == "send_response" and "response" in trace.tb_frame.f_locals:
-            _note(evidence, returned=_type_name(trace.tb_frame.f_locals["response"]))
-            return
-        trace = trace.tb_next
+    """Tell what a callback returned when rclpy refused to send it; its own exception does not say."""
+    for frame, _ in traceback.walk_tb(problem.__traceback__):
+        note, variable = _RETURNED.get(frame.f_code.co_name, ("", ""))
+        if variable in frame.f_locals:
+            _note(evidence, **{note: _type_name(frame.f_locals[variable])})
 
 
 def _in_callback(problem: BaseException) -> bool:

@@ -48,7 +48,7 @@ def _why_silent(bench: Bench, seen: Activity, *, busy: bool) -> endings.Cause:
     if job.mode == "run" and not seen.spinning:
         where = f" It is in {endings.source_line(job, seen.own.line)}." if seen.own else ""
         return "start.nothing", f"Your node is on the graph, but nothing spins it, so no callback ever runs.{where}"
-    return None, "Your service is there and did not answer."
+    return None, "Your server is there and did not answer."
 
 
 def computes(before: Life, after: Life, seconds: float) -> bool:

@@ -6,13 +6,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import rclpy
+from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from rclpy.client import Client
     from rclpy.publisher import Publisher
@@ -25,7 +26,7 @@ NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an un
 
 @dataclass(frozen=True)
 class Offer:
-    """A service somebody on the graph offers."""
+    """A service or an action somebody on the graph offers."""
 
     name: str
     type: str
@@ -43,15 +44,23 @@ class Endpoint:
 
 @dataclass
 class Heard:
-    """What has come on a topic: the messages, and when each was received, in seconds of the system's clock."""
+    """What has come on a topic.
+
+    Attributes:
+        messages: the messages, oldest first.
+        times: when each was received, in seconds of the system's clock.
+        sent: when each was published, in seconds of the publisher's clock: no delay of ours is in it.
+    """
 
     messages: list[Any] = field(default_factory=list)
     times: list[float] = field(default_factory=list)
+    sent: list[float] = field(default_factory=list)
 
     def take(self, message: Any, info: Any) -> None:
-        """Keep one message; `info` is rclpy's, with the time the middleware noted, however late we look."""
+        """Keep one message; `info` is rclpy's, with the times the middleware noted, however late we look."""
         self.messages.append(message)
         self.times.append(info["received_timestamp"] / 1e9)
+        self.sent.append(info["source_timestamp"] / 1e9)
 
 
 class Tester:
@@ -92,11 +101,11 @@ class Tester:
             self._clients[key] = self.node.create_client(interface, name)
         return self._clients[key]
 
-    def hear(self, interface: Any, topic: str) -> Heard:
-        """What comes on a topic, from the first use on, with the default QoS profile of depth 10."""
+    def hear(self, interface: Any, topic: str, qos: QoSProfile | int = DEPTH) -> Heard:
+        """What comes on a topic, from the first use on; without `qos` with the default profile of depth 10."""
         if topic not in self._heard:
             self._heard[topic] = heard = Heard()
-            self.node.create_subscription(interface, topic, heard.take, DEPTH)
+            self.node.create_subscription(interface, topic, heard.take, qos)
         return self._heard[topic]
 
     def publisher(self, interface: Any, topic: str) -> Publisher:
@@ -124,15 +133,12 @@ class Tester:
 
     def services(self) -> list[Offer]:
         """The services that other nodes offer, but for those every node has for its parameters."""
-        found = []
-        for name, space in self._others():
-            node = f"{space.rstrip('/')}/{name}"
-            try:
-                offered = self.node.get_service_names_and_types_by_node(name, space)
-            except Exception:  # noqa: BLE001, S112 - NodeNameNonExistentError or RCLError: it has just left the graph
-                continue
-            found += [Offer(service, kind, node) for service, kinds in offered for kind in kinds]
+        found = self._offers(self.node.get_service_names_and_types_by_node)
         return [offer for offer in found if not _is_for_parameters(offer)]
+
+    def actions(self) -> list[Offer]:
+        """The actions that other nodes offer."""
+        return self._offers(lambda name, space: get_action_server_names_and_types_by_node(self.node, name, space))
 
     def close(self) -> None:
         """Leave the graph. Safe to call twice."""
@@ -140,6 +146,17 @@ class Tester:
             self._executor.shutdown(timeout_sec=0)
             self.node.destroy_node()
             self._context.try_shutdown()
+
+    def _offers(self, ask: Callable[[str, str], list[tuple[str, list[str]]]]) -> list[Offer]:
+        found = []
+        for name, space in self._others():
+            node = f"{space.rstrip('/')}/{name}"
+            try:
+                offered = ask(name, space)
+            except Exception:  # noqa: BLE001, S112 - NodeNameNonExistentError or RCLError: it has just left the graph
+                continue
+            found += [Offer(server, kind, node) for server, kinds in offered for kind in kinds]
+        return found
 
     def _others(self) -> Iterator[tuple[str, str]]:
         return ((name, space) for name, space in self.node.get_node_names_and_namespaces() if name != NAME)

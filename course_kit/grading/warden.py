@@ -108,7 +108,7 @@ class Warden:
             self._results.append(message["result"])
             return None
         if what == "launch":
-            return self._launch(tuple(message["arguments"]), message["files"])
+            return self._launch(tuple(message["arguments"]), message["files"], message["variables"])
         if what == "stop":
             self._stop()
         elif what == "stacks":
@@ -117,7 +117,7 @@ class Warden:
             self._finish()
         return self._facts(fresh=what == "facts")
 
-    def _launch(self, arguments: tuple[str, ...], files: dict[str, str]) -> dict[str, Any]:
+    def _launch(self, arguments: tuple[str, ...], files: dict[str, str], variables: dict[str, str]) -> dict[str, Any]:
         self._stop()
         self._arguments = arguments
         self._launches += 1
@@ -133,7 +133,7 @@ class Warden:
             folder=job.folder,
             variable=job.variable,
         )
-        variables = {"ROS_DOMAIN_ID": str(domain)}
+        variables = {**variables, "ROS_DOMAIN_ID": str(domain)}
         cell = Cell(job.limits, job.isolation, job.scratch, variables, job.hidden, job.priority, self._others())
         self._sandbox = Sandbox(program, cell)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)

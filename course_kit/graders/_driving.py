@@ -1,0 +1,223 @@
+"""Driving the robot of exercise 2: one goal from sending to arrival, at one of two speeds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from course_interfaces.action import MoveRobot
+from geometry_msgs.msg import Point
+
+from course_kit.graders._moves import ARENA, ORIGIN, TOLERANCE, Place, place_of, target_from
+from course_kit.grading import goal_endings
+from course_kit.grading.actions import Action, ensure_ready, start_again
+from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.goals import SUCCEEDED, Ended, Goal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.grading.bench import Bench
+
+ACTION = Action("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
+SHORTEST_M, LONGEST_M = 1.2, 1.8  # metres; moves that are long enough for the rules about feedback
+_SCALE = "COURSE_KIT_TIME_SCALE"
+FAST, OWN_SPEED = {_SCALE: "0.1"}, {_SCALE: "1"}
+REACHED = "SUCCEEDED"
+_PLACE, _DRIVEN, _SLOW = "place", "driven", "own speed"  # what is remembered of the running submission
+_SLOWEST, _EXTRA_S = 3.0, 2.0  # a move may take 3 s a metre, and 2 s more
+_NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
+
+
+class HastyError(Failed):
+    """A fault that might not show with the robot at its own speed: a timer of the learner's keeps real time."""
+
+
+@dataclass(frozen=True)
+class Move:
+    """A move that has ended SUCCEEDED."""
+
+    begin: Place
+    target: Place
+    goal: Goal
+    ended: Ended
+
+    @property
+    def length(self) -> float:
+        """The straight way, in metres."""
+        return math.dist(self.begin, self.target)
+
+
+def at_own_speed(bench: Bench) -> bool:
+    """Whether the robot that runs now drives at 1 m/s."""
+    return bench.job.mode == "attach" or _SLOW in bench.memory
+
+
+def fairly(bench: Bench, trial: Callable[[Bench], Evidence]) -> Evidence:
+    """Run a trial with the fast robot; if that may have been the reason of a failure, again at its own speed.
+
+    A program that was started for its own speed stays: what follows is then slow for it, and as fair.
+    """
+    try:
+        try:
+            return trial(bench)
+        except HastyError:
+            if at_own_speed(bench):
+                raise
+        start_again(bench, ACTION, OWN_SPEED)
+        bench.memory[_SLOW] = True
+        return trial(bench)
+    except Failed:
+        bench.spoil()
+        raise
+
+
+def here(bench: Bench) -> Place:
+    """Where the robot is. A node that we have not started may have driven before: that one is sent somewhere first."""
+    ensure_ready(bench, ACTION)
+    if _PLACE not in bench.memory:
+        if bench.job.mode != "attach":
+            return ORIGIN
+        arrive(bench, set_off(bench, Place(ARENA / 2, ARENA / 2)), longest_way(bench))
+    place: Place = bench.memory[_PLACE]
+    return place
+
+
+def longest_way(bench: Bench, target: Place | None = None) -> float:
+    """How long a first move may be, in metres: the way from (0, 0), but any way of a robot that has driven before."""
+    if target is None or bench.job.mode == "attach":
+        return math.hypot(ARENA, ARENA)
+    return math.dist(ORIGIN, target)
+
+
+def driven(bench: Bench) -> float:
+    """The ways of all moves so far together, in metres."""
+    return float(bench.memory.get(_DRIVEN, 0.0))
+
+
+def is_at(bench: Bench, place: Place) -> None:
+    """Remember where the robot is now."""
+    bench.memory[_PLACE] = place
+
+
+def send(bench: Bench, target: Place, z: float = 0.0) -> Goal:
+    """Send a goal."""
+    shown = f"a goal with target=({target.x:.4g}, {target.y:.4g}, {z:.4g})"
+    return Goal(bench, ACTION, MoveRobot.Goal(target=Point(x=target.x, y=target.y, z=z)), shown)
+
+
+def set_off(bench: Bench, target: Place, z: float = 0.0) -> Goal:
+    """Send a goal that can be reached, and have it accepted.
+
+    Raises:
+        Failed: it was not.
+    """
+    goal = send(bench, target, z)
+    goal.wait_for_answer("the goal accepted")
+    if not goal.accepted:
+        raise _rejected(bench, goal, target, z)
+    return goal
+
+
+def drive(bench: Bench, target: Place, z: float = 0.0) -> Move:
+    """Drive the robot to a target.
+
+    Raises:
+        Failed: the goal was not accepted, or ended otherwise than SUCCEEDED.
+    """
+    begin = here(bench)
+    try:
+        goal = set_off(bench, target, z)
+        return Move(begin, target, goal, arrive(bench, goal, math.dist(begin, target)))
+    except Failed:
+        bench.spoil()
+        raise
+
+
+def drive_on(bench: Bench, length: float, z: float = 0.0) -> Move:
+    """Drive the robot so many metres, anywhere; as `drive`."""
+    return drive(bench, target_from(here(bench), length, bench.random), z)
+
+
+def arrive(bench: Bench, goal: Goal, length: float, within_s: float | None = None) -> Ended:
+    """Wait until an accepted goal has ended, SUCCEEDED, and remember where the robot is.
+
+    Args:
+        bench: the test bench.
+        goal: the goal.
+        length: of the way, in metres.
+        within_s: the patience in seconds, None for what the length allows.
+
+    Raises:
+        Failed: it has not, or otherwise.
+    """
+    ended = goal.wait_for_end(allowed_s(length) if within_s is None else within_s, REACHED)
+    life = goal.life()
+    cause = goal_endings.of_exception(life, bench.job)
+    if ended.status != SUCCEEDED:
+        cause = goal_endings.of_status(ended.name, life, bench.job)
+    if cause is not None:
+        diagnosis, message = cause
+        raise Failed(Evidence(goal.shown, REACHED, told(ended)), message, diagnosis)
+    is_at(bench, place_of(ended.result.final_position))
+    bench.memory[_DRIVEN] = driven(bench) + length
+    return ended
+
+
+def allowed_s(length: float) -> float:
+    """How long a move may take, in seconds, by its length in metres."""
+    return _SLOWEST * length + _EXTRA_S
+
+
+def told(ended: Ended) -> str:
+    """The end of a goal as the learner is shown it."""
+    result = ended.result
+    return (
+        f"{ended.name}, final_position=({result.final_position.x:.4g}, {result.final_position.y:.4g}), "
+        f"distance_travelled={result.distance_travelled:.4g}"
+    )
+
+
+def is_blank(result: Any) -> bool:
+    """Whether a result is as ROS 2 makes it: nobody has filled in anything."""
+    return bool(result == MoveRobot.Result())
+
+
+def misses(place: Place, target: Place) -> bool:
+    """Whether a place is not the target, within the tolerance; NaN misses."""
+    return not math.dist(place, target) <= TOLERANCE
+
+
+def reject_all_or_some(bench: Bench, goal: Goal, others: list[Place]) -> Failed:
+    """A first goal was rejected: are all, or is it just this one?"""
+    evidence = Evidence(goal.shown, "the goal accepted", "the goal rejected")
+    life = goal.life()
+    for other in others:
+        again = send(bench, other)
+        again.wait_for_answer("the goal accepted")
+        if again.accepted:
+            bench.spoil()
+            return Failed(evidence, f"It lies in the arena, and {other} was accepted.", "validation.overzealous")
+    message = f"Each of {len(others) + 1} goals in the arena was rejected."
+    if _NO_RESPONSE in life.stderr:
+        message += " Your goal callback returned something that is no GoalResponse; rclpy takes that as a no."
+    return Failed(evidence, message, "action.rejects_all")
+
+
+def _rejected(bench: Bench, goal: Goal, target: Place, z: float) -> Failed:
+    """A good goal was rejected by a server that has accepted others: for what it is, or for what was before?"""
+    evidence = Evidence(goal.shown, "the goal accepted", "the goal rejected")
+    bench.spoil()
+    if bench.job.mode != "attach":
+        fresh = send(bench, target, z)
+        fresh.wait_for_answer("the goal accepted")
+        bench.spoil()
+        if fresh.accepted:
+            message = (
+                "No goal was running any more, and started anew your node accepts this very goal: "
+                "it still believes that an earlier one runs."
+            )
+            return Failed(evidence, message)
+    message = "This goal can be reached: it lies in the arena, the walls belong to it, and z does not matter."
+    return Failed(evidence, message, "validation.overzealous")

@@ -1,0 +1,96 @@
+"""Ways through the arena for exercise 2: where to send the robot, and what feedback of a move is worth."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    import random
+    from collections.abc import Sequence
+
+    from course_kit.grading.goals import Told
+
+ARENA = 10.0  # metres; 0 <= x, y <= ARENA
+TOLERANCE = 0.05  # metres; how near to the target a move has to end
+BESIDE = 0.1  # metres; how far from the straight way a position may lie
+ENOUGH = 5  # feedback messages of a move of 1 m to 2 m
+NEARLY_DONE = 0.9  # the progress that is reached in the end
+_ROUNDING = 1e-6
+_DRAWS = 24
+_GOOD_PART = 0.4
+
+
+class Place(NamedTuple):
+    """A place in the arena, in metres."""
+
+    x: float
+    y: float
+
+    def __str__(self) -> str:
+        return f"({self.x:.2f}, {self.y:.2f})"
+
+
+ORIGIN = Place(0.0, 0.0)
+# Where the robot is kept: far from (0, 0), which fields hold that nobody filled in, and from the corner opposite.
+_LEAST, _MOST = 0.6, 5.6
+
+
+def target_from(here: Place, length: float, random: random.Random) -> Place:
+    """A target `length` metres away (5 at most), drawn from those in the middle of the arena where there are any."""
+    drawn: list[Place] = []
+    while not drawn:
+        for _ in range(_DRAWS):
+            angle = random.uniform(0.0, 2.0 * math.pi)
+            drawn.append(Place(here.x + length * math.cos(angle), here.y + length * math.sin(angle)))
+        drawn = [place for place in drawn if all(0.0 <= value <= ARENA for value in place)]
+    return next((place for place in drawn if all(_LEAST <= value <= _MOST for value in place)), drawn[0])
+
+
+def farthest_corner(here: Place) -> Place:
+    """The corner of the arena that is farthest away, 7 m at least."""
+    corners = [Place(x, y) for x in (0.0, ARENA) for y in (0.0, ARENA)]
+    return max(corners, key=lambda corner: math.dist(here, corner))
+
+
+def place_of(point: Any) -> Place:
+    """The place of a geometry_msgs/Point."""
+    return Place(point.x, point.y)
+
+
+def beside(begin: Place, end: Place, place: Place) -> float:
+    """How far a place lies from the straight way between two others, in metres; NaN for a place that is none."""
+    way = math.dist(begin, end)
+    if way == 0.0:
+        return math.dist(begin, place)
+    along = ((place.x - begin.x) * (end.x - begin.x) + (place.y - begin.y) * (end.y - begin.y)) / way**2
+    along = min(max(along, 0.0), 1.0)
+    nearest = Place(begin.x + along * (end.x - begin.x), begin.y + along * (end.y - begin.y))
+    return math.dist(nearest, place)
+
+
+def is_spread(times: Sequence[float], began: float, over: float) -> bool:
+    """Whether feedback came all along a move, by the times it was published.
+
+    From the first to the last it has to take a good part of the move (a robot may get under way late), with at least
+    one message in the middle third of that.
+    """
+    first, last = times[0], times[-1]
+    third = (last - first) / 3.0
+    between = any(first + third <= time <= last - third for time in times)
+    return between and last - first >= _GOOD_PART * (over - began)
+
+
+def jump(feedback: Sequence[Told]) -> str:
+    """The first two messages between which progress falls or the distance left grows; empty when there are none."""
+    values = [one.feedback for one in feedback]
+    for value in values:
+        if not -_ROUNDING <= value.progress <= 1.0 + _ROUNDING:
+            return f"progress={value.progress!r}, which is not between 0 and 1"
+    for before, after in itertools.pairwise(values):
+        if not after.progress >= before.progress - _ROUNDING:
+            return f"progress={before.progress!r}, then {after.progress!r}"
+        if not after.distance_remaining <= before.distance_remaining + _ROUNDING:
+            return f"distance_remaining={before.distance_remaining!r}, then {after.distance_remaining!r}"
+    return ""

@@ -1,0 +1,234 @@
+"""Exercise 2: the action /move_robot, which drives a simulated robot, followed over the wire.
+
+The contract: goals in the arena are reached with feedback on the way, impossible ones and a second one at a time are
+rejected, and a goal can be cancelled mid-way. The robot is made fast by COURSE_KIT_TIME_SCALE; what a learner's own
+clock might have spoiled is repeated with the robot at its own speed before it counts.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from course_kit.graders._driving import (
+    ACTION,
+    FAST,
+    LONGEST_M,
+    REACHED,
+    SHORTEST_M,
+    Move,
+    arrive,
+    drive_on,
+    driven,
+    fairly,
+    here,
+    is_blank,
+    longest_way,
+    misses,
+    reject_all_or_some,
+    send,
+    set_off,
+    told,
+)
+from course_kit.graders._interrupting import cancel_midway, second_goal_of_two
+from course_kit.graders._moves import (
+    ARENA,
+    ORIGIN,
+    TOLERANCE,
+    Place,
+    place_of,
+)
+from course_kit.graders._watching import feedback_of_a_move, progress_of_a_move
+from course_kit.grading.actions import ensure_ready, expect_action
+from course_kit.grading.checks import Check, Evidence, Failed, check
+from course_kit.grading.offers import expect_node
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.grading.bench import Bench
+
+INTERFACES = (ACTION.interface,)
+VARIABLES = FAST
+NODE = "/move_robot_server"
+_SHORT_M = 0.4  # metres; a move where nothing but its end matters
+_AT_ONCE_S = 1.0  # a goal at the present position
+_EDGE_M = 0.01  # how near outside the arena we test
+
+
+@check(points=1.0, deadline_s=12.0)
+def offered(bench: Bench) -> Evidence:
+    """The action /move_robot is there, with its type."""
+    return expect_action(bench, ACTION)
+
+
+@check(points=0.5, depends_on=["offered"])
+def node_name(bench: Bench) -> Evidence:
+    """The node is called move_robot_server."""
+    return expect_node(bench, NODE, lambda: ensure_ready(bench, ACTION))
+
+
+@check(points=1.0, depends_on=["offered"])
+def accepted(bench: Bench) -> Evidence:
+    """A goal in the arena is accepted."""
+    target = Place(0.3, 0.2)
+    goal = send(bench, target)
+    goal.wait_for_answer("the goal accepted")
+    if not goal.accepted:
+        raise reject_all_or_some(bench, goal, [Place(2.0, 1.0), Place(5.0, 5.0)])
+    try:
+        arrive(bench, goal, longest_way(bench, target))
+    except Failed:
+        bench.spoil()  # how a goal ends is the next check's matter; it gets a fresh program
+    return Evidence(goal.shown, "the goal accepted", "the goal accepted")
+
+
+@check(points=2.0, depends_on=["accepted"], deadline_s=30.0)
+def succeeds(bench: Bench) -> Evidence:
+    """A goal in the arena ends SUCCEEDED, with a result."""
+    move = drive_on(bench, LONGEST_M)
+    return Evidence(move.goal.shown, REACHED, told(move.ended))
+
+
+@check(points=2.0, depends_on=["succeeds"], deadline_s=30.0)
+def arrives(bench: Bench) -> Evidence:
+    """The robot is at the target when the goal has succeeded."""
+    return _require_arrived(drive_on(bench, SHORTEST_M))
+
+
+@check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
+def distance(bench: Bench) -> Evidence:
+    """The distance travelled is the way of this move."""
+    return _require_distance(bench, drive_on(bench, LONGEST_M))
+
+
+@check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
+def any_z(bench: Bench) -> Evidence:
+    """The z of a target is ignored, be it 2.5 or NaN."""
+    for z in (2.5, math.nan):
+        evidence = _require_arrived(drive_on(bench, _SHORT_M, z))
+    return evidence
+
+
+@check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
+def already_there(bench: Bench) -> Evidence:
+    """A goal at the present position succeeds at once."""
+    place = here(bench)
+    goal = set_off(bench, place)
+    try:
+        ended = arrive(bench, goal, 0.0, within_s=_AT_ONCE_S)
+    except Failed:
+        bench.spoil()
+        raise
+    return _require_arrived(Move(place, place, goal, ended))
+
+
+@check(points=1.5, depends_on=["accepted"], deadline_s=30.0)
+def outside(bench: Bench) -> Evidence:
+    """Goals outside the arena are rejected."""
+    inside = bench.random.uniform(1.0, 9.0)
+    beyond = (-_EDGE_M, ARENA + _EDGE_M, bench.random.uniform(20.0, 1000.0), -bench.random.uniform(1.0, 50.0))
+    targets = [Place(value, inside) for value in beyond] + [Place(inside, value) for value in beyond]
+    return _rejects(bench, targets, f"the arena ends at 0 and at {ARENA:g} m")
+
+
+@check(points=1.0, depends_on=["accepted"], deadline_s=30.0)
+def not_a_number(bench: Bench) -> Evidence:
+    """Goals that are NaN or infinite are rejected."""
+    values = (math.nan, math.inf, -math.inf)
+    targets = [Place(value, 5.0) for value in values] + [Place(5.0, value) for value in values]
+    return _rejects(bench, targets, "that is no place")
+
+
+@check(points=2.0, depends_on=["arrives"], deadline_s=30.0)
+def feedback(bench: Bench) -> Evidence:
+    """While the robot moves, at least five feedback messages a metre tell where it is."""
+    return fairly(bench, feedback_of_a_move)
+
+
+@check(points=1.5, depends_on=["feedback"], deadline_s=30.0)
+def progress(bench: Bench) -> Evidence:
+    """Progress grows, the distance left shrinks, the position is on the straight way."""
+    return fairly(bench, progress_of_a_move)
+
+
+@check(points=1.5, depends_on=["arrives"], deadline_s=60.0)
+def second_goal(bench: Bench) -> Evidence:
+    """A second goal is rejected while one runs."""
+    return fairly(bench, second_goal_of_two)
+
+
+@check(points=2.0, depends_on=["arrives"], deadline_s=60.0)
+def cancel(bench: Bench) -> Evidence:
+    """A goal is cancelled mid-way: within 1 s, short of the target."""
+    return fairly(bench, cancel_midway)
+
+
+@check(points=1.0, depends_on=["cancel"], deadline_s=30.0)
+def after_cancel(bench: Bench) -> Evidence:
+    """After that the next goal works, and starts from there."""
+    move = drive_on(bench, SHORTEST_M)
+    _require_arrived(move)
+    return _require_distance(bench, move)
+
+
+CHECKS: tuple[Check, ...] = (
+    offered,
+    node_name,
+    accepted,
+    succeeds,
+    arrives,
+    distance,
+    any_z,
+    already_there,
+    outside,
+    not_a_number,
+    feedback,
+    progress,
+    second_goal,
+    cancel,
+    after_cancel,
+)
+
+
+def _require_arrived(move: Move) -> Evidence:
+    final = place_of(move.ended.result.final_position)
+    expected = f"{REACHED}, final_position within {TOLERANCE} m of {move.target}"
+    evidence = Evidence(move.goal.shown, expected, told(move.ended))
+    if not misses(final, move.target):
+        return evidence
+    if is_blank(move.ended.result):
+        raise Failed(evidence, "The result came as ROS 2 had made it: nobody filled in its fields.")
+    off = math.dist(final, move.target)
+    raise Failed(evidence, f"The robot ended {off:.3g} m away from the target.", "action.stops_short")
+
+
+def _require_distance(bench: Bench, move: Move) -> Evidence:
+    travelled = move.ended.result.distance_travelled
+    tolerance = max(TOLERANCE, 0.05 * move.length)
+    expected = f"distance_travelled within {tolerance:.3g} m of {move.length:.3g} m, the way from {move.begin}"
+    evidence = Evidence(move.goal.shown, expected, told(move.ended))
+    if abs(travelled - move.length) <= tolerance:
+        return evidence
+    since_start = abs(travelled - driven(bench)) <= tolerance
+    if abs(travelled - math.dist(ORIGIN, move.target)) <= tolerance and not since_start:
+        message = f"That is the way from {ORIGIN}. The robot was at {move.begin} when this goal came."
+    elif travelled > move.length:
+        message = f"That is more than this move{', and fits all moves so far together' if since_start else ''}."
+    elif travelled == 0.0:
+        message = "The field was not filled in."
+    else:
+        message = "That is less than the straight line."
+    raise Failed(evidence, message)
+
+
+def _rejects(bench: Bench, targets: Sequence[Place], why: str) -> Evidence:
+    expected = "the goal rejected"
+    for target in targets:
+        goal = send(bench, target)
+        goal.wait_for_answer(expected)
+        if goal.accepted:
+            bench.spoil()
+            message = f"Your server accepted this goal, and {why}."
+            raise Failed(Evidence(goal.shown, expected, "the goal accepted"), message, "action.accepts_impossible")
+    return Evidence(goal.shown, expected, expected)

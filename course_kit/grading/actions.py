@@ -1,0 +1,109 @@
+"""What graders ask of an action server before they send it goals: is it there, and does the grader hear it.
+
+An action is three services and two topics below its name (design article "Actions" of ROS 2). The grader uses these
+themselves, not rclpy's ActionClient: that one drops feedback which arrives after the result, and hides the rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile
+
+from course_kit.grading import offers
+from course_kit.grading.bench import SubmissionEndedError
+from course_kit.grading.checks import Evidence, Failed
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rclpy.client import Client
+
+    from course_kit.grading.bench import Bench
+    from course_kit.grading.tester import Heard
+
+_NUDGE_S = 1.0  # how long a program that offers an action and ends at once is given to do so
+_FEEDBACK = QoSProfile(depth=1000)
+_STATUS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
+
+
+@dataclass(frozen=True)
+class Action:
+    """An action as the exercise names it.
+
+    Attributes:
+        name: its full name.
+        interface: its class.
+        type: the interface's name, `package/action/Name`.
+    """
+
+    name: str
+    interface: Any
+    type: str
+
+    @property
+    def wanted(self) -> offers.Wanted:
+        """What is to be on the graph."""
+        return offers.Wanted("action", self.name, self.type)
+
+
+class Line:
+    """The grader's connections with an action; made on first use, and the same as long as the grader's node."""
+
+    def __init__(self, bench: Bench, action: Action) -> None:
+        parts, self._tester, self._name = action.interface.Impl, bench.tester, action.name
+        self.goals = self._client(parts.SendGoalService, "send_goal")
+        self.results = self._client(parts.GetResultService, "get_result")
+        self.cancels = self._client(parts.CancelGoalService, "cancel_goal")
+        self.feedback: Heard = self._listen(parts.FeedbackMessage, "feedback", _FEEDBACK)
+        self.status: Heard = self._listen(parts.GoalStatusMessage, "status", _STATUS)
+
+    def ready(self) -> bool:
+        """Whether a goal can be sent and everything about it will be heard."""
+        return all(client.service_is_ready() for client in (self.goals, self.results, self.cancels)) and all(
+            self._tester.node.count_publishers(f"{self._name}/_action/{topic}") for topic in ("feedback", "status")
+        )
+
+    def _client(self, interface: Any, part: str) -> Client:
+        return self._tester.client(interface, f"{self._name}/_action/{part}")
+
+    def _listen(self, interface: Any, part: str, qos: QoSProfile) -> Heard:
+        return self._tester.hear(interface, f"{self._name}/_action/{part}", qos)
+
+
+def expect_action(bench: Bench, action: Action) -> Evidence:
+    """The action is on the graph, with its type, and its program is there to be sent goals.
+
+    Raises:
+        Failed: it is not; with start.*, name.action, type.interface or limit.*.
+    """
+    expected = f"the action {action.name} of type {action.type}"
+    line = Line(bench, action)
+    offers.await_offer(bench, action.wanted, line.ready, bench.tester.actions)
+    try:
+        # Asks for the result of a goal that does not exist: whether that is answered does not matter.
+        bench.wait_until(line.results.call_async(action.interface.Impl.GetResultService.Request()).done, _NUDGE_S)
+    except SubmissionEndedError as ended:
+        if ended.diagnosis == "start.exit":
+            evidence = Evidence("", expected, "a program that has ended")
+            raise Failed(evidence, ended.message, ended.diagnosis) from None
+    return Evidence("", expected, expected)
+
+
+def ensure_ready(bench: Bench, action: Action) -> None:
+    """Have a running submission that offers the action: one that has died or hangs is started again.
+
+    Raises:
+        Failed: it does not come up a second time.
+    """
+    offers.ensure_running(bench, action.wanted, lambda: Line(bench, action).ready())
+
+
+def start_again(bench: Bench, action: Action, variables: Mapping[str, str]) -> None:
+    """Start the submission anew with other environment variables.
+
+    Raises:
+        Failed: it does not come up a second time.
+    """
+    offers.start_again(bench, action.wanted, lambda: Line(bench, action).ready(), variables)

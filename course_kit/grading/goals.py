@@ -1,0 +1,199 @@
+"""One goal of an action, followed from its sending to its end by what crosses the wire."""
+
+from __future__ import annotations
+
+import itertools
+import uuid
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from action_msgs.msg import GoalInfo, GoalStatus
+from unique_identifier_msgs.msg import UUID
+
+from course_kit.grading import goal_endings, silence
+from course_kit.grading.actions import Action, Line, ensure_ready
+from course_kit.grading.bench import SubmissionEndedError
+from course_kit.grading.checks import Evidence, Failed
+
+if TYPE_CHECKING:
+    from course_kit.grading.bench import Bench, Life
+
+SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
+NAMES = {
+    getattr(GoalStatus, name): name.removeprefix("STATUS_") for name in dir(GoalStatus) if name.startswith("STATUS_")
+}
+_NUDGE_S = 1.0  # an executor with several threads notices a callback's exception with the next event only
+_QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
+
+
+@dataclass(frozen=True)
+class Told:
+    """Feedback, and when it was published, in seconds of the server's clock."""
+
+    feedback: Any
+    sent_s: float
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a goal ended: its status (see action_msgs/msg/GoalStatus) and its result, as the client gets them."""
+
+    status: int
+    result: Any
+
+    @property
+    def name(self) -> str:
+        """The status in words, `SUCCEEDED`."""
+        return NAMES.get(self.status, str(self.status))
+
+
+class Goal:
+    """A goal; made, it is sent."""
+
+    def __init__(self, bench: Bench, action: Action, message: Any, shown: str) -> None:
+        """Send a goal; a submission that has died or hangs is started again before.
+
+        Args:
+            bench: the test bench.
+            action: to whom.
+            message: the goal.
+            shown: the goal as the learner is shown it.
+        """
+        ensure_ready(bench, action)
+        self.shown = shown
+        self._bench, self._parts, self._line = bench, action.interface.Impl, Line(bench, action)
+        self._stderr = bench.life(fresh=True).stderr
+        self._id = uuid.uuid4().bytes
+        self._results: list[Any] = []
+        self.clock = bench.clock()
+        request = self._parts.SendGoalService.Request(goal_id=self._uuid(), goal=message)
+        self._answer = self._line.goals.call_async(request)
+
+    @property
+    def answered(self) -> bool:
+        """Whether the server has said yes or no."""
+        return bool(self._answer.done())
+
+    @property
+    def accepted(self) -> bool:
+        """Whether it has said yes."""
+        return self.answered and bool(self._answer.result().accepted)
+
+    @property
+    def feedback(self) -> list[Told]:
+        """The feedback about this goal so far, oldest first."""
+        heard = self._line.feedback
+        return [
+            Told(message.feedback, sent_s)
+            for message, sent_s in zip(heard.messages, heard.sent, strict=True)
+            if bytes(message.goal_id.uuid) == self._id
+        ]
+
+    @property
+    def statuses(self) -> list[tuple[float, int]]:
+        """The statuses the server has published for this goal so far, each with its time on the server's clock."""
+        heard = self._line.status
+        return [
+            (sent_s, entry.status)
+            for message, sent_s in zip(heard.messages, heard.sent, strict=True)
+            for entry in message.status_list
+            if bytes(entry.goal_info.goal_id.uuid) == self._id
+        ]
+
+    @property
+    def over_at(self) -> float | None:
+        """When it ended, on the server's clock; None as long as it runs."""
+        return next((when for when, status in self.statuses if status >= SUCCEEDED), None)
+
+    @property
+    def began_at(self) -> float:
+        """When the server first told of it, on the server's clock; 0 if it never has."""
+        return next((when for when, _ in self.statuses), 0.0)
+
+    def wait_for_answer(self, expected: str, seconds: float = silence.ANSWER_S) -> None:
+        """Wait until the server has said yes or no.
+
+        Raises:
+            Failed: it has not; with the reason if it can be established.
+        """
+        nudged = False
+
+        def decided() -> bool:
+            nonlocal nudged
+            if not nudged and self.clock.wall() > _NUDGE_S:
+                nudged = True
+                self._line.results.call_async(self._parts.GetResultService.Request())
+            return self.answered
+
+        try:
+            found = self._bench.wait_until(decided, seconds)
+        except SubmissionEndedError as ended:
+            evidence = Evidence(self.shown, expected, "no answer: the program ended")
+            raise Failed(evidence, ended.message, ended.diagnosis) from None
+        if not found:
+            raise silence.unanswered(self._bench, self.shown, expected)
+
+    def wait_for_end(self, seconds: float, expected: str) -> Ended:
+        """Wait for the result.
+
+        Args:
+            seconds: the patience, fairly counted.
+            expected: what a right end is, in words.
+
+        Raises:
+            Failed: none came; with the reason if it can be established.
+        """
+        self._ask_for_result()
+        try:
+            self._bench.wait_until(self._result_came, seconds)
+        except SubmissionEndedError as ended:
+            diagnosis, message = goal_endings.of_program(ended.life, self._bench.job)
+            evidence = Evidence(self.shown, expected, "no result: the program ended")
+            raise Failed(evidence, message, diagnosis) from None
+        for future in self._results:
+            if future.done():
+                return Ended(future.result().status, future.result().result)
+        self._bench.spoil()
+        over = next((NAMES[status] for _, status in self.statuses if status >= SUCCEEDED), "")
+        diagnosis, message = goal_endings.of_silence(self._bench, over, seconds, self.life())
+        raise Failed(Evidence(self.shown, expected, f"no result within {seconds:.1f} s"), message, diagnosis)
+
+    def wait_for_last_feedback(self) -> list[Told]:
+        """The feedback of a goal that has ended, once no more comes."""
+        count, clock = -1, self._bench.clock()
+
+        def quiet() -> bool:
+            nonlocal count, clock
+            if count != len(self._line.feedback.messages):
+                count, clock = len(self._line.feedback.messages), self._bench.clock()
+            return clock.past(_QUIET_S)
+
+        self._bench.wait_until(quiet, silence.ANSWER_S)
+        return self.feedback
+
+    def cancel(self) -> Any:
+        """Ask the server to cancel it; a future of the response (action_msgs/srv/CancelGoal)."""
+        request = self._parts.CancelGoalService.Request(goal_info=GoalInfo(goal_id=self._uuid()))
+        return self._line.cancels.call_async(request)
+
+    def is_cancelled_by(self, response: Any) -> bool:
+        """Whether a response to `cancel` says that the goal will be cancelled."""
+        return any(bytes(info.goal_id.uuid) == self._id for info in response.goals_canceling)
+
+    def life(self) -> Life:
+        """What is known of the program, with only what it has written to stderr since the goal was sent."""
+        life = self._bench.life(fresh=True)
+        same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(self._stderr, life.stderr, strict=False))
+        return replace(life, stderr=life.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
+
+    def _result_came(self) -> bool:
+        if len(self._results) == 1 and self.over_at is not None and self.clock.wall() > _NUDGE_S:
+            self._ask_for_result()
+        return any(future.done() for future in self._results)
+
+    def _ask_for_result(self) -> None:
+        request = self._parts.GetResultService.Request(goal_id=self._uuid())
+        self._results.append(self._line.results.call_async(request))
+
+    def _uuid(self) -> Any:
+        return UUID(uuid=list(self._id))

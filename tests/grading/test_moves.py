@@ -1,0 +1,143 @@
+"""The geometry of exercise 2's grader, and what it makes of feedback and of a program's last words."""
+
+from __future__ import annotations
+
+import math
+import random
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from course_kit.graders._moves import ARENA, ORIGIN, Place, beside, farthest_corner, is_spread, jump, target_from
+from course_kit.grading import goal_endings
+from course_kit.grading.bench import Life
+from course_kit.grading.goals import Told
+from course_kit.grading.job import Job
+
+coordinates = st.floats(0.0, ARENA)
+places = st.builds(Place, coordinates, coordinates)
+
+
+@given(places, st.floats(0.1, 5.0), st.integers())
+def test_targets_are_in_the_arena_and_as_far_as_wanted(here: Place, length: float, seed: int) -> None:
+    target = target_from(here, length, random.Random(seed))  # noqa: S311 - places, not secrets
+    assert all(0.0 <= value <= ARENA for value in target)
+    assert math.isclose(math.dist(here, target), length, rel_tol=1e-9)
+
+
+@given(places)
+def test_a_far_corner_is_far(here: Place) -> None:
+    assert math.dist(here, farthest_corner(here)) >= 7.07
+
+
+@pytest.mark.parametrize(
+    ("place", "distance"),
+    [((1.0, 0.5), 0.5), ((-1.0, 0.0), 1.0), ((3.0, 0.0), 1.0), ((0.0, 0.0), 0.0), ((1.5, -0.2), 0.2)],
+)
+def test_distance_from_the_way(place: tuple[float, float], distance: float) -> None:
+    assert beside(ORIGIN, Place(2.0, 0.0), Place(*place)) == pytest.approx(distance)
+
+
+def test_a_place_that_is_none_is_beside_every_way() -> None:
+    assert not beside(ORIGIN, Place(2.0, 0.0), Place(math.nan, 0.0)) <= 1e9
+    assert beside(ORIGIN, ORIGIN, Place(3.0, 4.0)) == 5.0
+
+
+@pytest.mark.parametrize(
+    ("times", "spread"),
+    [
+        ([0.2, 0.4, 0.6, 0.8, 1.0], True),
+        ([0.0, 0.25, 0.5, 0.75, 1.0], True),
+        ([0.6, 0.7, 0.8, 0.9, 1.0], True),
+        ([0.96, 0.97, 0.98, 0.99, 1.0], False),
+        ([0.0, 0.01, 0.02, 0.03, 0.04], False),
+        ([0.0, 0.97, 0.98, 0.99, 1.0], False),
+        ([0.5, 0.5, 0.5, 0.5, 0.5], False),
+    ],
+)
+def test_feedback_is_spread_or_in_a_bunch(times: list[float], spread: bool) -> None:
+    assert is_spread(times, 0.0, 1.0) == spread
+
+
+def heard(*values: tuple[float, float]) -> list[Any]:
+    return [Told(SimpleNamespace(progress=progress, distance_remaining=left), 0.0) for progress, left in values]
+
+
+@pytest.mark.parametrize(
+    ("values", "fact"),
+    [
+        ([(0.0, 2.0), (0.5, 1.0), (0.5, 1.0), (1.0, 0.0)], ""),
+        ([(0.0, 2.0), (0.5, 1.0), (0.4, 0.9)], "progress=0.5, then 0.4"),
+        ([(0.0, 2.0), (0.5, 1.0), (0.6, 1.2)], "distance_remaining=1.0, then 1.2"),
+        ([(0.0, 2.0), (1.2, 0.0)], "progress=1.2, which"),
+        ([(-0.1, 2.0)], "progress=-0.1, which"),
+        ([(math.nan, 2.0)], "progress=nan, which"),
+        ([(0.1, math.nan), (0.2, 1.0)], "distance_remaining=nan, then 1.0"),
+        ([(0.1, 1.0), (0.2, 1.0 + 1e-9)], ""),
+    ],
+)
+def test_jumps_in_feedback_are_found(values: list[tuple[float, float]], fact: str) -> None:
+    assert jump(heard(*values)).startswith(fact)
+    assert bool(jump(heard(*values))) == bool(fact)
+
+
+SOURCE = "\n".join(f"line_{number}()" for number in range(1, 20))
+TRACE = """[ERROR] [1.0] [move_robot_server.action_server]: Error raised in execute callback: x
+Traceback (most recent call last):
+  File "/site-packages/rclpy/action/server.py", line 336, in {function}
+    execute_result = await await_or_execute(execute_callback, goal_handle)
+  File "answer.py", line 7, in execute
+    line_7()
+{error}
+"""
+
+
+def cause_of(
+    status: str, error: str = "", *, mode: str = "run", stderr: str = "", function: str = "_execute_goal"
+) -> Any:
+    text = TRACE.format(error=error, function=function) if error else stderr
+    job = Job("move_robot", mode, "answer.py", 1, source=SOURCE)
+    return goal_endings.of_status(status, Life(running=True, stderr=text), job)
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "fact"),
+    [
+        (
+            (
+                "rclpy._rclpy_pybind11.RCLError: Failed to update goal state: goal_handle attempted invalid "
+                "transition from state SUCCEEDED with event SUCCEED, at goal_handle.c:100"
+            ),
+            "action.wrong_terminal",
+            "called succeed() in line 7",
+        ),
+        ("AssertionError: The 'progress' field must be of type 'float'", "field.type", "'progress' must be a float"),
+        (
+            "ZeroDivisionError: float division by zero",
+            None,
+            "ZeroDivisionError: float division by zero in line 7: line_7()",
+        ),
+        ("MemoryError", "limit.memory", "512 MB"),
+    ],
+)
+def test_exceptions_in_execute_are_told_apart(error: str, code: str | None, fact: str) -> None:
+    found, message = cause_of("ABORTED", error)
+    assert found == code
+    assert fact in message
+
+
+def test_an_exception_elsewhere_is_not_taken_for_the_cause() -> None:
+    found, message = cause_of("ABORTED", "ValueError: a timer's", function="timer_callback")
+    assert found == "action.wrong_terminal"
+    assert "ValueError" not in message
+
+
+def test_abort_is_not_confused_with_nothing_at_all() -> None:
+    log = "[WARN] [1.0] [x.action_server]: Goal state not set, assuming aborted. Goal ID: [1 2]"
+    assert cause_of("ABORTED", stderr=log)[0] == "action.no_terminal"
+    assert cause_of("ABORTED")[0] == "action.wrong_terminal"
+    assert cause_of("ABORTED", mode="attach")[0] is None
+    assert cause_of("CANCELED", mode="attach")[0] == "action.wrong_terminal"
