@@ -1,0 +1,67 @@
+"""`%ros2` and `!ros2` in a real kernel, against a node of its lab."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import environment
+from tests.lab.kernel import Kernel
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+NODE = """
+from course_kit import lab
+from rclpy.node import Node
+from std_srvs.srv import SetBool
+
+class Switch(Node):
+    def __init__(self):
+        super().__init__("switch")
+        self.declare_parameter("speed", 1.0)
+        self.create_service(SetBool, "power", self.power)
+
+    def power(self, request, response):
+        self.get_logger().info("asked")
+        response.success = request.data
+        return response
+
+lab.start(Switch)
+"""
+CALL = "service call /power std_srvs/srv/SetBool '{data: true}'"
+
+
+@pytest.fixture(scope="module")
+def kernel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kernel]:
+    with environment.exclusive_domain() as domain_id, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(domain_id))
+        patch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+        with Kernel(cwd=tmp_path_factory.mktemp("kernel")) as running:
+            assert running.run("%load_ext course_kit").ok
+            assert running.run(NODE).ok
+            yield running
+
+
+def test_the_magic_lists_and_calls_and_the_nodes_log_lands_in_the_cell(kernel: Kernel) -> None:
+    assert kernel.run("%ros2 service list").stdout.splitlines()[0] == "/power"
+    called = kernel.run(f"%ros2 {CALL}")
+    assert "response:\nstd_srvs.srv.SetBool_Response(success=True, message='')" in called.stdout
+    assert "[INFO] [switch]: asked" in called.stdout
+
+
+def test_the_command_after_an_exclamation_mark_meets_the_same_node(kernel: Kernel) -> None:
+    assert "/power" in kernel.run("!ros2 service list").stdout.split()
+    assert "success=True" in kernel.run(f"!ros2 {CALL}").stdout
+    assert "Set parameter successful" in kernel.run("!ros2 param set /switch speed 2.5").stdout
+    assert kernel.run("%ros2 param get /switch speed").stdout == "Double value is: 2.5\n"
+
+
+def test_a_slip_is_one_line_and_no_traceback(kernel: Kernel) -> None:
+    slipped = kernel.run("%ros2 servce list")
+    assert slipped.ok
+    assert slipped.stderr == "ros2: argument command: there is no 'servce'. Did you mean service?\n"
