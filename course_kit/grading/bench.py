@@ -119,7 +119,7 @@ class Bench:
 
         What it has put into the job's variable is in the notes of the result, as `values.describe` puts it.
         """
-        self._ask("launch", arguments=[])
+        self._ask("launch", arguments=[], files={}, variables=self._variables)
         return _life(self._ask("finish", patience_s=self.job.limits.wall_s))
 
     def close(self) -> None:
