@@ -71,7 +71,7 @@ def test_the_file_is_no_helper(tmp_path: Path) -> None:
 
 def library_in_use(name: str) -> str:
     lines = Path("/proc/self/maps").read_text().splitlines()
-    return next(line.split()[-1] for line in lines if line.endswith(name))
+    return next(line.split(maxsplit=5)[-1] for line in lines if line.endswith(name))
 
 
 def test_another_middleware(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -85,11 +85,12 @@ def test_help_says_that_it_is_a_subset(robot: Ros2, words: tuple[str, ...]) -> N
 
 
 def test_a_reader_that_has_seen_enough_is_no_error(robot: Ros2) -> None:
+    import shlex
     import subprocess
 
     from .commands import OURS
 
-    pipe = f"{' '.join(OURS)} topic echo /chatter | head -n 1"
+    pipe = f"{shlex.join(OURS)} topic echo /chatter | head -n 1"
     done = subprocess.run(pipe, shell=True, env=robot.environ, capture_output=True, text=True, timeout=60, check=True)  # noqa: S602
     assert "data: hello" in done.stdout
     assert done.stderr == ""

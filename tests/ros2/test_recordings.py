@@ -151,7 +151,8 @@ def test_launch_until_ctrl_c(name: str, ros2: Ros2, table: dict[str, str]) -> No
         which = "package='course_robot', executable='robot_node', name='robot'"
         more = "parameters=[{'robot_name': 'r2d2', 'max_velocity': 2.5, 'wheel_diameter': 0.2}]"
         ros2.environ["AMENT_PREFIX_PATH"] = str(ros2.folder)
-    script.write_text(f"#!{sys.executable}\n{program}")
+    # As pip writes it: a "#!" line cannot name a Python in a folder with a space.
+    script.write_text(f"#!/bin/sh\n'''exec' \"{sys.executable}\" \"$0\" \"$@\"\n' '''\n{program}")
     script.chmod(0o755)
     file = ros2.folder / recordings.read(name).words[1]
     file.write_text(LAUNCH_FILE.format(which=which, more=more))
