@@ -17,6 +17,7 @@ _EXECUTE = "_execute_goal"  # rclpy's function around the execute callback
 _NOT_A_RESULT = re.compile(r"'result' field must be a sub message")
 _TRANSITION = re.compile(r"from state (?P<state>\w+) with event (?P<event>\w+)")
 _NOT_ENDED = "Goal state not set, assuming aborted"  # rclpy's warning
+_LOOKS = 3  # at what the program does: on a loaded machine one may come out incomplete
 _VERBS = {"SUCCEED": "succeed()", "ABORT": "abort()", "CANCELED": "canceled()"}
 
 
@@ -79,8 +80,8 @@ def of_silence(bench: Bench, over: str, seconds: float, life: Life) -> Cause:
     if over:
         cause = of_exception(life, bench.job)
         return cause or (None, f"The goal has ended as {over}, but its result was never sent.")
-    seen = silence.doing(bench)
-    if seen.callback is None:
+    seen = next((seen for seen in (silence.doing(bench) for _ in range(_LOOKS)) if seen.callback), None)
+    if seen is None or seen.callback is None:
         return None, f"The goal was accepted, and {seconds:.1f} s later it has not ended. No callback is at work on it."
     where = endings.source_line(bench.job, seen.callback.line)
     if seen.waits_for_ros:
