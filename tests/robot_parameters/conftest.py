@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 EXERCISE = "robot_parameters"
 ROOT = environment.checkout() or Path()
 SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
-WORKERS = 3
+WORKERS = 5
 
 
 @dataclass(frozen=True)
