@@ -13,7 +13,7 @@ from course_kit.lab.notebook import Notebook
 from course_kit.lab.output import Output
 
 if TYPE_CHECKING:
-    from collections.abc import Coroutine
+    from collections.abc import Callable, Coroutine, Hashable
 
     from course_kit.lab.engine import Engine
     from course_kit.lab.live_nodes import NodeList
@@ -39,6 +39,7 @@ class Lab:
         self._engine: Engine | None = None
         self._scripts: Scripts | None = None
         self._recorder: Recorder | None = None
+        self._panels: dict[Hashable, Callable[[], None]] = {}
         self._closed = False
         self._lock = threading.RLock()
 
@@ -150,12 +151,21 @@ class Lab:
         self.output.drain()  # also takes in what scripts have reported
         return recorder.diagram(last)
 
+    def attach_panel(self, key: Hashable, close: Callable[[], None]) -> None:
+        """Have a panel closed with the lab, or before another one of the same key is attached."""
+        before = self._panels.pop(key, None)
+        if before is not None:
+            before()
+        self._panels[key] = close
+
     def close(self) -> None:
-        """End everything: scripts, nodes, the thread, the context. Safe to call twice."""
+        """End everything: panels, scripts, nodes, the thread, the context. Safe to call twice."""
         with self._lock:
             if self._closed:
                 return
             self._closed = True
+            while self._panels:
+                self._panels.popitem()[1]()
             if self._scripts is not None:
                 self._scripts.close()
             if self._engine is not None:

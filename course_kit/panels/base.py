@@ -1,0 +1,102 @@
+"""What all panels share: one at a time for each thing, updates at a rate a browser can follow, an end."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from course_kit import lab
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Hashable
+
+RATE = 10.0  # updates a second; above 1,000 the Jupyter server drops some for good
+_JOIN = 2.0  # seconds an update is given to end
+
+T = TypeVar("T")
+
+
+class Panel:
+    """A widget for one thing on the ROS graph.
+
+    A notebook displays it as `widget`; a terminal, a stored notebook and a screen reader's text view have
+    `describe()`, which holds nothing that changes from run to run.
+
+    Args:
+        subject: what it is for. A panel of the same class for the same subject is closed first.
+    """
+
+    def __init__(self, *subject: Hashable) -> None:
+        self._closing: list[Callable[[], None]] = []
+        lab.current().attach_panel((type(self).__name__, *subject), self.close)
+
+    @property
+    def widget(self) -> Any:
+        """The ipywidget to be displayed."""
+        raise NotImplementedError
+
+    def describe(self) -> str:
+        """The panel in a sentence or two, for where no widget can be shown."""
+        raise NotImplementedError
+
+    def at_close(self, function: Callable[[], None]) -> None:
+        """Have a function called when the panel ends; the last one first."""
+        self._closing.append(function)
+
+    def close(self) -> None:
+        """End it: nothing of it is left on the ROS graph. What it displays stays. Safe to call twice."""
+        while self._closing:
+            self._closing.pop()()
+
+    def _repr_mimebundle_(self, **options: Any) -> dict[str, Any]:
+        bundle: dict[str, Any] = dict(self.widget._repr_mimebundle_(**options) or {})
+        bundle["text/plain"] = self.describe()
+        return bundle
+
+    def __repr__(self) -> str:
+        return self.describe()
+
+
+class Latest(Generic[T]):
+    """Hands the latest value to `show` on a thread of its own, at most `rate` times a second.
+
+    For what comes from callbacks of nodes: they may be faster than a browser, and must not wait for one. The last
+    value is always shown.
+
+    Args:
+        show: called with the latest value; an exception in it ends the updates.
+        rate: updates a second at most.
+    """
+
+    def __init__(self, show: Callable[[T], None], rate: float = RATE) -> None:
+        self._show = show
+        self._pause = 1.0 / rate
+        self._values: list[T] = []
+        self._changed = threading.Condition()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="panel-updates", daemon=True)
+        self._thread.start()
+
+    def put(self, value: T) -> None:
+        """Show this soon, unless another value comes first; returns at once."""
+        with self._changed:
+            self._values[:] = [value]
+            self._changed.notify()
+
+    def close(self) -> None:
+        """Show what is left and end the thread."""
+        with self._changed:
+            self._ended.set()
+            self._changed.notify()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(_JOIN)
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._values or self._ended.is_set())
+                values, self._values = self._values, []
+            if not values:
+                return
+            self._show(values[0])
+            self._ended.wait(self._pause)

@@ -1,0 +1,83 @@
+"""What every panel can rely on."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any
+
+import ipywidgets
+import pytest
+
+from course_kit import lab
+from course_kit.lab.core import Lab
+from course_kit.panels.base import Latest, Panel
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+class Lamp(Panel):
+    """A panel with nothing on the graph."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.label = ipywidgets.Label(name)
+        self.ended = 0
+        self.at_close(self.count)
+
+    @property
+    def widget(self) -> Any:
+        return self.label
+
+    def describe(self) -> str:
+        return f"A lamp called {self.label.value}."
+
+    def count(self) -> None:
+        self.ended += 1
+
+
+@pytest.fixture(autouse=True)
+def own_lab() -> Iterator[Lab]:
+    own = Lab()
+    before = lab.use(own)
+    yield own
+    own.close()
+    lab.use(before)
+
+
+def test_a_panel_is_a_widget_for_a_notebook_and_a_sentence_for_the_rest() -> None:
+    bundle = Lamp("red")._repr_mimebundle_()
+    assert bundle["text/plain"] == "A lamp called red."
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+
+
+def test_the_same_panel_again_replaces_the_one_before_and_another_one_does_not() -> None:
+    first, other = Lamp("red"), Lamp("green")
+    again = Lamp("red")
+    assert (first.ended, other.ended, again.ended) == (1, 0, 0)
+
+
+def test_panels_end_with_the_lab_and_once(own_lab: Lab) -> None:
+    lamp = Lamp("red")
+    own_lab.close()
+    lamp.close()
+    assert lamp.ended == 1
+
+
+def test_the_last_value_is_shown_and_the_burst_before_it_is_not() -> None:
+    shown: list[int] = []
+    begun, go_on = threading.Event(), threading.Event()
+
+    def show(value: int) -> None:
+        shown.append(value)
+        begun.set()
+        go_on.wait(10)
+
+    updates = Latest(show, rate=1000.0)
+    updates.put(0)
+    assert begun.wait(10)
+    for value in range(1, 500):
+        updates.put(value)
+    go_on.set()
+    updates.close()
+    assert shown == [0, 499]
