@@ -88,8 +88,12 @@ def collect(source: Path, exercises: Sequence[Exercise], workspace: Path, layout
             students.setdefault(found.student, []).append((found, path))
     entries: list[Entry] = []
     missing: list[tuple[str, str]] = []
-    for student in sorted(students):
-        _sort_out(root, students[student], exercises, entries, missing, left)
+    for student, files in sorted(students.items()):
+        found_entries, rest = _entries_of(student, files, exercises, root)
+        entries += found_entries
+        left += rest
+        handed_in = {entry.exercise for entry in found_entries}
+        missing += [(student, exercise.id) for exercise in exercises if exercise.id not in handed_in]
     return Intake(root, name, tuple(entries), tuple(sorted(left)), tuple(missing))
 
 
@@ -106,8 +110,8 @@ def _files(root: Path) -> tuple[list[str], list[tuple[str, str]]]:
     paths, foreign = [], []
     for folder, folders, files in os.walk(root):
         here = Path(folder)
-        for name in sorted(_FOREIGN_FOLDERS.intersection(folders)):
-            foreign.append(((here / name).relative_to(root).as_posix(), "a folder of a tool"))
+        tools = sorted(_FOREIGN_FOLDERS.intersection(folders))
+        foreign += [((here / name).relative_to(root).as_posix(), "a folder of a tool") for name in tools]
         folders[:] = sorted(set(folders) - _FOREIGN_FOLDERS)
         paths += [(here / name).relative_to(root).as_posix() for name in files]
     return sorted(paths), foreign
@@ -122,32 +126,26 @@ def _without_exercise(found: Found, exercises: Sequence[Exercise]) -> Found:
     return found
 
 
-def _sort_out(  # noqa: PLR0913 - what it sorts into
-    root: Path,
-    files: list[tuple[Found, str]],
-    exercises: Sequence[Exercise],
-    entries: list[Entry],
-    missing: list[tuple[str, str]],
-    left: list[tuple[str, str]],
-) -> None:
-    """Decide which of a student's files is for which exercise."""
-    student = files[0][0].student
-    taken: dict[str, str] = {}
-    considered: dict[str, str] = {}
+def _entries_of(
+    student: str, files: list[tuple[Found, str]], exercises: Sequence[Exercise], root: Path
+) -> tuple[list[Entry], list[tuple[str, str]]]:
+    """A student's submissions, and the files that are none with the reason."""
+    entries = []
+    superseded: dict[str, str] = {}
     for exercise in exercises:
         candidates = sorted(_candidates(root, files, exercise, alone=len(exercises) == 1), key=lambda one: one.rank)
-        if not candidates:
-            missing.append((student, exercise.id))
-            continue
-        best = candidates[-1]
-        taken[best.path] = exercise.id
-        considered.update((one.path, best.path) for one in candidates[:-1])
-        found = best.found
-        entries.append(Entry(student, exercise.id, best.path, found.name, found.late, dict(found.platform)))
-    for _, path in files:
-        if path not in taken:
-            other = considered.get(path)
-            left.append((path, f"{other} was taken" if other else "it is for none of the exercises"))
+        if candidates:
+            best = candidates[-1]
+            superseded.update((one.path, best.path) for one in candidates[:-1])
+            found = best.found
+            entries.append(Entry(student, exercise.id, best.path, found.name, found.late, dict(found.platform)))
+    taken = {entry.source for entry in entries}
+    rest = [
+        (path, f"{superseded[path]} was taken" if path in superseded else "it is for none of the exercises")
+        for _, path in files
+        if path not in taken
+    ]
+    return entries, rest
 
 
 def _candidates(root: Path, files: list[tuple[Found, str]], exercise: Exercise, *, alone: bool) -> Iterator[_Candidate]:
