@@ -70,8 +70,10 @@ def collect(source: Path, exercises: Sequence[Exercise], workspace: Path, layout
         layout: a name of `layouts.LAYOUTS`, or "auto" to recognise it.
 
     Raises:
-        GradingError: there is no such folder or zip, or nothing in it.
+        GradingError: there is no such folder, zip or layout, or nothing in it.
     """
+    if layout != "auto" and layout not in layouts.LAYOUTS:
+        raise GradingError(f"There is no layout '{layout}'. There are: auto, {', '.join(layouts.LAYOUTS)}.")
     root, left = _open(source, workspace)
     paths, foreign = _files(root)
     left += foreign

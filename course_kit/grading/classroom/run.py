@@ -17,7 +17,7 @@ from course_kit.grading.classroom import handed, intake
 from course_kit.grading.classroom.gradebook import Gradebook
 from course_kit.grading.classroom.records import Records, write_atomically
 from course_kit.grading.errors import GradingError
-from course_kit.grading.render_html import render_page
+from course_kit.grading.render_page import render_page
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -34,7 +34,8 @@ RUN_FILE = "run.json"
 WORKSPACE = "handed_in"  # where an archive is unpacked, in the output folder
 FORMAT_VERSION = 1
 _AHEAD = 2  # tasks given to an executor for each of its slots: none idles, and few are lost
-_LISTEN_S = 0.5  # how often a wait for results lets the progress be shown
+_LISTEN_S = 0.5  # how often a wait for results looks at the clock and at who wants to stop
+_AT_ONCE = 2  # requests to stop
 
 
 class Watcher(Protocol):
@@ -79,8 +80,13 @@ class Plan:
 class ClassRun:
     """One run over a class."""
 
-    def __init__(self, plan: Plan, watcher: Watcher) -> None:
+    def __init__(self, plan: Plan, watcher: Watcher, stops: Callable[[], int] = lambda: 0) -> None:
         """Look at the output folder and find the submissions.
+
+        Args:
+            plan: what to grade.
+            watcher: told how it goes.
+            stops: how often somebody has asked to stop: once, and what is under way is finished; twice, given up.
 
         Raises:
             GradingError: there is nothing to grade, or the output folder holds results and `resume` was not asked.
@@ -88,6 +94,7 @@ class ClassRun:
         """
         self._plan = plan
         self._watcher = watcher
+        self._stops = stops
         self._records = Records(plan.out)
         self.seed = self._choose_seed()
         self.intake = intake.collect(plan.source, plan.exercises, plan.out / WORKSPACE, plan.layout)
@@ -146,24 +153,21 @@ class ClassRun:
         waiting = iter(groups)
         under_way: dict[Future[Report], tuple[list[Handed], float]] = {}
         stopping = False
-        while True:
-            try:
-                if not stopping:
-                    self._fill(executor, waiting, under_way)
-                if not under_way:
-                    return
-                finished, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
-                for future in finished:
-                    group, begun = under_way.pop(future)
-                    self._keep(group, future.result(), time.monotonic() - begun)
-                self._watcher.tick()
-            except KeyboardInterrupt:
-                if stopping:  # the second one: what is under way is given up
-                    return
+        while self._stops() < _AT_ONCE:
+            if self._stops() and not stopping:
                 stopping = True
                 for future in [future for future in under_way if future.cancel()]:
                     del under_way[future]
                 self._watcher.stopping(len(under_way))
+            if not stopping:
+                self._fill(executor, waiting, under_way)
+            if not under_way:
+                return
+            finished, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
+            for future in finished:
+                group, begun = under_way.pop(future)
+                self._keep(group, future.result(), time.monotonic() - begun)
+            self._watcher.tick()
 
     def _fill(
         self,
