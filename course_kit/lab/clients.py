@@ -81,6 +81,18 @@ class Clients:
 
         return self._use(self._publishers, (message_type, topic), make, self._drop_publisher)
 
+    def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
+        """A new subscription.
+
+        Raises:
+            LabError: the topic is no ROS name, or has another type on the graph.
+        """
+        wanted = type_name(message_type)
+        types = dict(self.node.get_topic_names_and_types()).get("/" + str(topic).lstrip("/"), [wanted])
+        if wanted not in types:  # nothing could ever arrive; in one process rcl would fail, and say nothing useful
+            raise OtherTypeError(f"{topic} has the type {' and '.join(types)}, and was asked for as {wanted}.")
+        return _named(lambda: self.node.create_subscription(message_type, topic, callback, qos), (message_type, topic))
+
     def forget(self, channels: set[str]) -> None:
         """Let go of these services and topics, so that they can come back with another type."""
         for key, client in list(self._clients.items()):

@@ -112,16 +112,21 @@ class Engine:
             wanted = type_name(service_type)
             raise ServiceNotFoundError(graph.no_service(self.node, full, wanted, 0.0, self.own_names)) from None
 
+    def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
+        """A new subscription of the lab's node."""
+        return self.clients.subscription(message_type, topic, callback, qos)
+
     def destroy_subscription(self, subscription: Any) -> None:
         """Destroy a subscription of the lab's node."""
         self.spinner.run_between_callbacks(lambda: self.node.destroy_subscription(subscription), 1.0)
 
     def subscriptions(self, topic: str, message_type: Any) -> set[Any]:
-        """The subscriptions of the lab's nodes to a topic."""
+        """The subscriptions of the lab's nodes to a topic, and its own."""
+        nodes = [*(live.node for live in self.nodes), *filter(None, [self.clients.known_node])]
         return {
             one
-            for live in self.nodes
-            for one in live.node.subscriptions
+            for node in nodes
+            for one in node.subscriptions
             if one.topic_name == topic and one.msg_type is message_type
         }
 
