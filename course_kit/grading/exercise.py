@@ -69,8 +69,12 @@ class Exercise:
 
     def next_hint(self, topic: str, seen: int = 0) -> str | None:
         """The hint after the first `seen` for a check or a diagnosis; the last when there are no more, None if none."""
-        ladder = [hint.text for hint in self.hints if any(fnmatchcase(topic, name) for name in hint.topics)]
+        ladder = self.ladder(topic)
         return ladder[min(seen, len(ladder) - 1)] if ladder else None
+
+    def ladder(self, topic: str) -> tuple[str, ...]:
+        """All hints for a check or a diagnosis, from a nudge to a push."""
+        return tuple(hint.text for hint in self.hints if any(fnmatchcase(topic, name) for name in hint.topics))
 
 
 def exercises_folder() -> Path:
