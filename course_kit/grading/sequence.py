@@ -70,8 +70,8 @@ def _step(step: Step, y: int) -> tuple[str, int]:
     sign = "✗ " if kind == "failure" else ""
     lines = textwrap.wrap(sign + step.text, _COLUMNS)
     spans = "".join(
-        f'<text x="{middle}" y="{y + number * _LINE + 11}" text-anchor="middle" class="ck-{kind}">{escaped(line)}</text>'
-        for number, line in enumerate(lines)
+        f'<text x="{middle}" y="{base}" text-anchor="middle" class="ck-{kind}">{escaped(line)}</text>'
+        for base, line in zip(range(y + 11, y + 11 + len(lines) * _LINE, _LINE), lines, strict=True)
     )
     y += len(lines) * _LINE + 4
     if step.kind == "note":
