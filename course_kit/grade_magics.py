@@ -113,7 +113,7 @@ class GradeMagics(Magics):
         except ValueError:
             complain(USAGE)
             return
-        from course_kit import grading
+        from course_kit import grading, progress
 
         try:
             with tempfile.TemporaryDirectory() as folder:
@@ -122,6 +122,8 @@ class GradeMagics(Magics):
             complain(str(problem))
             return
         display(Card(report, _notebook_folder()))
+        if trouble := progress.record(report):
+            complain(trouble)
 
     def _handed_in(self, exercise: str, folder: Path) -> Path:
         require(exercise)

@@ -172,10 +172,9 @@ def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
 
 
 def _hints(task: Exercise, check: str, code: str | None) -> tuple[str, ...]:
-    """The exercise's own hints for the cause, else the catalogue's; for an unknown cause the ladder of the check."""
-    if code is None:
-        return task.ladder(check)
-    return task.ladder(code) or (diagnosis.catalogue()[code].hint,)
+    """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check."""
+    of_cause = (task.ladder(code) or (diagnosis.catalogue()[code].hint,)) if code else ()
+    return tuple(dict.fromkeys((*of_cause, *task.ladder(check))))
 
 
 def _without_checks(task: Exercise, shown: str, status: str, problem: str, began: float) -> Report:
