@@ -8,6 +8,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from course_kit import class_cli
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -41,6 +43,8 @@ def build_parser() -> argparse.ArgumentParser:
     release = verbs.add_parser("release", help="make the student edition: the course without its answers")
     release.add_argument("target", help="a new folder, or a file that ends in .zip")
     release.set_defaults(run=_release)
+
+    class_cli.add_to(verbs)
 
     doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
     doctor.set_defaults(run=_doctor)
