@@ -118,7 +118,7 @@ def _grade(pool: gradings.Gradings, chosen: Sequence[Sets], runs: Sequence[Run],
         try:
             report = future.result()
         except GradingError as problem:
-XX
+            report = _not_graded(submission, str(problem))
         run.reports[submission] = report
         if progress is not None:
             progress(number, len(begun), submission, report)
