@@ -104,7 +104,7 @@ def slips(sets: Sets, reports: Reports) -> Iterator[str | tuple[Submission, str]
             wanted = ", ".join(f"{check} ({code or 'no code'})" for check, code in sorted(one.failed, key=str))
             yield one, f"it should fail {wanted}, and gets: {outcome(report)}"
         elif one.says not in " ".join(check.message for check in failed):
-            yield one, f"no message says '{one.says}'."
+            yield one, f"a message should say '{one.says}', and this is said: {outcome(report)}"
         yield from ((one, text) for text in _poor_feedback(report))
 
 
@@ -159,6 +159,8 @@ def _not_full_marks(right: tuple[Submission, ...], reports: Reports) -> Iterator
         full = all(check.status == "passed" for check in report.checks) and report.status == "graded"
         if not (full and report.passed and report.score == report.max_score):
             yield one, f"it should get full marks, and gets: {outcome(report)}"
+        elif sum(check.max_points for check in report.checks) != report.max_score:
+            yield one, f"the points of its checks do not add up to {report.max_score:g}."
 
 
 def _poor_feedback(report: Report) -> Iterator[str]:
