@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 LARGEST = 1024 * 1024  # bytes
-# In Python 3.11 two threads that parse at the same time can fail in either (python/cpython issue 106905).
-_PARSING = threading.Lock()
+_PARSING = threading.Lock()  # CPython 3.11 counts the depth of a tree for all threads together and then refuses it
 _MAGIC = re.compile(r"^%%submission\s+(?P<exercise>\S+)\s*$")
 
 

@@ -145,12 +145,16 @@ class Nodes:
             return
         self._live.remove(live)
         nodes = [live.node, *live.helpers]
-        self._gone(nodes)
-        if not self._spinner.run_between_callbacks(lambda: self._destroy(nodes), _BETWEEN_CALLBACKS):
+
+        def end() -> None:
+            self._gone(nodes)
+            self._destroy(nodes)
+
+        if not self._spinner.run_between_callbacks(end, _BETWEEN_CALLBACKS):
             turn = self._spinner.executor.turn
             if turn is not None and (turn.node is None or turn.node in nodes):
                 self._spinner.stop_callback()
-            self._destroy(nodes)
+            end()
 
     def stop_soon(self, node: Any) -> None:
         """Stop a node from inside one of its callbacks, once that callback has ended."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import sys
 import threading
+import warnings
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -134,6 +135,18 @@ class Notebook:
         from rclpy.impl import rcutils_logger
 
         self._patches.set(rcutils_logger, "_rclpy", _LogTap(rcutils_logger._rclpy, self._output))  # noqa: SLF001
+        self._patches.set(warnings, "showwarning", self._warned(warnings.showwarning))
+
+    def _warned(self, show: Callable[..., None]) -> Callable[..., None]:
+        """Warnings of rclpy in a callback, without the place in rclpy, which is not where the learner went wrong."""
+
+        def warned(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+            if threading.get_ident() == self._thread_id:
+                self._output.put(f"{category.__name__}: {message}\n", "stderr")
+            else:
+                show(message, category, *place, **more)
+
+        return warned
 
     def _show_nodes_by_name(self) -> None:
         """Let a cell that ends with `lab.start(...)` show the node's name, not its address in memory."""
