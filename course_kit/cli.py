@@ -34,6 +34,10 @@ def build_parser() -> argparse.ArgumentParser:
     quiz.add_argument("--seed", type=int, help="the number your instructor gave you")
     quiz.set_defaults(run=_quiz)
 
+    release = verbs.add_parser("release", help="make the student edition: the course without its answers")
+    release.add_argument("target", help="a new folder, or a file that ends in .zip")
+    release.set_defaults(run=_release)
+
     doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
     doctor.set_defaults(run=_doctor)
     return parser
@@ -72,6 +76,12 @@ def _doctor(options: argparse.Namespace) -> int:
     from course_kit import doctor
 
     return doctor.run()
+
+
+def _release(options: argparse.Namespace) -> int:
+    from course_kit import release
+
+    return release.run(options.target)
 
 
 def _quiz(options: argparse.Namespace) -> int:

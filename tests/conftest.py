@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -17,22 +18,34 @@ environment.apply()  # before any test module imports rclpy
 _WITHOUT_BROWSER = (
     "No Chromium on this machine: the browser tests are left out. Debian, Ubuntu: sudo apt install chromium"
 )
+_WITHOUT_ANSWERS = "This is the student edition: the tests that need the solutions are left out."
+REPOSITORY = Path(__file__).resolve().parent.parent
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave the browser tests out on a learner's machine without Chromium; on CI they must run."""
-    if browser.find() or os.environ.get("CI"):
-        return
-    left_out = [item for item in items if item.get_closest_marker("browser")]
+    """Leave out what cannot be run: browser tests without Chromium (on CI they must run), and tests of the
+    solutions in the student edition.
+    """
+    missing = {name for name, _ in _missing()}
+    left_out = [item for item in items if any(item.get_closest_marker(name) for name in missing)]
     config.hook.pytest_deselected(items=left_out)
     items[:] = [item for item in items if item not in left_out]
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say at the end, too, that something was left out."""
-    if terminalreporter.stats.get("deselected") and not browser.find():
-        terminalreporter.section("browser")
-        terminalreporter.write_line(_WITHOUT_BROWSER)
+    if terminalreporter.stats.get("deselected"):
+        for name, sentence in _missing():
+            terminalreporter.section(name)
+            terminalreporter.write_line(sentence)
+
+
+def _missing() -> Iterator[tuple[str, str]]:
+    """Markers of the tests that have no chance here, and why."""
+    if not browser.find() and not os.environ.get("CI"):
+        yield "browser", _WITHOUT_BROWSER
+    if not (REPOSITORY / "solutions").is_dir():
+        yield "answers", _WITHOUT_ANSWERS
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ FLOORS = [
     {"lab", "robot", "quiz", "launch_shim"},
     {"trace", "panels", "ros2", "grading"},
     {"graders"},
-    {"magics", "grade_magics", "cli", "doctor", "jupyter", "dev"},
+    {"magics", "grade_magics", "cli", "doctor", "jupyter", "dev", "release"},
 ]
 MAY_NOT_MEET = {("grading", "lab"), ("grading", "panels"), ("graders", "lab"), ("graders", "panels")}
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 REPOSITORY = Path(__file__).resolve().parent.parent
+pytestmark = pytest.mark.answers
 SOLUTION = REPOSITORY / "solutions/temperature_service/temperature_service.py"
 
 

@@ -26,6 +26,7 @@ def test_lesson_one_runs_and_draws_what_crossed_the_wire(lab: JupyterLab) -> Non
     assert lab.page.locator(".jp-OutputArea-output[data-mime-type='application/vnd.jupyter.error']").count() == 0
 
 
+@pytest.mark.answers
 def test_exercise_one_is_filled_in_and_graded(lab: JupyterLab) -> None:
     solution = (REPOSITORY / "solutions/temperature_service/temperature_service.py").read_text()
     lab.open("exercises/temperature_service/temperature_service.ipynb")

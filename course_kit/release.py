@@ -1,0 +1,152 @@
+"""`course-kit release`: the student edition, which is the course without its answers.
+
+Left out are the solutions, the submissions that the graders are tested with, and the cells of the demos that are
+tagged `answer`. What is left is a course of its own: `./course lab` and `./course test` work in it.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import nbformat
+
+from course_kit import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+NAME = "ros2-course"  # the folder inside a zip
+ANSWER = "answer"  # a cell with this tag belongs to the instructor
+# Folders with answers, or with programs that come close to one.
+LEFT_OUT = ("solutions", "tests/broken", "tests/grading", "tests/robot_parameters", ".ci", ".github")
+_GENERATED = {
+    ".git", ".venv", ".venv-lock", ".course", ".hypothesis", ".mypy_cache", ".pytest_cache", ".ruff_cache",
+    ".ipynb_checkpoints", "__pycache__", "artifacts", "build", "dist",
+}  # fmt: skip
+_GENERATED_ENDINGS = (".so", ".pyc", ".tmp")
+
+
+class ReleaseError(RuntimeError):
+    """The student edition cannot be made; the text is for the user."""
+
+
+def run(target: str) -> int:
+    """Make the student edition and say where it is; 2 if that could not be done."""
+    try:
+        path = make(Path(target))
+    except ReleaseError as problem:
+        print(f"course-kit: {problem}", file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(f"course-kit: the student edition could not be written: {problem}.", file=sys.stderr)
+        return 2
+    print(f"The student edition is in {path}. It has no solutions; ./course lab and ./course test work in it.")
+    return 0
+
+
+def make(target: Path) -> Path:
+    """Write the student edition.
+
+    It appears under its name only when it is complete.
+
+    Args:
+        target: a folder that does not exist yet or is empty, or a file that ends in .zip.
+
+    Returns:
+        the target, as an absolute path.
+
+    Raises:
+        ReleaseError: there is something in the way, or this is not the course's folder.
+        OSError: it cannot be written.
+    """
+    root = environment.checkout()
+    if root is None:
+        raise ReleaseError("A student edition is made from the course's folder. Run ./course release there.")
+    target = target.absolute()
+    _require_free(target)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".release-", dir=target.parent) as workshop:
+        built = Path(workshop) / NAME
+        for name in contents(root):
+            _put(root / name, built / name)
+        if target.suffix == ".zip":
+            packed = Path(workshop) / "student.zip"
+            _pack(built, packed)
+            packed.replace(target)
+        else:
+            built.replace(target)
+    return target
+
+
+def contents(root: Path) -> list[str]:
+    """The files of the student edition, as paths relative to the course's folder, sorted."""
+    return sorted(name for name in _own_files(root) if not _is_left_out(name))
+
+
+def without_answers(notebook: Any) -> Any:
+    """A notebook without the cells tagged `answer`; the others are numbered anew."""
+    notebook.cells = [cell for cell in notebook.cells if ANSWER not in cell.metadata.get("tags", [])]
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    for number, cell in enumerate(code, start=1):
+        if cell.execution_count is not None:
+            cell.execution_count = number
+        for output in cell.outputs:
+            if output.output_type == "execute_result":
+                output.execution_count = number
+    return notebook
+
+
+def _require_free(target: Path) -> None:
+    if target.suffix == ".zip":
+        if target.exists():
+            raise ReleaseError(f"{target} exists already. Remove it, or choose another name.")
+    elif target.exists() and (not target.is_dir() or any(target.iterdir())):
+        raise ReleaseError(f"{target} exists and is not an empty folder. Remove it, or choose another name.")
+
+
+def _own_files(root: Path) -> Iterator[str]:
+    """What belongs to the course: what git knows, where this is a git repository; else all that nobody generated."""
+    listed = (
+        subprocess.run(["git", "ls-files", "-z"], cwd=root, capture_output=True, check=False)
+        if _has_git(root)
+        else None
+    )
+    if listed is not None and listed.returncode == 0:
+        names = os.fsdecode(listed.stdout).split("\0")
+        yield from (name for name in names if name and (root / name).is_file())
+        return
+    for folder, folders, files in os.walk(root):
+        folders[:] = [name for name in folders if name not in _GENERATED]
+        for name in files:
+            if not name.endswith(_GENERATED_ENDINGS):
+                yield (Path(folder) / name).relative_to(root).as_posix()
+
+
+def _has_git(root: Path) -> bool:
+    return (root / ".git").exists() and shutil.which("git") is not None
+
+
+def _is_left_out(name: str) -> bool:
+    return any(name == folder or name.startswith(f"{folder}/") for folder in LEFT_OUT)
+
+
+def _put(source: Path, target: Path) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copy2(source, target)
+    if source.suffix == ".ipynb" and "demos" in source.parts:
+        nbformat.write(without_answers(nbformat.read(source, as_version=4)), target)
+
+
+def _pack(folder: Path, archive: Path) -> None:
+    """Zip a folder; who may run a file stays with it."""
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
+        for path in sorted(folder.rglob("*")):
+            if path.is_file():
+                packed.write(path, f"{NAME}/{path.relative_to(folder).as_posix()}")
