@@ -5,3 +5,37 @@ again for the same thing replaces the one before; panels end with the lab.
 """
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from course_kit.panels.action_panel import ActionPanel
+    from course_kit.panels.robot_map import RobotMap
+
+__all__ = ["action_panel", "robot_map"]
+
+
+def action_panel(action: str, action_type: Any) -> ActionPanel:
+    """A form that sends goals: a place for each field of the goal, a progress bar, feedback, Cancel, the result.
+
+    Args:
+        action: the action's name, such as "/fibonacci".
+        action_type: its class; any action type, the learner's own too.
+
+    Raises:
+        FieldError: `action_type` is not an action's class.
+    """
+    from course_kit.panels.action_panel import ActionPanel
+
+    return ActionPanel(action, action_type)
+
+
+def robot_map(action: str = "/move_robot") -> RobotMap:
+    """A map of the 10 m x 10 m arena: a click sends `course_interfaces/action/MoveRobot` goals, feedback draws.
+
+    Args:
+        action: the action's name.
+    """
+    from course_kit.panels.robot_map import RobotMap
+
+    return RobotMap(action)

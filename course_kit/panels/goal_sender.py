@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 RUNNING = frozenset({"ACCEPTED", "EXECUTING", "CANCELING"})
 _ANSWER = 5.0  # seconds a server is given to answer
+_TONES = {"SUCCEEDED": "good", "REJECTED": "bad", "ABORTED": "bad", "CANCELED": "stopped", "UNKNOWN": "bad"}
 _GOODBYE = 1.0  # seconds a cancel request is given when the panel ends
 
 
@@ -61,6 +62,11 @@ class Standing:
     def running(self) -> bool:
         """Whether it can be cancelled."""
         return self.status in RUNNING
+
+    @property
+    def tone(self) -> str:
+        """How it goes in a word, for a colour and a mark: "", "running", "good", "bad" or "stopped"."""
+        return "running" if self.running else _TONES.get(self.status, "bad" if self.note else "")
 
     @property
     def progress(self) -> goal_words.Progress:

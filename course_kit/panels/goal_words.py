@@ -14,6 +14,7 @@ _STATUS = {
     "CANCELED": "cancelled",
     "ABORTED": "aborted: the server gave it up",
     "REJECTED": "rejected: the server did not take it",
+    "UNKNOWN": "lost: the server went away",
 }
 _DIGITS = 2  # behind the decimal point
 _LONGEST = 12  # values of a list that are shown

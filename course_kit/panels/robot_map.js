@@ -1,5 +1,6 @@
 // A map of the robot's arena. Everything it draws comes from the model; a click only asks.
 const SVG = "http://www.w3.org/2000/svg";
+const MARKS = { running: "▶", good: "✔", bad: "✖", stopped: "■" };
 const MARGIN = 1; // metres around the arena that can be clicked as well: the server says no to them
 
 function svg(name, attributes, parent) {
@@ -48,7 +49,7 @@ function drawThings(ground) {
 
 function place(element, [x, y] = []) {
   element.style.display = x === undefined ? "none" : "";
-  if (x !== undefined) element.setAttribute("transform", `translate(${x} ${y})`);
+  if (x !== undefined) element.style.transform = `translate(${x}px, ${y}px)`;
 }
 
 function heading(corners) {
@@ -63,18 +64,19 @@ function coordinateInput(form, name) {
 
 function render({ model, el }) {
   const size = model.get("size");
-  const box = html("div", { className: "course-kit-map" }, el);
+  const box = html("div", { className: "ck-panel ck-map" }, el);
+  box.setAttribute("data-lm-suppress-shortcuts", "true"); // JupyterLab's one-letter shortcuts
   const picture = svg("svg", { viewBox: `${-MARGIN} ${-MARGIN} ${size + 2 * MARGIN} ${size + 2 * MARGIN}` }, box);
   picture.setAttribute("role", "img");
   const things = drawThings(drawArena(picture, size));
 
-  const form = html("form", { className: "controls" }, box);
+  const form = html("form", { className: "ck-buttons" }, box);
   const x = coordinateInput(form, "x");
   const y = coordinateInput(form, "y");
-  html("button", { type: "submit", textContent: "Go", className: "go" }, form);
-  const cancel = html("button", { type: "button", textContent: "Cancel", className: "cancel" }, form);
-  const line = html("p", { className: "line" }, box);
-  const said = html("p", { className: "said" }, box); // for screen readers: not ten times a second
+  html("button", { type: "submit", textContent: "Go", className: "ck-main" }, form);
+  const cancel = html("button", { type: "button", textContent: "Cancel goal" }, form);
+  const outcome = html("p", { className: "ck-outcome" }, box);
+  const said = html("p", { className: "ck-said" }, box); // for screen readers: not ten times a second
   said.setAttribute("role", "status");
 
   const go = (toX, toY) => model.send({ do: "go", x: toX, y: toY });
@@ -91,20 +93,17 @@ function render({ model, el }) {
     y.value = toY;
     go(toX, toY);
   });
-  // JupyterLab takes keys such as Delete for its own commands while a cell is selected.
-  form.addEventListener("keydown", (event) => event.stopPropagation());
-
   const update = () => {
     const view = model.get("view");
     things.track.setAttribute("points", view.track.map((corner) => corner.join(",")).join(" "));
     place(things.target, view.target);
     place(things.robot, view.track.at(-1));
     if (view.track.length > 1) things.body.setAttribute("transform", `rotate(${heading(view.track)})`);
-    line.textContent = view.line;
+    outcome.textContent = MARKS[view.tone] ? `${MARKS[view.tone]} ${view.line}` : view.line;
     if (said.textContent !== view.said) said.textContent = view.said;
     picture.setAttribute("aria-label", `Map of the arena. ${view.said}`);
     cancel.disabled = !view.running;
-    box.dataset.tone = view.tone;
+    outcome.dataset.tone = view.tone;
   };
   model.on("change:view", update);
   update();

@@ -19,14 +19,13 @@ if TYPE_CHECKING:
     from course_kit.panels.goal_sender import Standing
 
 _HERE = Path(__file__).parent
-_TONES = {"SUCCEEDED": "good", "REJECTED": "bad", "ABORTED": "bad"}
 
 
 class _MapWidget(anywidget.AnyWidget):
     """The drawing. Python sends it `view`; it sends {"do": "go", "x", "y"} and {"do": "cancel"}."""
 
     _esm = (_HERE / "robot_map.js").read_text("utf-8")
-    _css = (_HERE / "robot_map.css").read_text("utf-8")
+    _css = "\n".join((_HERE / name).read_text("utf-8") for name in ("panels.css", "robot_map.css"))
     size = traitlets.Float(SimulatedRobot.ARENA_SIZE).tag(sync=True)
     view = traitlets.Dict().tag(sync=True)
 
@@ -97,7 +96,7 @@ class RobotMap(Panel):
             "line": _line(self._action, standing),
             "said": _said(standing),
             "running": standing.running,
-            "tone": "running" if standing.running else _TONES.get(standing.status, ""),
+            "tone": standing.tone,
         }
 
 
