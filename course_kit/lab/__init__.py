@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_kit.lab.errors import (
+    ActionNotFoundError,
     DeadlockError,
     FieldError,
     LabError,
@@ -18,6 +19,7 @@ from course_kit.lab.errors import (
     ServiceFailedError,
     ServiceNotFoundError,
 )
+from course_kit.lab.goal_verbs import send_goal, send_goal_blocking
 
 if TYPE_CHECKING:
     from course_kit.lab.calls import Asked
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from course_kit.lab.process import Script
 
 __all__ = [
+    "ActionNotFoundError",
     "DeadlockError",
     "FieldError",
     "LabError",
@@ -42,6 +45,8 @@ __all__ = [
     "publish",
     "record",
     "script",
+    "send_goal",
+    "send_goal_blocking",
     "start",
     "stop",
     "stop_script",

@@ -7,21 +7,21 @@ and what to say when a callback fails.
 from __future__ import annotations
 
 import contextlib
-import sys
 import time
 from typing import TYPE_CHECKING, Any
 
 import rclpy.utilities
 
-from course_kit.lab import actions, bridge, graph, guards
+from course_kit.lab import actions, bridge, graph, guards, why
 from course_kit.lab.clients import Clients, OtherTypeError
-from course_kit.lab.describe import display_name, is_alive
-from course_kit.lab.errors import DeadlockError, ServiceFailedError, ServiceNotFoundError
+from course_kit.lab.describe import actions_of, display_name, is_alive
+from course_kit.lab.errors import ActionNotFoundError, DeadlockError, ServiceFailedError, ServiceNotFoundError
 from course_kit.lab.executor import Turn
+from course_kit.lab.goal_client import full_name
 from course_kit.lab.live_nodes import Nodes
 from course_kit.lab.messages import type_name
 from course_kit.lab.patches import Patches
-from course_kit.lab.report import Crash, examine, where_is
+from course_kit.lab.report import Crash, examine
 from course_kit.lab.spinner import Spinner
 from course_kit.lab.tapping import Tapping
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.lab.events import Taps
+    from course_kit.lab.goal_client import GoalClient
     from course_kit.lab.output import Output
 
 LAB_NAME = "lab"
@@ -129,28 +130,44 @@ class Engine:
         """Begin or end to call `told` with each subscription whose callback has had a message."""
         (self._tapping.on_delivery.add if listen else self._tapping.on_delivery.discard)(told)
 
+    def goal_client(self, action_type: Any, action: str) -> GoalClient:
+        """The lab's client for an action."""
+        try:
+            return self.clients.goal_client(action_type, action)
+        except OtherTypeError:
+            full = full_name(self.node, action)
+            raise ActionNotFoundError(graph.no_action(self.node, full, type_name(action_type), 0.0)) from None
+
+    def do(self, function: Callable[[], None]) -> None:
+        """Have the lab's thread call a function between two callbacks; does not wait for it."""
+        self.spinner.executor.create_task(function)
+
+    def call_back(self, function: Callable[[], object]) -> None:
+        """Call a function of the learner's on the lab's thread; what it raises is told."""
+        begun = time.monotonic()
+        try:
+            function()
+        except Exception as error:  # noqa: BLE001 - whatever the learner's code raises
+            self.callback_crashed(error, Turn(None, None, begun))
+
     def why_no_answer(self, service: str) -> str:
         """What is known about a server that does not answer."""
-        turn = self.spinner.executor.turn
-        if turn is not None and turn.entity is not None:
-            name = getattr(getattr(turn.entity, "callback", None), "__name__", "a callback")
-            frame = sys._current_frames().get(self.spinner.thread_id)  # noqa: SLF001 - the documented way to look
-            at = where_is(frame, self._locate)
-            where = f" ({at[0]}: {at[1]})" if at else ""
-            owner = turn.node.get_name() if turn.node is not None else "a node"
-            return (
-                f"{owner} is still in {name}{where}, for {time.monotonic() - turn.since:.0f} s by now; "
-                "while a callback runs, no other does."
+        return why.no_answer(self.nodes, self._running(), service, self._locate)
+
+    def why_no_result(self, action: str) -> str:
+        """What is known about an action server that does not answer."""
+        return why.no_result(self.nodes, self._running(), action, self._locate)
+
+    def not_in_callback(self, what: str) -> None:
+        """Raise DeadlockError if the caller is a callback on the lab's thread."""
+        if self.in_callback():
+            raise DeadlockError(
+                f"{what} inside a callback would wait for the thread it runs on. Use the node's own client and "
+                f"{'send_goal_async' if 'goal' in what else 'call_async'}() there."
             )
-        for live in self.nodes:
-            if any(one.service_name == service for one in live.node.services):
-                return (
-                    f"{live.node.get_name()} took the request and its callback has not finished: it awaits something."
-                )
-        return (
-            "Its server runs outside this notebook; its callback may still be running, or have raised an exception, "
-            "or have returned nothing. Look at the server's own output."
-        )
+
+    def _running(self) -> why.Running:
+        return why.Running(self.spinner.executor.turn, self.spinner.thread_id)
 
     def before_blaming(self) -> None:
         """A server has gone: let a script that is about to end say why first."""
@@ -251,6 +268,7 @@ class Engine:
             with contextlib.suppress(Exception):  # one that is destroyed already has none
                 channels |= {service.service_name for service in node.services}
                 channels |= {subscription.topic_name for subscription in node.subscriptions}
+                channels |= actions_of(node)
         self.clients.forget(channels)
 
 

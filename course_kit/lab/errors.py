@@ -18,6 +18,10 @@ class ServiceNotFoundError(LabError):
     """No server offers a service of this name and type."""
 
 
+class ActionNotFoundError(LabError):
+    """No server runs an action of this name and type."""
+
+
 class FieldError(LabError):
     """A message field was given by a wrong name or with a value of the wrong type."""
 
