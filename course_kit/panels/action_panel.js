@@ -2,6 +2,10 @@
 
 const MARKS = { running: "▶", good: "✔", bad: "✖", stopped: "■" };
 
+function row([name, text]) {
+  return make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, make("code", {}, text)));
+}
+
 function render({ model, el }) {
   const { action, type } = model.get("title");
   const ask = (what) => model.send({ values: model.get("values"), ...what });
@@ -11,7 +15,7 @@ function render({ model, el }) {
   const bar = make("progress", { max: 1, value: 0, "aria-label": `Progress of the goal for ${action}` });
   const share = make("span", { class: "ck-quiet" });
   const state = make("div", { class: "ck-state", role: "status" });
-  const rows = make("dl", { class: "ck-rows" });
+  const rows = make("table");
   const outcome = make("div", { class: "ck-outcome" }, state, rows);
   const box = make(
     "form",
@@ -34,7 +38,7 @@ function render({ model, el }) {
     const mark = MARKS[view.tone];
     const words = mark ? `${mark} ${view.status}` : view.status;
     if (state.textContent !== words) state.textContent = words; // a screen reader reads what changes
-    rows.replaceChildren(...view.rows.flatMap(([name, text]) => [make("dt", {}, name), make("dd", {}, text)]));
+    rows.replaceChildren(...view.rows.map(row));
     outcome.dataset.tone = view.tone;
     if (!view.running && cancel === document.activeElement) send.focus();
     cancel.disabled = !view.running;

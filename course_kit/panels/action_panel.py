@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from course_kit.panels.goal_sender import Standing
 
 _HERE = Path(__file__).parent
+_NOT_SENT = "Not sent: see what is marked above."
 
 
 def _text(*names: str) -> str:
@@ -34,7 +35,7 @@ class _ActionWidget(anywidget.AnyWidget):
     _esm = _text("message_form.js", "action_panel.js")
     _css = _text("panels.css", "action_panel.css")
     title = traitlets.Dict().tag(sync=True)
-    entries = traitlets.List().tag(sync=True)
+    entries: traitlets.List[Any] = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)
     view = traitlets.Dict().tag(sync=True)
 
@@ -96,7 +97,7 @@ class ActionPanel(Panel):
             goal = self._form.read(self._widget.values)
         except FormError as error:
             self._errors = error.fields
-            self._sender.say("Not sent: look at the fields that are marked.")
+            self._updates.put(self._sender.standing)
             return
         self._errors = {}
         self._sender.send(goal)
@@ -121,15 +122,15 @@ class ActionPanel(Panel):
             self._widget.values = {path: known.get(path, value) for path, value in self._form.defaults().items()}
 
     def _show(self, standing: Standing) -> None:
-        progress = standing.progress
+        progress, errors = standing.progress, self._errors
         self._widget.view = {
             "share": progress.share if standing.status else 0.0,
             "progress": progress.text if standing.status else "",
-            "status": status_line(standing),
-            "tone": standing.tone,
+            "status": _NOT_SENT if errors else status_line(standing),
+            "tone": "bad" if errors else standing.tone,
             "rows": _rows(standing),
             "running": standing.running,
-            "errors": self._errors,
+            "errors": errors,
             "ended": self._ended,
         }
 
@@ -141,12 +142,10 @@ class ActionPanel(Panel):
 def status_line(standing: Standing) -> str:
     """How things stand, in a sentence."""
     parts = []
-    if standing.status == "SENDING":
-        parts.append("The goal is on its way to the server ...")
-    elif standing.status:
-        parts.append(f"The goal is {goal_words.status(standing.status)}.")
+    if standing.status:
+        parts.append(goal_words.status(standing.status))
     if standing.refused is not None and standing.running:
-        parts.append(f"Another goal was {goal_words.status('REJECTED')}.")
+        parts.append(goal_words.status("REJECTED", "Another goal"))
     if standing.note:
         parts.append(standing.note)
     return " ".join(parts) or "No goal yet."

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import threading
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from course_kit import lab
 from course_kit.panels import goal_words
@@ -17,23 +17,12 @@ from course_kit.panels import goal_words
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from course_kit.lab.goals import Goal
+
 RUNNING = frozenset({"ACCEPTED", "EXECUTING", "CANCELING"})
 _ANSWER = 5.0  # seconds a server is given to answer
 _TONES = {"SUCCEEDED": "good", "REJECTED": "bad", "ABORTED": "bad", "CANCELED": "stopped", "UNKNOWN": "bad"}
 _GOODBYE = 1.0  # seconds a cancel request is given when the panel ends
-
-
-class Goal(Protocol):
-    """What is used of the lab's goal."""
-
-    accepted: bool
-    status: str
-
-    def cancel_blocking(self, timeout: float) -> bool:
-        """Ask the server to cancel."""
-
-    def result_blocking(self, timeout: float) -> Any:
-        """The result message."""
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,15 @@ import reprlib
 from typing import Any, NamedTuple
 
 _STATUS = {
-    "ACCEPTED": "accepted; it has not begun yet",
-    "EXECUTING": "running",
-    "CANCELING": "about to be cancelled",
-    "SUCCEEDED": "succeeded",
-    "CANCELED": "cancelled",
-    "ABORTED": "aborted: the server gave it up",
-    "REJECTED": "rejected: the server did not take it",
-    "UNKNOWN": "lost: the server went away",
+    "SENDING": "{} is on its way to the server ...",
+    "ACCEPTED": "{} is accepted and has not begun yet",
+    "EXECUTING": "{} is running",
+    "CANCELING": "{} is being cancelled",
+    "SUCCEEDED": "{} has succeeded",
+    "CANCELED": "{} was cancelled",
+    "ABORTED": "{} was given up by the server",
+    "REJECTED": "{} was rejected by the server",
+    "UNKNOWN": "{} is lost, as its server went away",
 }
 _DIGITS = 2  # behind the decimal point
 _LONGEST = 12  # values of a list that are shown
@@ -33,9 +34,10 @@ class Progress(NamedTuple):
     text: str
 
 
-def status(name: str) -> str:
-    """A goal's status as a sentence's end: "EXECUTING" is "running (EXECUTING)"."""
-    return f"{_STATUS[name]} ({name})" if name in _STATUS else name
+def status(name: str, goal: str = "The goal") -> str:
+    """A goal's status in a sentence: "The goal is running (EXECUTING)."; "SENDING" is a panel's own word."""
+    sentence = _STATUS.get(name, "{}").format(goal)
+    return sentence if name == "SENDING" else f"{sentence} ({name})."
 
 
 def progress(goal: Any, feedback: Any, count: int) -> Progress:

@@ -28,7 +28,7 @@ function drawArena(picture, size) {
     svg("text", { x: metre, y: size + 0.55, "text-anchor": "middle" }, picture).textContent = metre;
     svg("text", { x: -0.2, y: size - metre + 0.13, "text-anchor": "end" }, picture).textContent = metre;
   }
-  svg("text", { x: size + 0.5, y: size + 0.55, "text-anchor": "middle" }, picture).textContent = "x (m)";
+  svg("text", { x: size / 2, y: size + 0.95, "text-anchor": "middle" }, picture).textContent = "x (m)";
   svg("text", { x: -0.2, y: -0.35, "text-anchor": "middle" }, picture).textContent = "y (m)";
   return ground;
 }
@@ -37,11 +37,11 @@ function drawThings(ground) {
   const track = svg("polyline", { class: "track" }, ground);
   const target = svg("g", { class: "target" }, ground);
   svg("circle", { r: 0.32 }, target);
-  svg("path", { d: "M-0.48 0H0.48M0 -0.48V0.48" }, target);
+  svg("path", { d: "M-0.5 0H0.5M0 -0.5V0.5" }, target);
   const robot = svg("g", { class: "robot" }, ground);
   const body = svg("g", {}, robot);
-  svg("rect", { x: -0.3, y: -0.34, width: 0.34, height: 0.12, rx: 0.04 }, body);
-  svg("rect", { x: -0.3, y: 0.22, width: 0.34, height: 0.12, rx: 0.04 }, body);
+  svg("rect", { x: -0.2, y: -0.36, width: 0.36, height: 0.12, rx: 0.04 }, body);
+  svg("rect", { x: -0.2, y: 0.24, width: 0.36, height: 0.12, rx: 0.04 }, body);
   svg("circle", { r: 0.28 }, body);
   svg("path", { class: "nose", d: "M0.2 0L-0.08 0.15V-0.15Z" }, body);
   return { track, target, robot, body };

@@ -128,10 +128,8 @@ def _said(standing: Standing) -> str:
     if standing.asked is None:
         return ""
     parts = []
-    if standing.status == "SENDING":
-        parts.append(f"A goal is on its way: {_place(standing.asked.target)}.")
-    elif standing.status:
-        parts.append(f"The goal {_place(standing.asked.target)} is {goal_words.status(standing.status)}.")
+    if standing.status:
+        parts.append(goal_words.status(standing.status, f"The goal {_place(standing.asked.target)}"))
     if standing.refused is not None:
         parts.append(_refusal(standing))
     if standing.note:
@@ -143,13 +141,13 @@ def _refusal(standing: Standing) -> str:
     """Why a goal may have been rejected; the server's answer is a mere no."""
     target = standing.refused.target
     size = SimulatedRobot.ARENA_SIZE
-    begin = f"{_place(target)} was rejected (REJECTED)." if standing.running else ""
+    begin = goal_words.status("REJECTED", f"The goal {_place(target)}") if standing.running else ""
     if not (0.0 <= target.x <= size and 0.0 <= target.y <= size):
         why = f"It lies outside the arena, which goes from 0 to {size:g} m."
     elif standing.running:
         why = "The robot is busy: one goal at a time."
     else:
-        why = "A rejection has no reason with it; perhaps the robot is busy with somebody else's goal."
+        why = "A rejection comes without a reason; perhaps somebody else has sent the robot somewhere."
     return f"{begin} {why}".strip()
 
 
