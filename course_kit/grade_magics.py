@@ -106,7 +106,7 @@ class GradeMagics(Magics):
         except ValueError:
             complain(USAGE)
             return
-        from course_kit import grading
+        from course_kit import grading, progress
 
         try:
             with tempfile.TemporaryDirectory() as folder:
@@ -115,6 +115,8 @@ class GradeMagics(Magics):
             complain(str(problem))
             return
         display(Card(report))
+        if trouble := progress.record(report):
+            complain(trouble)
 
     def _handed_in(self, exercise: str, folder: Path) -> Path:
         require(exercise)

@@ -52,7 +52,6 @@ def grade(  # noqa: PLR0913 - the options of one verb
     Raises:
         GradingError: usage, an unknown exercise, or a broken installation; the text is for the user.
     """
-    began = time.monotonic()
     task = exercise.load(exercise_id, exercises)
     if sum((path is not None, attach, exec_command is not None)) != 1:
         raise GradingError("Name one thing to grade: a file, --attach for a running node, or --exec with a command.")
@@ -60,23 +59,54 @@ def grade(  # noqa: PLR0913 - the options of one verb
         raise GradingError(f"The exercise {task.id} is answered in a file, without a running node. Name the file.")
     if seed is None:
         seed = secrets.randbits(31) if task.seed is None else task.seed
-    text = None
     if path is not None:
         try:
             text = submission.read(Path(path), exercise_id)
         except submission.UnreadableError as problem:
-            return _without_checks(task, str(path), "unreadable", str(problem), began)
-    job = _job(task, text, seed, exec_command)
-    shown = str(path) if path is not None else exec_command or f"the node on ROS domain {_domain()}"
-    own = worker is None
-    with (
-        Worker(whole_environment=exec_command is not None, own_graph=not attach) if own else nullcontext(worker) as used
-    ):
-        if used is None:
-            raise GradingError("There is no worker.")
-        isolation = Isolation.from_mapping(used.ready()) if not attach else Isolation(reason="it was attached to")
-        outcome = used.grade(job)
-    return _report(task, shown, outcome, isolation, began)
+            return unreadable(task, str(path), str(problem))
+        return grade_text(task, text, str(path), seed, worker)
+    shown = exec_command or f"the node on ROS domain {_domain()}"
+    with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
+        return _grade(task, _job(task, None, seed, exec_command), shown, used)
+
+
+def grade_text(task: Exercise, text: Submission, shown: str, seed: int, worker: Worker | None = None) -> Report:
+    """Grade a submission that has been read.
+
+    Args:
+        task: the exercise.
+        text: the submission.
+        shown: what the report calls it.
+        seed: what the checks draw their random values from.
+        worker: a running worker to use; one is started and ended when None.
+
+    Raises:
+        GradingError: a broken installation, or the worker ended.
+    """
+    with Worker() if worker is None else nullcontext(worker) as used:
+        return _grade(task, _job(task, text, seed, None), shown, used)
+
+
+def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
+    """The report of a submission that could not be graded at all."""
+    return Report(
+        exercise=task.id,
+        title=task.title,
+        submission=shown,
+        status=status,
+        passed=False,
+        score=0.0,
+        max_score=task.points,
+        duration_s=0.0,
+        problem=problem,
+    )
+
+
+def _grade(task: Exercise, job: Job, shown: str, worker: Worker) -> Report:
+    began = time.monotonic()
+    found = Isolation.from_mapping(worker.ready())
+    isolation = Isolation(reason="it was attached to") if job.mode == "attach" else found
+    return _report(task, shown, worker.grade(job), isolation, began)
 
 
 def _domain() -> int:
@@ -163,17 +193,3 @@ def _hint(task: Exercise, check: str, code: str | None) -> str | None:
     if code is None:
         return task.next_hint(check)
     return task.next_hint(code) or diagnosis.catalogue()[code].hint
-
-
-def _without_checks(task: Exercise, shown: str, status: str, problem: str, began: float) -> Report:
-    return Report(
-        exercise=task.id,
-        title=task.title,
-        submission=shown,
-        status=status,
-        passed=False,
-        score=0.0,
-        max_score=task.points,
-        duration_s=time.monotonic() - began,
-        problem=problem,
-    )

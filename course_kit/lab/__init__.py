@@ -15,17 +15,30 @@ from course_kit.lab.errors import (
     FieldError,
     LabError,
     NoAnswerError,
+    NodeNotFoundError,
+    ParameterNotFoundError,
     ScriptError,
     ServiceFailedError,
     ServiceNotFoundError,
 )
 from course_kit.lab.goal_verbs import send_goal, send_goal_blocking
+from course_kit.lab.parameters import (
+    describe_parameters,
+    describe_parameters_blocking,
+    get_parameters,
+    get_parameters_blocking,
+    set_parameters,
+    set_parameters_blocking,
+)
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from course_kit.lab.calls import Asked
     from course_kit.lab.core import Lab
     from course_kit.lab.live_nodes import NodeList
     from course_kit.lab.process import Script
+    from course_kit.lab.topics import Subscription
 
 __all__ = [
     "ActionNotFoundError",
@@ -33,13 +46,19 @@ __all__ = [
     "FieldError",
     "LabError",
     "NoAnswerError",
+    "NodeNotFoundError",
+    "ParameterNotFoundError",
     "ScriptError",
     "ServiceFailedError",
     "ServiceNotFoundError",
     "call",
     "call_blocking",
     "current",
+    "describe_parameters",
+    "describe_parameters_blocking",
     "diagram",
+    "get_parameters",
+    "get_parameters_blocking",
     "next_messages",
     "nodes",
     "publish",
@@ -47,9 +66,12 @@ __all__ = [
     "script",
     "send_goal",
     "send_goal_blocking",
+    "set_parameters",
+    "set_parameters_blocking",
     "start",
     "stop",
     "stop_script",
+    "subscribe",
     "use",
 ]
 
@@ -172,6 +194,25 @@ async def next_messages(topic: str, message_type: Any, count: int = 1, *, timeou
         NoAnswerError: fewer came within `timeout` seconds.
     """
     return await current().next_messages(topic, message_type, count, timeout)
+
+
+def subscribe(topic: str, message_type: Any, callback: Callable[[Any], None], /, *, qos: Any = None) -> Subscription:
+    """Have a function called with each message of a topic: `lab.subscribe("/chatter", String, print)`.
+
+    Args:
+        topic: its name.
+        message_type: the message's class.
+        callback: called on the lab's thread, so it must be quick and cannot call the lab.
+        qos: an rclpy QoSProfile; what the topic's publishers offer at this moment, with a depth of 10, unless given.
+
+    Returns:
+        the subscription; it goes on until its `close()`, or until the lab ends.
+
+    Raises:
+        FieldError: this is no message type.
+        LabError: the topic is no ROS name, or is in use here with another type.
+    """
+    return current().subscribe(topic, message_type, callback, qos)
 
 
 def script(name: str, source: str, /, *args: object, mode: str = "auto") -> Script:

@@ -136,6 +136,13 @@ class Lab:
         """See `course_kit.lab.next_messages`."""
         return await topics.next_messages(self.engine, topic, message_type, count, timeout)
 
+    def subscribe(
+        self, topic: str, message_type: Any, callback: Callable[[Any], None], qos: Any
+    ) -> topics.Subscription:
+        """See `course_kit.lab.subscribe`."""
+        topics.require_message_type(message_type)
+        return topics.Subscription(self.engine, topic, message_type, callback, qos)
+
     def script(self, name: str, source: str, arguments: tuple[str, ...], mode: str) -> Script:
         """See `course_kit.lab.script`."""
         return self.scripts.run(name, source, arguments, mode)

@@ -22,6 +22,14 @@ class ActionNotFoundError(LabError):
     """No server runs an action of this name and type."""
 
 
+class NodeNotFoundError(LabError):
+    """No node of this name has parameters."""
+
+
+class ParameterNotFoundError(LabError):
+    """The node has not declared a parameter of this name."""
+
+
 class FieldError(LabError):
     """A message field was given by a wrong name or with a value of the wrong type."""
 

@@ -66,6 +66,8 @@ class Spinner:
         if self.is_current_thread():
             function()
             return True
+        if not self._thread.is_alive():  # the lab has ended, and so has what it owned
+            return False
         done = threading.Event()
 
         def task() -> None:

@@ -50,6 +50,42 @@ def wait_for_subscriptions(node: Any, publisher: Any) -> None:
         pause.wait(_POLL)
 
 
+class Subscriber(Protocol):
+    """What a subscription needs to know about the lab."""
+
+    def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
+        """A new subscription of the lab's node."""
+
+    def destroy_subscription(self, subscription: Any) -> None:
+        """Destroy a subscription of the lab's node."""
+
+
+class Subscription:
+    """A function that is called with each message of a topic, until `close`.
+
+    Attributes:
+        topic: the topic's full name.
+    """
+
+    def __init__(
+        self, lab: Subscriber, topic: str, message_type: Any, callback: Callable[[Any], None], qos: Any = None
+    ) -> None:
+        self._lab = lab
+        self._type = type_name(message_type)
+        self._open = True
+        self._subscription = lab.subscription(message_type, topic, callback, qos or _as_offered(_DEPTH))
+        self.topic: str = self._subscription.topic_name
+
+    def close(self) -> None:
+        """End it: the callback is not called again. Safe to call twice, and after the lab has ended."""
+        if self._open:
+            self._open = False
+            self._lab.destroy_subscription(self._subscription)
+
+    def __repr__(self) -> str:
+        return f"subscription to {self.topic} [{self._type}]{'' if self._open else ' (closed)'}"
+
+
 class Deliveries(Protocol):
     """What publishing needs to know about the lab."""
 
@@ -99,8 +135,6 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
     Raises:
         NoAnswerError: fewer came within `timeout` seconds; says who publishes what on that topic.
     """
-    from rclpy.qos import QoSProfile, ReliabilityPolicy
-
     require_message_type(message_type)
     loop = asyncio.get_running_loop()
     complete = loop.create_future()
@@ -116,8 +150,7 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
             if len(received) == count:
                 loop.call_soon_threadsafe(finish)
 
-    profile = QoSProfile(depth=max(_DEPTH, count), reliability=ReliabilityPolicy.BEST_AVAILABLE)
-    subscription = lab.node.create_subscription(message_type, topic, keep, profile)
+    subscription = lab.node.create_subscription(message_type, topic, keep, _as_offered(max(_DEPTH, count)))
     try:
         await asyncio.wait_for(complete, timeout)
     except (TimeoutError, asyncio.TimeoutError):  # two types until Python 3.11
@@ -128,6 +161,13 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
         lab.destroy_subscription(subscription)
         lab.settle()
     return received
+
+
+def _as_offered(depth: int) -> Any:
+    """A QoS profile that fits the publishers that are there."""
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_AVAILABLE)
 
 
 def _why_none(node: Any, subscription: Any) -> str:

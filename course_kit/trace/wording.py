@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 _LONGEST = 160  # characters of an arrow's text
+_PARAMETER_VALUE = {"type", "bool_value", "string_array_value"}
 
 
 def in_words(value: Any) -> str:
@@ -26,10 +27,19 @@ def _fields(fields: dict[str, Any]) -> str:
 
 def _value(value: Any) -> str:
     if isinstance(value, dict):
+        if value.keys() >= _PARAMETER_VALUE:
+            return _parameter(value)
         return "{" + _fields(value) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(_element(one) for one in value) + "]"
     return repr(value)
+
+
+def _parameter(value: dict[str, Any]) -> str:
+    """An rcl_interfaces/msg/ParameterValue: the one of its nine fields that its type says is in use."""
+    fields = [name for name in value if name != "type"]
+    number = value["type"]
+    return _value(value[fields[number - 1]]) if 0 < number <= len(fields) else "not set"
 
 
 def _element(value: Any) -> str:

@@ -203,3 +203,18 @@ def test_200_cycles_of_start_replace_and_stop_leak_nothing(kernel: Kernel) -> No
     assert (threads, files) == (0, 0)
     assert memory < 4_000_000  # bytes; one participant alone takes 7 MB
     assert kernel.run("print([name for name in names if name in {'server', 'other'}])").stdout == "[]\n"
+
+
+def test_a_warning_of_rclpy_in_a_callback_is_one_line_without_a_place_in_rclpy(kernel: Kernel) -> None:
+    started = """
+class Forgetful(Node):
+    def __init__(self):
+        super().__init__("forgetful")
+        self.declare_parameter("speed", 1.0)
+        self.add_on_set_parameters_callback(lambda parameters: None)
+lab.start(Forgetful)
+"""
+    assert kernel.run("from rclpy.node import Node" + started).ok
+    refused = kernel.run('await lab.set_parameters("/forgetful", speed=2.0)')
+    assert refused.result["text/plain"] == "speed: 2.0 was refused: Callback returned an invalid type"
+    assert re.fullmatch(r"UserWarning: Callback returned an invalid type, .*\n", refused.stderr)

@@ -32,8 +32,8 @@ class _ActionWidget(anywidget.AnyWidget):
     It sends {"do": "send"}, {"do": "cancel"}, and {"do": "add" or "remove", "path"} for lists, each with `values`.
     """
 
-    _esm = _text("message_form.js", "action_panel.js")
-    _css = _text("panels.css", "action_panel.css")
+    _esm = _text("message_form.js", "goal_panel.js")
+    _css = _text("panels.css", "goal_panel.css")
     title = traitlets.Dict().tag(sync=True)
     entries: traitlets.List[Any] = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)

@@ -24,8 +24,8 @@ _HERE = Path(__file__).parent
 class _MapWidget(anywidget.AnyWidget):
     """The drawing. Python sends it `view`; it sends {"do": "go", "x", "y"} and {"do": "cancel"}."""
 
-    _esm = (_HERE / "robot_map.js").read_text("utf-8")
-    _css = "\n".join((_HERE / name).read_text("utf-8") for name in ("panels.css", "robot_map.css"))
+    _esm = (_HERE / "arena_map.js").read_text("utf-8")
+    _css = "\n".join((_HERE / name).read_text("utf-8") for name in ("panels.css", "arena_map.css"))
     size = traitlets.Float(SimulatedRobot.ARENA_SIZE).tag(sync=True)
     view = traitlets.Dict().tag(sync=True)
 
