@@ -110,7 +110,7 @@ def _drawable(standing: Standing) -> list[float]:
 
 def _line(action: str, standing: Standing) -> str:
     """Position, distance left and status, for those who see the map and those who do not."""
-    if standing.asked is None:
+    if standing.asked is None and not standing.note:
         return f"Click on the map, or type x and y and press Go: that sends a goal to {action}."
     parts = [_said(standing)]
     if standing.result is not None:
@@ -125,8 +125,6 @@ def _line(action: str, standing: Standing) -> str:
 
 def _said(standing: Standing) -> str:
     """The status in words; it changes when something happens, not with each metre."""
-    if standing.asked is None:
-        return ""
     parts = []
     if standing.status:
         parts.append(goal_words.status(standing.status, f"The goal {_place(standing.asked.target)}"))

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 STRAIGHT = 0.005  # metres a point may lie beside the straight way past it
 LONGEST = 400  # corners; the oldest go first
+_STRETCH = 300  # places one straight line stands for at most: each is looked at again when the line grows
 
 
 class Place(NamedTuple):
@@ -40,7 +41,7 @@ class Track:
             return
         if self._corners and place == self._corners[-1]:
             return
-        if len(self._corners) > 1 and self._is_straight_to(place):
+        if len(self._corners) > 1 and len(self._skipped) < _STRETCH and self._is_straight_to(place):
             self._skipped.append(self._corners[-1])
             self._corners[-1] = place
         else:
