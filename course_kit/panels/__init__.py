@@ -6,12 +6,38 @@ again for the same thing replaces the one before; panels end with the lab.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from course_kit.panels.form_view import ServiceForm
+    from course_kit.panels.graph_view import GraphView
     from course_kit.panels.quiz_panel import QuizPanel
 
 # A panel's module is never called like its function: importing it would put the module in the function's place.
+__all__ = ["graph", "quiz", "service_form"]
+
+
+def service_form(service: str, service_type: Any, *, timeout: float = 5.0) -> ServiceForm:
+    """A form that calls a service: a place for each field of the request, then the response or what went wrong.
+
+    Args:
+        service: the service's name, such as "/add_two_ints".
+        service_type: its class; any service type, the learner's own too.
+        timeout: seconds in which the answer must come.
+
+    Raises:
+        FieldError: `service_type` is not a service's class.
+    """
+    from course_kit.panels.form_view import ServiceForm
+
+    return ServiceForm(service, service_type, timeout)
+
+
+def graph() -> GraphView:
+    """A live picture of the ROS graph: nodes, and the services, actions and topics they offer and use."""
+    from course_kit.panels.graph_view import GraphView
+
+    return GraphView()
 
 
 def quiz(seed: int = 1) -> QuizPanel:
