@@ -5,3 +5,42 @@ again for the same thing replaces the one before; panels end with the lab.
 """
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from course_kit.panels.plotting import Plot
+    from course_kit.panels.sliders import ParameterSliders
+
+__all__ = ["parameter_sliders", "plot"]
+
+
+def parameter_sliders(node: Any) -> ParameterSliders:
+    """Sliders, boxes and texts that set the parameters of a node, made from its own descriptors.
+
+    Args:
+        node: the node's name, such as "/parameter_node", or a node of the lab.
+
+    Raises:
+        NodeNotFoundError: no such node has parameters.
+    """
+    from course_kit.panels.sliders import ParameterSliders
+
+    return ParameterSliders(node)
+
+
+def plot(topic: str, message_type: Any, field: str, *, seconds: float = 20.0) -> Plot:
+    """A number of a topic against time, drawn while it arrives: `panels.plot("/cmd_vel", Twist, "linear.x")`.
+
+    Args:
+        topic: the topic's name.
+        message_type: its type.
+        field: which number of a message, such as "data", "linear.x" or "ranges[0]".
+        seconds: how many of the last seconds are shown.
+
+    Raises:
+        FieldError: there is no such field, or it is no number.
+    """
+    from course_kit.panels.plotting import Plot
+
+    return Plot(topic, message_type, field, seconds)
