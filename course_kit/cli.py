@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import io
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+from course_kit import class_cli
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,6 +34,8 @@ def build_parser() -> argparse.ArgumentParser:
     running.add_argument("--exec", dest="exec_command", metavar="CMD", help="start CMD and grade its node")
     grade.set_defaults(run=_grade)
 
+    _add_exercise_verbs(verbs)
+
     quiz = verbs.add_parser("quiz", help="print the answer sheet of exercise 4, a file to fill in")
     quiz.add_argument("--seed", type=int, help="the number your instructor gave you")
     quiz.set_defaults(run=_quiz)
@@ -38,9 +44,40 @@ def build_parser() -> argparse.ArgumentParser:
     release.add_argument("target", help="a new folder, or a file that ends in .zip")
     release.set_defaults(run=_release)
 
+    class_cli.add_to(verbs)
+
     doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
     doctor.set_defaults(run=_doctor)
     return parser
+
+
+def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """What a learner does beside grading."""
+    watch = verbs.add_parser("watch", help="grade a file again each time you save it")
+    watch.add_argument("exercise", help="the exercise's id")
+    watch.add_argument("path", nargs="?", type=Path, help="your file; the exercise's starter when left out")
+    watch.set_defaults(run=_watch)
+
+    listing = verbs.add_parser("list", help="show the exercises and what you have reached")
+    listing.add_argument("--format", choices=("text", "json"), default="text")
+    listing.set_defaults(run=_list)
+
+    hint = verbs.add_parser("hint", help="give one more hint for what failed last")
+    hint.add_argument("exercise", help="the exercise's id")
+    hint.add_argument("--again", action="store_true", help="repeat the hints you have had")
+    hint.set_defaults(run=_hint)
+
+    reset = verbs.add_parser("reset", help="put an exercise's starter back; your files are kept beside it")
+    reset.add_argument("exercise", help="the exercise's id")
+    reset.add_argument("--yes", action="store_true", help="do not ask")
+    reset.add_argument("--progress", action="store_true", help="forget its best score, tries and hints, too")
+    reset.set_defaults(run=_reset)
+
+    solution = verbs.add_parser("solution", help="show the solution of an exercise you have passed")
+    solution.add_argument("exercise", help="the exercise's id")
+    solution.add_argument("--copy", type=Path, metavar="PATH", help="write it to a new file instead")
+    solution.add_argument("--show", action="store_true", help="for instructors: without a pass")
+    solution.set_defaults(run=_solution)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -55,6 +92,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if others and "others" not in options:
         parser.error(f"unrecognized arguments: {' '.join(others)}")
     options.others = others
+    _speak_to_any_terminal()
     try:
         return int(options.run(options))
     except KeyboardInterrupt:
@@ -92,7 +130,7 @@ def _quiz(options: argparse.Namespace) -> int:
 
 
 def _grade(options: argparse.Namespace) -> int:
-    from course_kit import grading
+    from course_kit import grading, progress
 
     try:
         report = grading.grade(
@@ -103,10 +141,99 @@ def _grade(options: argparse.Namespace) -> int:
             exec_command=options.exec_command,
         )
     except grading.GradingError as problem:
-        print(f"course-kit: {problem}", file=sys.stderr)
-        return 2
-    print(report.to_json() if options.format == "json" else grading.render_text(report))
+        return _cannot(problem)
+    if options.format == "json":
+        _print_json(report.to_json())
+    else:
+        print(grading.render_text(report))
+    _tell(progress.record(report))
     return grading.exit_code(report)
+
+
+def _watch(options: argparse.Namespace) -> int:
+    try:
+        from course_kit import watch
+        from course_kit.grading import GradingError
+    except KeyboardInterrupt:  # it has hardly begun
+        return 0
+    try:
+        return watch.watch(options.exercise, options.path)
+    except GradingError as problem:
+        return _cannot(problem)
+
+
+def _list(options: argparse.Namespace) -> int:
+    from course_kit import course_list
+    from course_kit.grading import GradingError
+
+    try:
+        rows, told = course_list.rows()
+    except GradingError as problem:
+        return _cannot(problem)
+    if options.format == "json":
+        _print_json(course_list.to_json(rows))
+    else:
+        print(course_list.to_text(rows, sys.stdout.encoding))
+    for sentence in told:
+        _tell(sentence)
+    return 0
+
+
+def _hint(options: argparse.Namespace) -> int:
+    from course_kit import hints
+    from course_kit.grading import GradingError
+
+    try:
+        text, trouble = hints.hint(options.exercise, "course-kit hint", again=options.again)
+    except GradingError as problem:
+        return _cannot(problem)
+    print(text, end="")
+    _tell(trouble)
+    return 0
+
+
+def _reset(options: argparse.Namespace) -> int:
+    from course_kit import shelf
+    from course_kit.grading import GradingError
+
+    try:
+        return shelf.reset(options.exercise, yes=options.yes, forget=options.progress)
+    except GradingError as problem:
+        return _cannot(problem)
+
+
+def _solution(options: argparse.Namespace) -> int:
+    from course_kit import shelf
+    from course_kit.grading import GradingError
+
+    try:
+        return shelf.solution(options.exercise, show=options.show, copy=options.copy)
+    except GradingError as problem:
+        return _cannot(problem)
+
+
+def _cannot(problem: Exception) -> int:
+    _tell(str(problem))
+    return 2
+
+
+def _tell(sentence: str) -> None:
+    if sentence:
+        print(f"course-kit: {sentence}", file=sys.stderr)
+
+
+def _speak_to_any_terminal() -> None:
+    """Print a question mark for a character the terminal does not have, instead of failing."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def _print_json(document: str) -> None:
+    """JSON is UTF-8, whatever the terminal's own encoding."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8")
+    print(document)
 
 
 if __name__ == "__main__":

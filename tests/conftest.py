@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 environment.apply()  # before any test module imports rclpy
+os.environ["COURSE_KIT_PROGRESS"] = "off"  # what tests grade is not what the person at this machine has reached
 _WITHOUT_BROWSER = (
     "No Chromium on this machine: the browser tests are left out. Debian, Ubuntu: sudo apt install chromium"
 )

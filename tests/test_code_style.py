@@ -17,7 +17,8 @@ FLOORS = [
     {"lab", "robot", "quiz", "launch_shim"},
     {"trace", "panels", "ros2", "grading"},
     {"graders"},
-    {"magics", "grade_magics", "cli", "doctor", "jupyter", "dev", "release"},
+    {"magics", "grade_magics", "hint_magic", "cli", "doctor", "jupyter", "dev", "release"}
+    | {"progress", "hints", "course_list", "shelf", "watch", "class_cli"},
 ]
 MAY_NOT_MEET = {("grading", "lab"), ("grading", "panels"), ("graders", "lab"), ("graders", "panels")}
 

@@ -54,6 +54,7 @@ def main(arguments: list[str]) -> int:
     """Run the notebooks named on the command line on a graph of their own."""
     with environment.exclusive_domain() as domain_id:
         os.environ["ROS_DOMAIN_ID"] = str(domain_id)
+        os.environ["COURSE_KIT_PROGRESS"] = "off"  # the author has passed nothing here
         for name in arguments:
             run(Path(name))
             print(f"stored {name}")

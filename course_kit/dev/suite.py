@@ -29,7 +29,7 @@ def main(arguments: list[str]) -> int:
         print("course: the tests belong to the course's folder; run ./course test there.", file=sys.stderr)
         return 2
     os.chdir(root)
-    environ = environment.child_environment(COURSE_BROWSER=browser.find_or_install())
+    environ = environment.child_environment(COURSE_BROWSER=browser.find_or_install(), COURSE_KIT_PROGRESS="off")
     try:
         if arguments:
             return pytest(arguments, environ)

@@ -11,6 +11,8 @@ from __future__ import annotations
 import fcntl
 import os
 import tempfile
+import threading
+import time
 import zlib
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
 FIRST, LAST = 1, 101
 _EXCLUSIVE = "exclusive"
+_QUEUE_S = 0.05  # how often one who queues for a domain looks
 
 
 class NoDomainError(RuntimeError):
@@ -74,20 +77,31 @@ def share(owner: str) -> Lease:
         return _take(_candidates(owner), owner, fcntl.LOCK_SH)
 
 
-def exclusive() -> Lease:
+def exclusive(patience_s: float = 0.0) -> Lease:
     """Lease a domain nobody else uses.
 
+    Args:
+        patience_s: for how many seconds to queue for one while all are taken.
+
     Raises:
-        NoDomainError: all are taken.
+        NoDomainError: all are taken, and stayed so.
     """
-    with _catalogue_locked():
-        return _take(range(LAST, FIRST - 1, -1), _EXCLUSIVE, fcntl.LOCK_EX)
+    deadline = time.monotonic() + patience_s
+    pause = threading.Event()  # a lock that becomes free tells nobody: look again and again, with a deadline
+    while True:
+        try:
+            with _catalogue_locked():
+                return _take(range(LAST, FIRST - 1, -1), _EXCLUSIVE, fcntl.LOCK_EX)
+        except NoDomainError:
+            if time.monotonic() >= deadline:
+                raise
+        pause.wait(_QUEUE_S)
 
 
 @contextmanager
-def exclusive_domain() -> Iterator[int]:
+def exclusive_domain(patience_s: float = 0.0) -> Iterator[int]:
     """`exclusive` as a context manager that yields the domain's number."""
-    lease = exclusive()
+    lease = exclusive(patience_s)
     try:
         yield lease.domain_id
     finally:

@@ -16,6 +16,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.isolation import Isolation
 from course_kit.grading.job import Job
 from course_kit.grading.report import CheckReport, Report
+from course_kit.grading.steps import Step
 from course_kit.grading.worker import Worker
 
 if TYPE_CHECKING:
@@ -52,7 +53,6 @@ def grade(  # noqa: PLR0913 - the options of one verb
     Raises:
         GradingError: usage, an unknown exercise, or a broken installation; the text is for the user.
     """
-    began = time.monotonic()
     task = exercise.load(exercise_id, exercises)
     if sum((path is not None, attach, exec_command is not None)) != 1:
         raise GradingError("Name one thing to grade: a file, --attach for a running node, or --exec with a command.")
@@ -60,23 +60,53 @@ def grade(  # noqa: PLR0913 - the options of one verb
         raise GradingError(f"The exercise {task.id} is answered in a file, without a running node. Name the file.")
     if seed is None:
         seed = secrets.randbits(31) if task.seed is None else task.seed
-    text = None
     if path is not None:
         try:
             text = submission.read(Path(path), exercise_id)
         except submission.UnreadableError as problem:
-            return _without_checks(task, str(path), "unreadable", str(problem), began)
-    job = _job(task, text, seed, exec_command)
-    shown = str(path) if path is not None else exec_command or f"the node on ROS domain {_domain()}"
-    own = worker is None
-    with (
-        Worker(whole_environment=exec_command is not None, own_graph=not attach) if own else nullcontext(worker) as used
-    ):
-        if used is None:
-            raise GradingError("There is no worker.")
-        isolation = Isolation.from_mapping(used.ready()) if not attach else Isolation(reason="it was attached to")
-        outcome = used.grade(job)
-    return _report(task, shown, outcome, isolation, began)
+            return unreadable(task, str(path), str(problem))
+        return grade_text(task, text, str(path), seed, worker)
+    shown = exec_command or f"the node on ROS domain {_domain()}"
+    with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
+        return _grade(task, _job(task, None, seed, exec_command), shown, used)
+
+
+def grade_text(task: Exercise, text: Submission, shown: str, seed: int, worker: Worker | None = None) -> Report:
+    """Grade a submission that has been read.
+
+    Args:
+        task: the exercise.
+        text: the submission.
+        shown: what the report calls it.
+        seed: what the checks draw their random values from.
+        worker: a running worker to use; one is started and ended when None.
+
+    Raises:
+        GradingError: a broken installation, or the worker ended.
+    """
+    with Worker() if worker is None else nullcontext(worker) as used:
+        return _grade(task, _job(task, text, seed, None), shown, used)
+
+
+def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
+    """The report of a submission that could not be graded at all."""
+    return Report(
+        exercise=task.id,
+        title=task.title,
+        submission=shown,
+        status=status,
+        passed=False,
+        score=0.0,
+        max_score=task.points,
+        duration_s=0.0,
+        problem=problem,
+    )
+
+
+def _grade(task: Exercise, job: Job, shown: str, worker: Worker) -> Report:
+    began = time.monotonic()
+    walls = _walls(Isolation.from_mapping(worker.ready()), job.mode)
+    return _report(task, shown, worker.grade(job), walls, began)
 
 
 def _domain() -> int:
@@ -103,6 +133,14 @@ def _job(task: Exercise, text: Submission | None, seed: int, command: str | None
     return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
 
 
+def _walls(found: Isolation, mode: str) -> str:
+    """What stood around the submission, in one line."""
+    if mode == "attach":
+        return "none: the node was running already, and the grader only talked to it"
+    text = found.describe()
+    return text if mode == "run" else f"{text}. The command saw your environment variables and worked in your folder"
+
+
 def _fault(text: Submission) -> str:
     fault = text.syntax_fault()
     if fault is None:
@@ -111,7 +149,7 @@ def _fault(text: Submission) -> str:
     return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."
 
 
-def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: Isolation, began: float) -> Report:
+def _report(task: Exercise, shown: str, outcome: dict[str, Any], walls: str, began: float) -> Report:
     checks = tuple(_check(task, result) for result in outcome["results"])
     score = sum(check.points for check in checks)
     if outcome["problem"] or not checks:
@@ -135,7 +173,7 @@ def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: Isol
         stdout=outcome["stdout"],
         stderr=outcome["stderr"],
         problem=problem,
-        isolation=isolation.describe(),
+        isolation=walls,
         timings=outcome["timings"],
     )
 
@@ -143,6 +181,7 @@ def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: Isol
 def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
     failed = result["status"] == "failed"
     message = diagnosis.complete(result["message"], result["diagnosis"]) if failed else result["message"]
+    hints = _hints(task, result["id"], result["diagnosis"]) if failed else ()
     return CheckReport(
         id=result["id"],
         title=result["title"],
@@ -154,26 +193,14 @@ def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
         got=result["got"],
         diagnosis=result["diagnosis"],
         message=message,
-        hint=_hint(task, result["id"], result["diagnosis"]) if failed else None,
+        hint=hints[0] if hints else None,
+        told=result["message"],
+        steps=tuple(Step(**step) for step in result["steps"]),
+        more_hints=hints[1:],
     )
 
 
-def _hint(task: Exercise, check: str, code: str | None) -> str | None:
-    """The exercise's own hint for the cause, else the catalogue's; for an unknown cause the ladder of the check."""
-    if code is None:
-        return task.next_hint(check)
-    return task.next_hint(code) or diagnosis.catalogue()[code].hint
-
-
-def _without_checks(task: Exercise, shown: str, status: str, problem: str, began: float) -> Report:
-    return Report(
-        exercise=task.id,
-        title=task.title,
-        submission=shown,
-        status=status,
-        passed=False,
-        score=0.0,
-        max_score=task.points,
-        duration_s=time.monotonic() - began,
-        problem=problem,
-    )
+def _hints(task: Exercise, check: str, code: str | None) -> tuple[str, ...]:
+    """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check."""
+    of_cause = (task.ladder(code) or (diagnosis.catalogue()[code].hint,)) if code else ()
+    return tuple(dict.fromkeys((*of_cause, *task.ladder(check))))

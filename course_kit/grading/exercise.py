@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 import sys
 from dataclasses import dataclass
@@ -67,9 +68,13 @@ class Exercise:
     limits: Limits
     hints: tuple[Hint, ...]
 
+    def ladder(self, topic: str) -> tuple[str, ...]:
+        """The hints for a check or a diagnosis, from a nudge to a push; empty when there are none."""
+        return tuple(hint.text for hint in self.hints if any(fnmatchcase(topic, name) for name in hint.topics))
+
     def next_hint(self, topic: str, seen: int = 0) -> str | None:
         """The hint after the first `seen` for a check or a diagnosis; the last when there are no more, None if none."""
-        ladder = [hint.text for hint in self.hints if any(fnmatchcase(topic, name) for name in hint.topics)]
+        ladder = self.ladder(topic)
         return ladder[min(seen, len(ladder) - 1)] if ladder else None
 
 
@@ -85,6 +90,16 @@ def exercises_folder() -> Path:
     return root / "exercises"
 
 
+def ids(folder: Path | None = None) -> list[str]:
+    """The ids of all exercises, in the alphabet's order.
+
+    Raises:
+        GradingError: this installation has none.
+    """
+    folder = exercises_folder() if folder is None else folder
+    return sorted(path.parent.name for path in folder.glob("*/exercise.toml"))
+
+
 def load(exercise_id: str, folder: Path | None = None) -> Exercise:
     """Read one exercise.
 
@@ -96,9 +111,11 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
         GradingError: there is none of this id, or its exercise.toml has a mistake.
     """
     folder = exercises_folder() if folder is None else folder
-    known = sorted(path.parent.name for path in folder.glob("*/exercise.toml"))
+    known = ids(folder)
     if exercise_id not in known:
-        raise GradingError(f"There is no exercise '{exercise_id}'. There are: {', '.join(known) or 'none'}.")
+        near = difflib.get_close_matches(exercise_id, known, 1)
+        guess = f" Did you mean {near[0]}?" if near else ""
+        raise GradingError(f"There is no exercise '{exercise_id}'.{guess} There are: {', '.join(known) or 'none'}.")
     path = folder / exercise_id / "exercise.toml"
     try:
         return _parse(tomllib.loads(path.read_text(encoding="utf-8")), path.parent)

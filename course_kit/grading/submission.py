@@ -6,6 +6,7 @@ import ast
 import json
 import re
 import stat
+import threading
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 LARGEST = 1024 * 1024  # bytes
+_PARSING = threading.Lock()  # CPython 3.11 counts the depth of a tree for all threads together and then refuses it
 _MAGIC = re.compile(r"^%%submission\s+(?P<exercise>\S+)\s*$")
 
 
@@ -48,7 +50,8 @@ class Submission:
     def syntax_fault(self) -> SyntaxFault | None:
         """Where the text is not Python, or None when it is."""
         try:
-            ast.parse(self.source, self.program)
+            with _PARSING:
+                ast.parse(self.source, self.program)
         except SyntaxError as fault:
             return SyntaxFault(fault.lineno or 0, (fault.text or "").strip(), fault.msg)
         except (ValueError, RecursionError, MemoryError) as fault:

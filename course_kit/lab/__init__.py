@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_kit.lab.errors import (
+    ActionNotFoundError,
     DeadlockError,
     FieldError,
     LabError,
@@ -20,6 +21,7 @@ from course_kit.lab.errors import (
     ServiceFailedError,
     ServiceNotFoundError,
 )
+from course_kit.lab.goal_verbs import send_goal, send_goal_blocking
 from course_kit.lab.parameters import (
     describe_parameters,
     describe_parameters_blocking,
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from course_kit.lab.topics import Subscription
 
 __all__ = [
+    "ActionNotFoundError",
     "DeadlockError",
     "FieldError",
     "LabError",
@@ -61,6 +64,8 @@ __all__ = [
     "publish",
     "record",
     "script",
+    "send_goal",
+    "send_goal_blocking",
     "set_parameters",
     "set_parameters_blocking",
     "start",

@@ -52,6 +52,28 @@ class Surroundings(Protocol):
         """Show what callbacks have printed; called in the caller's thread."""
 
 
+class Exchanged(Protocol):
+    """Something sent and the wait for what comes back; both drivers below know no more of it."""
+
+    def may_send(self) -> bool:
+        """Whether the server is there; raises when it has been waited for long enough."""
+
+    def send(self, completed: Callable[[], None]) -> None:
+        """Send; `completed` is called on the lab's thread when the answer is there."""
+
+    def next_check(self) -> float:
+        """Seconds until `check` should be called."""
+
+    def check(self) -> None:
+        """Look whether an answer can still come; raises if not."""
+
+    def result(self) -> Any:
+        """What came back."""
+
+    def close(self) -> None:
+        """Stop waiting, whether or not the answer has come."""
+
+
 class Asked(NamedTuple):
     """What a caller wants.
 
@@ -164,7 +186,7 @@ class Exchange:
         self._lab.settle()
 
 
-async def call_async(exchange: Exchange) -> Any:
+async def call_async(exchange: Exchanged) -> Any:
     """Drive an exchange from asyncio; uses no time while it waits."""
     loop = asyncio.get_running_loop()
     try:
@@ -203,7 +225,7 @@ async def call_async(exchange: Exchange) -> Any:
         exchange.close()
 
 
-def call_blocking(exchange: Exchange, show: Callable[[], None]) -> Any:
+def call_blocking(exchange: Exchanged, show: Callable[[], None]) -> Any:
     """Drive an exchange from a plain function; `show` is called now and then. Ctrl-C interrupts it."""
     pause = threading.Event()
     try:

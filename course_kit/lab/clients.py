@@ -1,8 +1,10 @@
-"""The lab's own hidden node, with a client for each service and a publisher for each topic it has used."""
+"""The lab's own hidden node, with a client for each service and action and a publisher for each topic it has used."""
 
 from __future__ import annotations
 
 import os
+import threading
+import time
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +13,11 @@ from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameExcept
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.validate_topic_name import validate_topic_name
 
 from course_kit.lab.errors import LabError
+from course_kit.lab.goal_client import GoalClient, full_name
+from course_kit.lab.graph import actions_run
 from course_kit.lab.messages import type_name
 
 if TYPE_CHECKING:
@@ -22,6 +27,8 @@ if TYPE_CHECKING:
     from course_kit.lab.tapping import Tapping
 
 HIDDEN_NAME = "_lab_"  # and the process's number, so that two notebooks do not share it
+_POLL = 0.005  # seconds
+_FREE = 1.0  # seconds in which the lab's thread must be free to make a client
 _KEPT = 32  # clients and publishers; the one unused for longest goes first
 
 
@@ -44,6 +51,7 @@ class Clients:
         self._alias = alias
         self._clients: OrderedDict[tuple[Any, str], Any] = OrderedDict()
         self._publishers: OrderedDict[tuple[Any, str], Any] = OrderedDict()
+        self._goal_clients: OrderedDict[tuple[Any, str], GoalClient] = OrderedDict()
         self.known_node: Any = None
 
     @property
@@ -81,6 +89,29 @@ class Clients:
 
         return self._use(self._publishers, (message_type, topic), make, self._drop_publisher)
 
+    def goal_client(self, action_type: Any, action: str) -> GoalClient:
+        """The client for an action; one of the same name and another type is replaced."""
+
+        def make() -> Any:
+            node = self.node
+            validate_topic_name(action)
+            types = actions_run(node).get(full_name(node, action), [])
+            if types and type_name(action_type) not in types:  # rclpy would make half a client, and lose it
+                raise OtherTypeError(f"{action} is in use with another type than {type_name(action_type)}.")
+            # On the thread that will use it, and not while that looks through the node's entities.
+            return self._spinner.ask(lambda: GoalClient(node, action_type, action), _FREE)
+
+        found: GoalClient = self._use(self._goal_clients, (action_type, action), make, self._drop_goal_client)
+        return found
+
+    def wait_for_results(self, actions: set[str], timeout: float) -> None:
+        """Wait until no goal of these actions is on its way; `timeout` seconds at most."""
+        deadline = time.monotonic() + timeout
+        pause = threading.Event()
+        clients = [client for client in self._goal_clients.values() if client.action_name in actions]
+        while any(client.busy for client in clients) and time.monotonic() < deadline:
+            pause.wait(_POLL)
+
     def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
         """A new subscription.
 
@@ -94,17 +125,22 @@ class Clients:
         return _named(lambda: self.node.create_subscription(message_type, topic, callback, qos), (message_type, topic))
 
     def forget(self, channels: set[str]) -> None:
-        """Let go of these services and topics, so that they can come back with another type."""
+        """Let go of these services, actions and topics, so that they can come back with another type."""
         for key, client in list(self._clients.items()):
             if client.service_name in channels and not client._pending_requests:  # noqa: SLF001 - somebody waits
                 self._drop_client(self._clients.pop(key))
         for key in [key for key, publisher in self._publishers.items() if publisher.topic_name in channels]:
             self._drop_publisher(self._publishers.pop(key))
+        for key, goal_client in list(self._goal_clients.items()):
+            if goal_client.action_name in channels and not goal_client.busy:
+                self._drop_goal_client(self._goal_clients.pop(key))
 
     def destroy(self) -> None:
         """Destroy the node and all that is on it."""
         self._clients.clear()
         self._publishers.clear()
+        while self._goal_clients:
+            self._goal_clients.popitem()[1].destroy()
         self._tapping.direct.clear()
         if self.known_node is not None:
             self._spinner.executor.remove_node(self.known_node)
@@ -133,6 +169,16 @@ class Clients:
         self._tapping.direct.discard(client)
         self._spinner.run_between_callbacks(lambda: self.node.destroy_client(client), 1.0)
 
+    def _drop_goal_client(self, client: GoalClient) -> None:
+        """Destroy an action's client; goals that have not ended have lost their server, or their server its type."""
+
+        def drop() -> None:
+            for pursuit in list(client.busy.values()):
+                pursuit.lose()
+            client.destroy()
+
+        self._spinner.run_between_callbacks(drop, 1.0)
+
     def _drop_publisher(self, publisher: Any) -> None:
         self._spinner.run_between_callbacks(lambda: self.node.destroy_publisher(publisher), 1.0)
 
@@ -152,8 +198,8 @@ def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
     try:
         return make()
     except (InvalidServiceNameException, InvalidTopicNameException) as error:
-        raise LabError(f"{name!r} is not a ROS name: {str(error).splitlines()[0]}.") from error
-    except rclpy_implementation.RCLError as error:
+        raise LabError(f"{name!r} is not a ROS name: {str(error).splitlines()[0].rstrip(' :')}.") from error
+    except (rclpy_implementation.RCLError, ValueError) as error:  # the second one from an action client
         if not incompatible(error):
             raise
         raise OtherTypeError(f"{name} is in use with another type than {type_name(interface)}.") from error

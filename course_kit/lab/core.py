@@ -7,7 +7,7 @@ import threading
 from typing import TYPE_CHECKING, Any
 
 from course_kit.lab import calls, graph, topics
-from course_kit.lab.errors import DeadlockError, LabError
+from course_kit.lab.errors import LabError
 from course_kit.lab.events import Recorder, Taps
 from course_kit.lab.notebook import Notebook
 from course_kit.lab.output import Output
@@ -15,6 +15,7 @@ from course_kit.lab.output import Output
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Hashable
 
+    from course_kit.lab import goals
     from course_kit.lab.engine import Engine
     from course_kit.lab.live_nodes import NodeList
     from course_kit.lab.process import Script
@@ -107,6 +108,22 @@ class Lab:
         self._not_in_callback("lab.call_blocking()")
         exchange = calls.Exchange(self.engine, service, service_type, asked)
         return calls.call_blocking(exchange, self.output.drain)
+
+    def send_goal(self, action: str, action_type: Any, asked: goals.AskedGoal) -> Coroutine[Any, Any, goals.Goal]:
+        """See `course_kit.lab.send_goal`."""
+        self._not_in_callback("lab.send_goal()")
+        from course_kit.lab import goals
+
+        return calls.call_async(goals.Sending(self.engine, action, action_type, asked))
+
+    def send_goal_blocking(self, action: str, action_type: Any, asked: goals.AskedGoal) -> goals.Goal:
+        """See `course_kit.lab.send_goal_blocking`."""
+        self._not_in_callback("lab.send_goal_blocking()")
+        from course_kit.lab import goals
+
+        sending = goals.Sending(self.engine, action, action_type, asked)
+        goal: goals.Goal = calls.call_blocking(sending, self.output.drain)
+        return goal
 
     def publish(self, topic: str, message_type: Any, message: Any, fields: dict[str, Any]) -> None:
         """See `course_kit.lab.publish`."""
@@ -213,11 +230,8 @@ class Lab:
         return self._recorder
 
     def _not_in_callback(self, what: str) -> None:
-        if self._engine is not None and self._engine.in_callback():
-            raise DeadlockError(
-                f"{what} inside a callback would wait for the thread it runs on. Use the node's own client and "
-                "call_async() there."
-            )
+        if self._engine is not None:
+            self._engine.not_in_callback(what)
 
 
 def _shown(target: Any) -> str:

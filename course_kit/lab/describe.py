@@ -28,6 +28,13 @@ def channels_of(node: Any) -> set[str]:
     return services | {one.topic_name for kind in (node.publishers, node.subscriptions) for one in kind}
 
 
+def actions_of(node: Any) -> set[str]:
+    """The full names of the actions a node runs."""
+    from rclpy.action import get_action_server_names_and_types_by_node
+
+    return {name for name, _ in get_action_server_names_and_types_by_node(node, node.get_name(), node.get_namespace())}
+
+
 def is_alive(node: Any) -> bool:
     """Whether a node has not been destroyed."""
     from rclpy.exceptions import InvalidHandle

@@ -18,6 +18,10 @@ class ServiceNotFoundError(LabError):
     """No server offers a service of this name and type."""
 
 
+class ActionNotFoundError(LabError):
+    """No server runs an action of this name and type."""
+
+
 class NodeNotFoundError(LabError):
     """No node of this name has parameters."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import threading
 import time
@@ -78,6 +79,37 @@ def no_service(node: Any, service: str, wanted_type: str, waited: float, except_
     if services:
         return message + f"On the graph: {', '.join(sorted(services)[:5])}."
     return message + "No service at all is on the graph: has its server been started?"
+
+
+def no_action(node: Any, action: str, wanted_type: str, waited: float) -> str:
+    """Why no action server of this name and type was found, and what to do."""
+    actions = actions_run(node)
+    types = actions.get(action)
+    if types and wanted_type not in types:
+        return (
+            f"{action} has the type {' and '.join(sorted(types))}, and the goal was one of {wanted_type}. "
+            "Client and server must use the same type."
+        )
+    message = f"No node runs the action {action} (waited {waited:g} s). "
+    near = nearest(action, actions)
+    if near:
+        return message + f"The nearest name on the graph is {near} [{', '.join(sorted(actions[near]))}]."
+    if actions:
+        return message + f"On the graph: {', '.join(sorted(actions)[:5])}."
+    return message + "No action at all is on the graph: has its server been started?"
+
+
+def actions_run(node: Any) -> dict[str, list[str]]:
+    """Actions that have a server on the graph, with their types."""
+    from rclpy.action import get_action_server_names_and_types_by_node
+    from rclpy.node import NodeNameNonExistentError
+
+    found: dict[str, list[str]] = {}
+    for name, namespace in set(node.get_node_names_and_namespaces()):
+        with contextlib.suppress(NodeNameNonExistentError):  # it has gone meanwhile
+            for action, types in get_action_server_names_and_types_by_node(node, name, namespace):
+                found.setdefault(action, []).extend(kind for kind in types if kind not in found.get(action, []))
+    return found
 
 
 def wait_for_nodes(node: Any, names: list[str], own: set[str], *, there: bool) -> None:

@@ -72,8 +72,11 @@ class _Start(threading.local):
 class Nodes:
     """The live nodes of one lab."""
 
-    def __init__(self, spinner: Spinner, gone: Callable[[list[Any]], None]) -> None:
+    def __init__(
+        self, spinner: Spinner, end_goals: Callable[[list[Any]], None], gone: Callable[[list[Any]], None]
+    ) -> None:
         self._spinner = spinner
+        self._end_goals = end_goals
         self._gone = gone
         self._live: list[LiveNode] = []
         self._start = _Start()
@@ -145,12 +148,18 @@ class Nodes:
             return
         self._live.remove(live)
         nodes = [live.node, *live.helpers]
-        self._gone(nodes)
-        if not self._spinner.run_between_callbacks(lambda: self._destroy(nodes), _BETWEEN_CALLBACKS):
+
+        self._end_goals(nodes)
+
+        def end() -> None:
+            self._gone(nodes)
+            self._destroy(nodes)
+
+        if not self._spinner.run_between_callbacks(end, _BETWEEN_CALLBACKS):
             turn = self._spinner.executor.turn
             if turn is not None and (turn.node is None or turn.node in nodes):
                 self._spinner.stop_callback()
-            self._destroy(nodes)
+            end()
 
     def stop_soon(self, node: Any) -> None:
         """Stop a node from inside one of its callbacks, once that callback has ended."""

@@ -33,6 +33,11 @@ def is_service_type(interface: Any) -> bool:
     return isinstance(interface, type) and hasattr(interface, "Request") and hasattr(interface, "Response")
 
 
+def is_action_type(interface: Any) -> bool:
+    """Whether this is an action's class, with a Goal, a Result and a Feedback."""
+    return isinstance(interface, type) and all(hasattr(interface, part) for part in ("Goal", "Result", "Feedback"))
+
+
 def is_message_type(interface: Any) -> bool:
     """Whether this is a message's class."""
     return isinstance(interface, type) and hasattr(interface, "get_fields_and_field_types")

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import rclpy
 from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 
+from course_kit.lab.errors import NoAnswerError
 from course_kit.lab.executor import CallbackStopped, FailureListener, LabExecutor
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 # rclpy's ~/get_type_description, which no lesson asks for, triples the time to make a node and leaves 100 kB behind
 # for each one destroyed, until the last node of the process is gone.
 _ARGUMENTS = ("--ros-args", "-p", "start_type_description_service:=false")
+ResultT = TypeVar("ResultT")
 _JOIN = 2.0  # seconds a callback is given to end
 
 
@@ -76,6 +78,31 @@ class Spinner:
 
         self.executor.create_task(task)
         return done.wait(deadline)
+
+    def ask(self, function: Callable[[], ResultT], deadline: float) -> ResultT:
+        """Return what `function` returns on the thread, between two callbacks; what it raises is raised here.
+
+        Raises:
+            NoAnswerError: a callback runs and does not end within `deadline` seconds; the function does not run then.
+        """
+        outcome: list[ResultT] = []
+        raised: list[BaseException] = []
+        late = False
+
+        def run() -> None:
+            if late:
+                return
+            try:
+                outcome.append(function())
+            except BaseException as error:  # noqa: BLE001 - passed on
+                raised.append(error)
+
+        if not self.run_between_callbacks(run, deadline):
+            late = True
+            raise NoAnswerError(f"A callback has kept the lab's thread for more than {deadline:g} s; nothing was done.")
+        if raised:
+            raise raised[0]
+        return outcome[0]
 
     def stop_callback(self) -> None:
         """Raise CallbackStopped inside the callback that is running; reaches Python code, not a C function."""

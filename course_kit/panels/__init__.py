@@ -12,7 +12,9 @@ if TYPE_CHECKING:
     from course_kit.panels.plotting import Plot
     from course_kit.panels.sliders import ParameterSliders
 
-__all__ = ["parameter_sliders", "plot"]
+__all__ = ["parameter_sliders", "plot", "quiz"]
+
+# A panel's module is never called like its function: importing it would put the module in the function's place.
 
 
 def parameter_sliders(node: Any) -> ParameterSliders:
@@ -44,3 +46,17 @@ def plot(topic: str, message_type: Any, field: str, *, seconds: float = 20.0) ->
     from course_kit.panels.plotting import Plot
 
     return Plot(topic, message_type, field, seconds)
+
+
+def quiz(seed: int = 1) -> QuizPanel:
+    """The quiz of exercise 4: ten robot scenarios, marked as the grader marks them.
+
+    Args:
+        seed: the number your instructor gave you; without one, leave it out.
+
+    Raises:
+        TypeError: the seed is no whole number.
+    """
+    from course_kit.panels.quiz_panel import QuizPanel
+
+    return QuizPanel(seed)

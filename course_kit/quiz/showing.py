@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from course_kit.quiz.drawing import DEFAULT_SEED, draw, reasons_as_shown
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from course_kit.quiz.bank import Scenario
 
 WIDTH = 80  # columns of text
@@ -46,9 +48,17 @@ class Questions:
         lines = [f'    "{scenario.id}": ("", ""),' for scenario in self.scenarios]
         return "\n".join(["answers = {", *lines, "}"])
 
-    def sheet(self) -> str:
-        """A Python file to fill in: all scenarios and reasons as comments, with an empty pair under each."""
-        blocks = [_block(number, scenario, self.seed) for number, scenario in enumerate(self.scenarios, start=1)]
+    def sheet(self, answers: Mapping[str, tuple[str, str]] | None = None) -> str:
+        """The answers as a Python file: all scenarios and reasons as comments, with a pair under each.
+
+        Args:
+            answers: pattern and reason by the scenario's id; a pair that is not in it stays empty.
+        """
+        given = answers or {}
+        blocks = [
+            _block(number, scenario, self.seed, given.get(scenario.id, ("", "")))
+            for number, scenario in enumerate(self.scenarios, start=1)
+        ]
         return f"{_HEAD}\nanswers = {{\n" + "\n".join(blocks) + "\n}\n"
 
     def __repr__(self) -> str:
@@ -83,15 +93,16 @@ def show(seed: int = DEFAULT_SEED) -> Questions:
         TypeError: the seed is no whole number.
     """
     if not isinstance(seed, int) or isinstance(seed, bool):
-        raise TypeError(f"The seed is a whole number, such as show(seed=17), and this is {seed!r}.")
+        raise TypeError(f"The seed is a whole number, such as seed=17, and this is {seed!r}.")
     return Questions(seed)
 
 
-def _block(number: int, scenario: Scenario, seed: int) -> str:
+def _block(number: int, scenario: Scenario, seed: int, answer: tuple[str, str]) -> str:
+    pattern, reason = answer
     lines = [f"    # ---- {number}. {scenario.title} ----", *_wrap(scenario.text, "    # ", "    # ")]
     for name, text in reasons_as_shown(scenario, seed):
         lines += _wrap(f"{name}: {text}", "    #   - ", "    #     ")
-    return "\n".join([*lines, f'    "{scenario.id}": ("", ""),'])
+    return "\n".join([*lines, f'    "{scenario.id}": ("{pattern}", "{reason}"),'])
 
 
 def _reason(name: str, text: str) -> str:

@@ -37,6 +37,7 @@ class Goal:
         self._session, self._node, self._name, self._timeout = session, node, name, timeout
         self._client = ActionClient(node, action_type, name)
         self._heard = time.monotonic()
+        self._early: list[Any] | None = []  # feedback that overtook the word that the goal is accepted
 
     def close(self) -> None:
         """Leave the action."""
@@ -59,6 +60,9 @@ class Goal:
             print("Goal was rejected.")
             return
         print(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n\n", end="", flush=True)
+        early, self._early = self._early or [], None
+        for feedback in early:
+            _print_feedback(feedback)
         result = handle.get_result_async()
         with _Interrupt() as interrupt:
             self._wait_for_result(result, interrupt)
@@ -113,8 +117,15 @@ class Goal:
 
     def _on_feedback(self, message: Any) -> None:
         self._on_sign_of_life(message)
-        # One piece, its line end included: the main thread may print at the same time.
-        print(f"Feedback:\n    {to_yaml(message.feedback)}\n", end="", flush=True)
+        if self._early is None:
+            _print_feedback(message.feedback)
+        else:
+            self._early.append(message.feedback)
+
+
+def _print_feedback(feedback: Any) -> None:
+    # One piece, its line end included: another thread may print at the same time.
+    print(f"Feedback:\n    {to_yaml(feedback)}\n", end="", flush=True)
 
 
 class _Interrupt:

@@ -1,0 +1,106 @@
+"""Submissions of a class as they were read: the text of each, or why it has none, and which are the same."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from course_kit.grading import engine, submission
+from course_kit.grading.classroom.pool import Task
+from course_kit.grading.classroom.records import Record
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.grading.classroom.records import Entry
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.report import Report
+
+
+@dataclass(frozen=True)
+class Handed:
+    """A submission that has been read.
+
+    Attributes:
+        entry: who handed it in, and where it lies.
+        exercise: what it is for.
+        seed: what its checks draw from.
+        digest: SHA-256 of kind and bytes; empty when it could not be read.
+        size: in bytes.
+        text: its text; None when there is none, and `problem` says why.
+        problem: why it cannot be graded.
+    """
+
+    entry: Entry
+    exercise: Exercise
+    seed: int
+    digest: str = ""
+    size: int = 0
+    text: submission.Submission | None = None
+    problem: str = ""
+
+    @property
+    def key(self) -> tuple[str, str, int]:
+        """Equal for submissions that get the same report; what could not be read is equal to nothing else."""
+        return (self.exercise.id, self.digest or self.entry.source, self.seed)
+
+    def task(self) -> Task | None:
+        """What an executor is asked to do; None when there is nothing to run."""
+        return Task(self.exercise, self.text, self.entry.source, self.seed) if self.text else None
+
+    def unreadable(self) -> Report:
+        """The report of one that has no text."""
+        return engine.unreadable(self.exercise, self.entry.source, self.problem)
+
+    def record(self, report: Report, wall_s: float) -> Record:
+        """Its result."""
+        return Record(
+            entry=self.entry,
+            digest=self.digest,
+            size=self.size,
+            seed=self.seed,
+            report=report.to_mapping(),
+            title=report.title,
+            isolation=report.isolation,
+            wall_s=round(wall_s, 3),
+        )
+
+    def same_record(self, other: Record) -> Record:
+        """Its result where an identical submission was graded."""
+        report = {**other.report, "submission": self.entry.source}
+        return replace(other, entry=self.entry, report=report, same_as=other.entry.student)
+
+    def has_result(self, record: Record | None) -> bool:
+        """Whether a record is of this submission as it is now; an error of the grader is worth another try."""
+        return (
+            record is not None
+            and (record.digest, record.seed, record.entry.source) == (self.digest, self.seed, self.entry.source)
+            and record.status != "error"
+        )
+
+
+def read(entry: Entry, root: Path, exercise: Exercise, seed: int) -> Handed:
+    """Read a submission; never fails, as there is a report for whatever was handed in.
+
+    Args:
+        entry: the submission.
+        root: the folder its source is relative to.
+        exercise: its exercise.
+        seed: what its checks will draw from.
+    """
+    path = root / entry.source
+    try:
+        text = submission.read(path, exercise.id)
+        data = path.read_bytes()
+    except (submission.UnreadableError, OSError) as problem:
+        return Handed(entry, exercise, seed, problem=str(problem), size=_size(path))
+    digest = hashlib.sha256(path.suffix.encode() + b"\0" + data).hexdigest()
+    return Handed(entry, exercise, seed, digest, len(data), text)
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.lstat().st_size
+    except OSError:
+        return 0

@@ -1,0 +1,88 @@
+"""Warm workers, as many as gradings run side by side; whoever grades takes one and gives it back.
+
+One that died is replaced, and its submission is tried once more: a worker that was killed from outside is no fault of
+a student's, and a submission that kills workers must not stop a class.
+"""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from course_kit.grading import engine
+from course_kit.grading.errors import GradingError
+from course_kit.grading.worker import Worker
+
+if TYPE_CHECKING:
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.report import Report
+    from course_kit.grading.submission import Submission
+
+_TRIES = 2
+
+
+@dataclass(frozen=True)
+class Task:
+    """One grading, as it travels to where it is done.
+
+    Attributes:
+        exercise: the exercise.
+        text: the submission.
+        shown: what the report calls it.
+        seed: what the checks draw from.
+    """
+
+    exercise: Exercise
+    text: Submission
+    shown: str
+    seed: int
+
+
+class Pool:
+    """Workers of one process; safe to use from many threads."""
+
+    def __init__(self, warm: int = 0) -> None:
+        """Start `warm` workers ahead of time; more are started when needed."""
+        self._idle = [Worker() for _ in range(warm)]
+        self._lock = threading.Lock()
+        self._busy: set[Worker] = set()
+        self._closed = False
+
+    def grade(self, task: Task) -> Report:
+        """Grade with a worker that is free; a report comes whatever happens."""
+        problem = ""
+        for _ in range(_TRIES):
+            worker = self._take()
+            try:
+                report = engine.grade_text(task.exercise, task.text, task.shown, task.seed, worker)
+            except GradingError as failure:
+                problem = str(failure)
+                self._give_back(worker, usable=False)
+            else:
+                self._give_back(worker, usable=True)
+                return report
+        return engine.unreadable(task.exercise, task.shown, problem, status="error")
+
+    def close(self) -> None:
+        """End all workers and what they have under way."""
+        with self._lock:
+            self._closed = True
+            workers = [*self._idle, *self._busy]
+            self._idle = []
+        for worker in workers:
+            worker.close()
+
+    def _take(self) -> Worker:
+        with self._lock:
+            worker = self._idle.pop() if self._idle else Worker()
+            self._busy.add(worker)
+            return worker
+
+    def _give_back(self, worker: Worker, *, usable: bool) -> None:
+        with self._lock:
+            self._busy.discard(worker)
+            if usable and not self._closed:
+                self._idle.append(worker)
+                return
+        worker.close()

@@ -1,0 +1,215 @@
+"""Grades a class: each distinct submission once, every result written the moment it is there.
+
+Whatever stops a run (Ctrl-C, a crash, a power cut, a full disk) costs at most what was under way; the next run with
+`resume` takes the records that are there and goes on.
+"""
+
+from __future__ import annotations
+
+import json
+import secrets
+import time
+from concurrent.futures import FIRST_COMPLETED, wait
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+from course_kit.grading.classroom import handed, intake
+from course_kit.grading.classroom.gradebook import Gradebook
+from course_kit.grading.classroom.records import Records, write_atomically
+from course_kit.grading.errors import GradingError
+from course_kit.grading.render_page import render_page
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+    from concurrent.futures import Future
+    from pathlib import Path
+
+    from course_kit.grading.classroom.executors import Executor
+    from course_kit.grading.classroom.handed import Handed
+    from course_kit.grading.classroom.records import Record
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.report import Report
+
+RUN_FILE = "run.json"
+WORKSPACE = "handed_in"  # where an archive is unpacked, in the output folder
+FORMAT_VERSION = 1
+_AHEAD = 2  # tasks given to an executor for each of its slots: none idles, and few are lost
+_LISTEN_S = 0.5  # how often a wait for results looks at the clock and at who wants to stop
+_AT_ONCE = 2  # requests to stop
+
+
+class Watcher(Protocol):
+    """Told how a run goes."""
+
+    def begin(self, total: int, ready: int) -> None:
+        """So many submissions, of which so many have results already."""
+
+    def done(self, record: Record) -> None:
+        """One more has its result."""
+
+    def tick(self) -> None:
+        """Some time has passed."""
+
+    def stopping(self, under_way: int) -> None:
+        """Ctrl-C: nothing new is begun, so many are finished."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to grade.
+
+    Attributes:
+        source: a folder or a zip.
+        out: the folder for all results.
+        exercises: what was set.
+        seed: what all checks draw from; drawn once for the run when None.
+        seeds: other seeds for some students, as for exercise 4.
+        layout: a layout's name, or "auto".
+        resume: go on where an earlier run into the same folder has ended.
+    """
+
+    source: Path
+    out: Path
+    exercises: tuple[Exercise, ...]
+    seed: int | None = None
+    seeds: Mapping[str, int] = field(default_factory=dict)
+    layout: str = "auto"
+    resume: bool = False
+
+
+class ClassRun:
+    """One run over a class."""
+
+    def __init__(self, plan: Plan, watcher: Watcher, stops: Callable[[], int] = lambda: 0) -> None:
+        """Look at the output folder and find the submissions.
+
+        Args:
+            plan: what to grade.
+            watcher: told how it goes.
+            stops: how often somebody has asked to stop: once, and what is under way is finished; twice, given up.
+
+        Raises:
+            GradingError: there is nothing to grade, or the output folder holds results and `resume` was not asked.
+            OSError: the output folder cannot be written.
+        """
+        self._plan = plan
+        self._watcher = watcher
+        self._stops = stops
+        self._records = Records(plan.out)
+        self.seed = self._choose_seed()
+        self.intake = intake.collect(plan.source, plan.exercises, plan.out / WORKSPACE, plan.layout)
+        self._done: list[Record] = []
+
+    def grade(self, start: Callable[[], Executor]) -> Gradebook:
+        """Grade what has no result yet.
+
+        Args:
+            start: makes the executor; called only when there is something to do.
+
+        Raises:
+            OSError: a result could not be written, as on a full disk; those before it are safe.
+        """
+        groups = self._take_stock()
+        if groups:
+            executor = start()
+            try:
+                self._work_through(groups, executor)
+            finally:
+                executor.close()
+        return self._gradebook()
+
+    def _choose_seed(self) -> int:
+        """The run's seed: that of the earlier run when it is gone on with."""
+        path, asked = self._plan.out / RUN_FILE, self._plan.seed
+        before = _seed_of_run(path)
+        if not self._plan.resume and (before is not None or any(self._records)):
+            raise GradingError(
+                f"{self._plan.out} holds the results of an earlier run. Add --resume to go on with it, or name "
+                "another folder."
+            )
+        if before is not None and asked not in (None, before):
+            raise GradingError(f"The earlier run has used the seed {before}. Leave --seed out to go on with it.")
+        seed = next(one for one in (before, asked, secrets.randbits(31)) if one is not None)
+        write_atomically(path, json.dumps({"format_version": FORMAT_VERSION, "seed": seed}) + "\n")
+        return seed
+
+    def _take_stock(self) -> list[list[Handed]]:
+        """Read all submissions; returns those without a result, identical ones together."""
+        exercises = {exercise.id: exercise for exercise in self._plan.exercises}
+        groups: dict[tuple[str, str, int], list[Handed]] = {}
+        for entry in self.intake.entries:
+            exercise = exercises[entry.exercise]
+            usual = self.seed if exercise.seed is None else exercise.seed
+            one = handed.read(entry, self.intake.root, exercise, self._plan.seeds.get(entry.student, usual))
+            known = self._records.find(entry)
+            if known is not None and one.has_result(known):
+                self._done.append(known)
+            else:
+                groups.setdefault(one.key, []).append(one)
+        self._watcher.begin(len(self.intake.entries), len(self._done))
+        return list(groups.values())
+
+    def _work_through(self, groups: list[list[Handed]], executor: Executor) -> None:
+        waiting = iter(groups)
+        under_way: dict[Future[Report], tuple[list[Handed], float]] = {}
+        stopping = False
+        while self._stops() < _AT_ONCE:
+            if self._stops() and not stopping:
+                stopping = True
+                for future in [future for future in under_way if future.cancel()]:
+                    del under_way[future]
+                self._watcher.stopping(len(under_way))
+            if not stopping:
+                self._fill(executor, waiting, under_way)
+            if not under_way:
+                return
+            finished, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
+            for future in finished:
+                group, begun = under_way.pop(future)
+                self._keep(group, future.result(), time.monotonic() - begun)
+            self._watcher.tick()
+
+    def _fill(
+        self,
+        executor: Executor,
+        waiting: Iterator[list[Handed]],
+        under_way: dict[Future[Report], tuple[list[Handed], float]],
+    ) -> None:
+        """Give the executor enough to do."""
+        while len(under_way) < _AHEAD * executor.slots:
+            group = next(waiting, None)
+            if group is None:
+                return
+            task = group[0].task()
+            if task is None:
+                self._keep(group, group[0].unreadable(), 0.0)
+            else:
+                under_way[executor.submit(task)] = (group, time.monotonic())
+
+    def _keep(self, group: list[Handed], report: Report, wall_s: float) -> None:
+        """Write the result of a submission and of those identical to it."""
+        first, *twins = group
+        record = first.record(report, wall_s)
+        for one in (record, *(twin.same_record(record) for twin in twins)):
+            self._records.keep(one, render_page(report, one.entry.name or one.entry.student))
+            self._done.append(one)
+            self._watcher.done(one)
+
+    def _gradebook(self) -> Gradebook:
+        return Gradebook(
+            exercises=self._plan.exercises,
+            records=tuple(sorted(self._done, key=lambda one: (one.entry.student, one.entry.exercise))),
+            missing=self.intake.missing,
+            left=self.intake.left,
+            layout=self.intake.layout,
+            seed=self.seed,
+            complete=len(self._done) == len(self.intake.entries),
+        )
+
+
+def _seed_of_run(path: Path) -> int | None:
+    """The seed an earlier run has noted; None if there was none."""
+    try:
+        return int(json.loads(path.read_text(encoding="utf-8"))["seed"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None

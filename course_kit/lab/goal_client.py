@@ -1,0 +1,221 @@
+"""The lab's own action client: rclpy's, whose feedback is not lost.
+
+rclpy's action client forgets a goal's feedback callback when the result arrives, so feedback that comes with the
+result or after it is dropped; and it takes one message a turn from a queue of ten. Here all that has arrived is
+taken at once, and handed on before the result that was taken with it.
+
+Everything here runs on the lab's thread: a reply cannot arrive before its sending is complete (issue 1123 of rclpy).
+"""
+
+from __future__ import annotations
+
+import weakref
+from typing import TYPE_CHECKING, Any
+
+from action_msgs.msg import GoalStatus
+from rclpy.action import ActionClient
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.qos import QoSProfile
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_DEPTH = 1000  # feedback messages that may wait while a callback keeps the lab's thread
+_STATUS = {
+    GoalStatus.STATUS_ACCEPTED: "ACCEPTED",
+    GoalStatus.STATUS_EXECUTING: "EXECUTING",
+    GoalStatus.STATUS_CANCELING: "CANCELING",
+    GoalStatus.STATUS_SUCCEEDED: "SUCCEEDED",
+    GoalStatus.STATUS_CANCELED: "CANCELED",
+    GoalStatus.STATUS_ABORTED: "ABORTED",
+}
+_ORDER = ("ACCEPTED", "EXECUTING", "CANCELING")  # a status message may be older than what is known already
+
+
+def full_name(node: Any, action: str) -> str:
+    """An action's full name, as a node sees it; its services are renamed with it."""
+    goals = "/_action/send_goal"
+    return str(node.resolve_service_name(action + goals)).removesuffix(goals)
+
+
+class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type information
+    """An action client that keeps track of its goals.
+
+    Args:
+        node: the lab's own node.
+        action_type: the action's class.
+        action: its name.
+
+    Attributes:
+        action_name: its full name.
+        busy: the goals that have not ended, by their identifiers; they are kept although nobody else may hold them.
+    """
+
+    def __init__(self, node: Any, action_type: Any, action: str) -> None:
+        super().__init__(
+            node,
+            action_type,
+            action,
+            callback_group=ReentrantCallbackGroup(),
+            feedback_sub_qos_profile=QoSProfile(depth=_DEPTH),
+        )
+        self.action_name = full_name(node, action)
+        self.busy: dict[bytes, Pursuit] = {}
+        self._ended: weakref.WeakValueDictionary[bytes, Pursuit] = weakref.WeakValueDictionary()
+
+    def add_future(self, future: Any) -> None:
+        """Leave a future without an executor, so that it calls back at once, in the order in which things arrive."""
+
+    def remove_future(self, future: Any) -> None:
+        """See `add_future`."""
+
+    def take_data(self) -> dict[str, Any]:
+        """Take what has arrived, all of the feedback included."""
+        data: dict[str, Any] = super().take_data()
+        first = data.pop("feedback", None)
+        data["all_feedback"] = [] if first is None else [first]
+        while (more := self._client_handle.take_feedback(self._action_type.Impl.FeedbackMessage)) is not None:
+            data["all_feedback"].append(more)
+        return data
+
+    async def execute(self, taken_data: dict[str, Any]) -> None:
+        """Hand on what was taken, feedback before a result."""
+        if "goal" in taken_data:
+            await super().execute({"goal": taken_data.pop("goal")})
+        for message in taken_data.pop("all_feedback"):
+            self.deliver(message)
+        for status in getattr(taken_data.pop("status", None), "status_list", ()):
+            pursuit = self._find(status.goal_info.goal_id)
+            if pursuit is not None:
+                pursuit.note_status(_STATUS.get(status.status, ""))
+        await super().execute(taken_data)
+
+    def deliver(self, message: Any) -> None:
+        """Hand on one feedback message; those of other clients' goals come here, too."""
+        pursuit = self._find(message.goal_id)
+        if pursuit is not None:
+            pursuit.take_feedback(message.feedback)
+
+    def begin(self, pursuit: Pursuit, goal: Any) -> Any:
+        """Send a goal; returns the future of rclpy's goal handle."""
+        identifier = self._generate_random_uuid()
+        self.busy[bytes(identifier.uuid)] = pursuit
+        return self.send_goal_async(goal, goal_uuid=identifier)
+
+    def end(self, pursuit: Pursuit) -> None:
+        """Keep track of a goal only as long as somebody holds it: it has ended."""
+        for identifier, one in list(self.busy.items()):
+            if one is pursuit:
+                self._ended[identifier] = self.busy.pop(identifier)
+
+    def _find(self, goal_id: Any) -> Pursuit | None:
+        identifier = bytes(goal_id.uuid)
+        return self.busy.get(identifier) or self._ended.get(identifier)
+
+
+class Pursuit:
+    """A goal on its way: what is known of it. Changed on the lab's thread only, read anywhere.
+
+    Args:
+        client: sends it.
+        goal: the message.
+        call: calls a function of the learner's and tells of what it raises.
+
+    Attributes:
+        accepted: None until the server has answered.
+        status: the name of its state; "" until the server has answered.
+        feedback: the messages received so far.
+        ended: whether there will be no other result.
+        result: the result message; None until it has come, and for a goal that was rejected or lost.
+        on_feedback: called with each feedback message.
+        on_result: called when the goal has ended.
+        listeners: called after each change.
+        unwanted: whoever wanted it has been interrupted: it is not sent, or cancelled as soon as it is accepted.
+    """
+
+    def __init__(self, client: GoalClient, goal: Any, call: Callable[[Callable[[], object]], None]) -> None:
+        self.client = client
+        self.accepted: bool | None = None
+        self.status = ""
+        self.feedback: list[Any] = []
+        self.ended = False
+        self.result: Any = None
+        self.on_feedback: Callable[[Any], object] | None = None
+        self.on_result: Callable[[], object] | None = None
+        self.listeners: list[Callable[[], None]] = []
+        self.unwanted = False
+        self._goal = goal
+        self._call = call
+        self._handle: Any = None
+
+    def begin(self) -> None:
+        """Send it."""
+        if not self.unwanted:
+            self.client.begin(self, self._goal).add_done_callback(self._answered)
+
+    def cancel(self, answered: Callable[[bool], None]) -> None:
+        """Ask the server to cancel it; `answered` is told whether it will."""
+        if self.ended or self._handle is None:
+            answered(False)
+            return
+
+        def heard(future: Any) -> None:
+            agreed = any(one.goal_id == self._handle.goal_id for one in future.result().goals_canceling)
+            if agreed:
+                self.note_status("CANCELING")
+            answered(agreed)
+            self._changed()
+
+        self._handle.cancel_goal_async().add_done_callback(heard)
+
+    def note_status(self, status: str) -> None:
+        """The server has published a state; the result tells the final one."""
+        if not self.ended and status in _ORDER and _ORDER.index(status) > self._rank():
+            self.status = status
+            self._changed()
+
+    def take_feedback(self, message: Any) -> None:
+        """A feedback message has come."""
+        self.feedback.append(message)
+        self.note_status("EXECUTING")  # a goal with feedback is; the message that says so may come later
+        on_feedback = self.on_feedback
+        if on_feedback is not None:
+            self._call(lambda: on_feedback(message))
+        self._changed()
+
+    def lose(self) -> None:
+        """Its server has gone: there will be no result."""
+        self._end("UNKNOWN", None)
+
+    def _answered(self, future: Any) -> None:
+        self._handle = future.result()
+        if not self._handle.accepted:
+            self.accepted = False
+            self._end("REJECTED", None)
+            return
+        self.accepted = True
+        self.status = self.status or "ACCEPTED"
+        self._handle.get_result_async().add_done_callback(self._finished)
+        if self.unwanted:
+            self._handle.cancel_goal_async()
+        self._changed()
+
+    def _finished(self, future: Any) -> None:
+        response = future.result()
+        self._end(_STATUS.get(response.status, "UNKNOWN"), response.result)
+
+    def _end(self, status: str, result: Any) -> None:
+        if self.ended:
+            return
+        self.status, self.result, self.ended = status, result, True
+        self.client.end(self)
+        if self.on_result is not None:
+            self._call(self.on_result)
+        self._changed()
+
+    def _rank(self) -> int:
+        return _ORDER.index(self.status) if self.status in _ORDER else -1
+
+    def _changed(self) -> None:
+        for listener in tuple(self.listeners):
+            listener()

@@ -1,0 +1,183 @@
+"""Exercise 4's quiz as a panel: choose, have it marked as the grader marks it, write the file to hand in."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import anywidget
+import traitlets
+
+from course_kit import quiz
+from course_kit.panels import quiz_answers
+from course_kit.panels.base import Panel
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from course_kit.quiz import Half, Marks
+
+AT_ONCE, AT_THE_END = "at once", "at the end"
+FILE_NAME = "my_answers.py"
+_HERE = Path(__file__).parent
+_DESCRIPTION = (
+    "Quiz: which communication pattern fits? {count} scenarios (seed {seed}), to be answered here in a live notebook. "
+    "As text: quiz.show({argument})."
+)
+
+
+class QuizForm(anywidget.AnyWidget):
+    """What the browser shows. The questions carry no answer: what is right stays in the kernel."""
+
+    _esm = (_HERE / "quiz_panel.js").read_text(encoding="utf-8")
+    _css = (_HERE / "quiz_panel.css").read_text(encoding="utf-8")
+    patterns = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    questions = traitlets.List(traitlets.Dict()).tag(sync=True)
+    choices = traitlets.Dict().tag(sync=True)
+    marks = traitlets.Dict().tag(sync=True)
+    marking = traitlets.Enum((AT_ONCE, AT_THE_END), default_value=AT_ONCE).tag(sync=True)
+    summary = traitlets.Unicode().tag(sync=True)
+    file_name = traitlets.Unicode(FILE_NAME).tag(sync=True)
+    said = traitlets.Unicode().tag(sync=True)
+
+
+class QuizPanel(Panel):
+    """The ten scenarios of a seed, one at a time.
+
+    Args:
+        seed: whose scenarios; the number an instructor gave, or the course's own.
+
+    Raises:
+        TypeError: the seed is no whole number.
+    """
+
+    def __init__(self, seed: int = quiz.DEFAULT_SEED) -> None:
+        self._questions = quiz.show(seed)
+        super().__init__(seed)
+        # With several subshells, two events of the browser may be handled at once.
+        self._one_at_a_time = threading.RLock()
+        self._kept = quiz_answers.Kept(seed)
+        self._marked: set[str] = set()
+        self._form = QuizForm(
+            patterns=list(quiz.PATTERNS),
+            questions=[_question(scenario, seed) for scenario in self._questions.scenarios],
+            choices=quiz_answers.usable(self._questions, self._kept.load()),
+        )
+        self._form.observe(self._chosen, "choices")
+        self._form.observe(self._when_changed, "marking")
+        self._form.on_msg(self._told)
+        self.at_close(self._stop)
+        self._when_changed()
+
+    @property
+    def widget(self) -> QuizForm:
+        """The form."""
+        return self._form
+
+    @property
+    def answers(self) -> quiz_answers.Answers:
+        """What has been chosen so far: pattern and reason by the scenario's id, empty where nothing is chosen."""
+        return quiz_answers.usable(self._questions, self._form.choices)
+
+    @property
+    def result(self) -> quiz.Result:
+        """All scenarios as the grader marks them now."""
+        return quiz.mark(self._questions.scenarios, self._questions_answered())
+
+    def describe(self) -> str:
+        """What it is; nothing about the choices."""
+        seed = self._questions.seed
+        argument = "" if seed == quiz.DEFAULT_SEED else f"seed={seed}"
+        return _DESCRIPTION.format(count=len(self._questions.scenarios), seed=seed, argument=argument)
+
+    def answer(self, scenario: str, pattern: str, reason: str) -> None:
+        """Choose for one scenario, as a click in the form does."""
+        with self._one_at_a_time:
+            self._form.choices = {**self._form.choices, scenario: [pattern, reason]}
+
+    def mark(self) -> quiz.Result:
+        """Mark all scenarios, also those without an answer, and show it."""
+        with self._one_at_a_time:
+            self._marked = {scenario.id for scenario in self._questions.scenarios}
+            self._show_marks()
+            return self.result
+
+    def write(self, name: str = FILE_NAME) -> str:
+        """Write the answers as the file that `grade pattern_choice` takes; says what became of it."""
+        with self._one_at_a_time:
+            self._form.said = quiz_answers.write(self._questions, self.answers, name)
+            return self._form.said
+
+    def reset(self) -> None:
+        """Forget all choices and marks. A file that was written stays."""
+        with self._one_at_a_time:
+            self._form.choices = {}
+            self._marked.clear()
+            self._show_marks()
+            self._form.said = "All choices are cleared."
+
+    def _questions_answered(self) -> Mapping[str, tuple[str, str]]:
+        return {scenario.id: self.answers.get(scenario.id, ("", "")) for scenario in self._questions.scenarios}
+
+    def _chosen(self, change: Mapping[str, Any]) -> None:
+        with self._one_at_a_time:
+            self._kept.save(self.answers)
+            if self._form.marking == AT_ONCE:
+                self._marked = self._complete()
+            else:  # what was marked is no longer what stands there
+                old, new = (quiz_answers.usable(self._questions, change[when]) for when in ("old", "new"))
+                self._marked -= {name for name in self._marked if old.get(name) != new.get(name)}
+            self._show_marks()
+            self._form.said = ""
+
+    def _when_changed(self, _change: object = None) -> None:
+        with self._one_at_a_time:
+            self._marked = self._complete() if self._form.marking == AT_ONCE else set()
+            self._show_marks()
+
+    def _told(self, _form: object, content: Mapping[str, Any], _buffers: object) -> None:
+        """A button of the form."""
+        do = content.get("do")
+        if do == "mark":
+            self.mark()
+        elif do == "reset":
+            self.reset()
+        elif do == "write":
+            self.write(str(content.get("name", "")))
+
+    def _complete(self) -> set[str]:
+        return {name for name, pair in self.answers.items() if all(pair)}
+
+    def _show_marks(self) -> None:
+        shown = [marks for marks in self.result.marks if marks.scenario.id in self._marked]
+        self._form.marks = {
+            marks.scenario.id: {"pattern": _half(marks.pattern), "reason": _half(marks.reason)} for marks in shown
+        }
+        self._form.summary = _summary(len(self._complete()), self.result, shown)
+
+    def _stop(self) -> None:
+        self._form.unobserve_all()
+        self._form.on_msg(self._told, remove=True)
+
+
+def _question(scenario: quiz.Scenario, seed: int) -> dict[str, Any]:
+    reasons = [list(reason) for reason in quiz.reasons_as_shown(scenario, seed)]
+    return {"id": scenario.id, "title": scenario.title, "text": scenario.text, "reasons": reasons}
+
+
+def _half(half: Half) -> dict[str, Any]:
+    return {"right": half.right, "explanation": half.explanation}
+
+
+def _summary(answered: int, result: quiz.Result, marked: list[Marks]) -> str:
+    """The line above the form; what is not marked tells nothing about its points."""
+    said = f"{answered} of {len(result.marks)} answered."
+    needed = f"{quiz.PASS_SHARE * result.max_points:g} of {result.max_points:g}"
+    if not marked:
+        return f"{said} To pass: {needed} points."
+    if len(marked) < len(result.marks):
+        points = sum(marks.points for marks in marked)
+        return f"{said} {points:g} of {len(marked)} points so far; to pass: {needed}."
+    verdict = "passed" if result.passed else f"not passed yet (to pass: {needed})"
+    return f"{said} {result.points:g} of {result.max_points:g} points: {verdict}."

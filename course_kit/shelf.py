@@ -1,0 +1,219 @@
+"""`course-kit reset` and `solution`: what the course itself has written for an exercise.
+
+Pristine starters are package data, `course_kit/starters/<exercise>/<file>.pristine`. Git cannot be asked (a zip has
+none), and a copy taken at the set-up may be of a file that was already worked on; package data is right in a clone,
+in a student edition and in a wheel. `python -m course_kit.dev.starters` renews them after an exercise was changed,
+and a test holds the two together. The suffix keeps linters, pytest and Jupyter from taking them for something to run.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit import progress
+from course_kit.grading import exercise
+from course_kit.grading.errors import GradingError
+
+if TYPE_CHECKING:
+    from course_kit.grading.exercise import Exercise
+
+STARTERS = Path(__file__).with_name("starters")
+PRISTINE = ".pristine"
+
+
+@dataclass(frozen=True)
+class Return:
+    """A learner's file that is not the starter any more, or is gone."""
+
+    file: Path
+    pristine: bytes
+
+    @property
+    def backup(self) -> Path:
+        """The first free name beside the file; the highest number is the newest."""
+        number = 1
+        while os.path.lexists(free := self.file.with_name(f"{self.file.stem}.backup-{number}{self.file.suffix}")):
+            number += 1
+        return free
+
+    def carry_out(self) -> Path | None:
+        """Save what is there, then put the starter in its place; returns the backup, None where nothing was there.
+
+        Raises:
+            OSError: that could not be done; the learner's file is as it was.
+        """
+        saved = None
+        if self.file.exists():
+            saved = self.backup
+            _write_new(saved, self.file.read_bytes())
+            shutil.copystat(self.file, saved)
+        _replace(self.file, self.pristine)
+        return saved
+
+
+def _write_new(path: Path, content: bytes) -> None:
+    """Write a file that does not exist yet, down to the disk."""
+    with path.open("xb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _replace(path: Path, content: bytes) -> None:
+    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f"{path.name}.", delete=False) as fresh:
+        try:
+            fresh.write(content)
+            fresh.flush()
+            os.fsync(fresh.fileno())
+            Path(fresh.name).chmod(path.stat().st_mode & 0o777 if path.exists() else 0o644)
+            Path(fresh.name).replace(path)
+        except BaseException:
+            Path(fresh.name).unlink(missing_ok=True)
+            raise
+
+
+def changed(task: Exercise) -> list[Return]:
+    """The starter files of an exercise that the learner has changed or removed.
+
+    Raises:
+        GradingError: the kit has no pristine copy, or a file cannot be read.
+    """
+    found = []
+    for name in (task.starter, task.notebook):
+        pristine = STARTERS / task.id / f"{name}{PRISTINE}"
+        if not pristine.is_file():
+            raise GradingError(
+                f"The course kit has no copy of the starter {name}. Who writes the exercise makes one: "
+                "python -m course_kit.dev.starters"
+            )
+        file, content = task.folder / name, pristine.read_bytes()
+        try:
+            if not file.exists() or file.read_bytes() != content:
+                found.append(Return(file, content))
+        except OSError as problem:
+            raise GradingError(f"{file} cannot be read: {problem.strerror}. Nothing was changed.") from None
+    return found
+
+
+def reset(exercise_id: str, *, yes: bool, forget: bool, folder: Path | None = None) -> int:
+    """Put the starter back, after saving what is there, and ask before; 0 when done, 1 when the answer is no.
+
+    Args:
+        exercise_id: which exercise.
+        yes: do not ask.
+        forget: forget its progress, too.
+        folder: the folder of exercises, the course's own when None.
+
+    Raises:
+        GradingError: it could not be done, or there is nobody to ask.
+    """
+    task = exercise.load(exercise_id, folder)
+    returns = changed(task)
+    if not returns and not forget:
+        print(f"{task.id} is as at the beginning already: {_shown(task.folder)}")
+        return 0
+    if not yes and not _agreed(returns, forget=forget):
+        print("Nothing was changed.")
+        return 1
+    for each in returns:
+        _carry_out(each)
+    if returns:
+        print("If it is open in JupyterLab: File > Reload from Disk.")
+    if forget:
+        return _forget(task)
+    return 0
+
+
+def _agreed(returns: list[Return], *, forget: bool) -> bool:
+    for each in returns:
+        kept = f" (yours is kept as {each.backup.name})" if each.file.exists() else ""
+        print(f"{_shown(each.file)} becomes the starter again{kept}.")
+    if forget:
+        print("Its progress is forgotten: best score, tries, hints.")
+    if not sys.stdin.isatty():
+        raise GradingError("There is no terminal to ask on. Nothing was changed; add --yes to do it.")
+    try:
+        return input("Go on? [y/N] ").strip().lower() in ("y", "yes")
+    except EOFError:
+        print()
+        return False
+
+
+def _carry_out(each: Return) -> None:
+    try:
+        saved = each.carry_out()
+    except OSError as problem:
+        raise GradingError(
+            f"{each.file} could not be put back: {problem.strerror or problem}. It is as it was."
+        ) from problem
+    kept = f"; yours is kept as {saved.name}" if saved else ""
+    print(f"{_shown(each.file)} is the starter again{kept}.")
+
+
+def _forget(task: Exercise) -> int:
+    trouble = progress.update(task.id, lambda _: None)
+    if trouble:
+        print(f"course-kit: {trouble}", file=sys.stderr)
+        return 2
+    print(f"The progress of {task.id} is forgotten.")
+    return 0
+
+
+def _shown(path: Path) -> Path:
+    """As short as it can be said from here."""
+    try:
+        return path.relative_to(Path.cwd())
+    except ValueError:
+        return path
+
+
+def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | None = None) -> int:
+    """Print the solution, or copy it to a file that is not there yet; 1 when it has to be earned first.
+
+    Args:
+        exercise_id: which exercise.
+        show: without a pass, for instructors. A lock would be no use: the solutions lie in the clone; what must stay
+            secret is left out of the student edition.
+        copy: the file to write, or the folder to write it into.
+        folder: the folder of exercises, the course's own when None; solutions lie beside it.
+
+    Raises:
+        GradingError: there is none here, or it could not be written.
+    """
+    task = exercise.load(exercise_id, folder)
+    source = task.folder.parent.parent / "solutions" / task.id / task.starter
+    if not source.is_file():
+        raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
+    records, trouble = progress.read_or_tell()
+    if trouble:
+        print(f"course-kit: {trouble}", file=sys.stderr)
+    known = records.get(task.id, progress.Record())
+    if not known.passed and not show:
+        print(_not_yet(task, known), file=sys.stderr)
+        return 1
+    if copy is None:
+        print(source.read_text(encoding="utf-8"), end="")
+        return 0
+    target = copy / source.name if copy.is_dir() else copy
+    try:
+        _write_new(target, source.read_bytes())
+    except FileExistsError:
+        raise GradingError(f"{target} is there already, and nothing is overwritten. Name another file.") from None
+    except OSError as problem:
+        raise GradingError(f"{target} could not be written: {problem.strerror}.") from None
+    print(f"The solution of {task.id} is in {_shown(target)}.")
+    return 0
+
+
+def _not_yet(task: Exercise, known: progress.Record) -> str:
+    so_far = f"your best so far is {known.best:g}" if known.tries else "you have not been graded yet"
+    return (
+        f"course-kit: the solution opens when you have passed: {task.pass_mark:g} of {task.points:g} points; "
+        f"{so_far}.\nStuck? course-kit hint {task.id}\nInstructors: add --show."
+    )

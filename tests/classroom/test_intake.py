@@ -1,0 +1,167 @@
+"""Who handed in what, in every layout; nothing is dropped."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.grading import GradingError, exercise
+from course_kit.grading.classroom import archive, intake
+from course_kit.grading.classroom.layouts import recognise
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+SERVICE = exercise.load("temperature_service")
+ROBOT = exercise.load("move_robot")
+CHOICE = exercise.load("pattern_choice")
+
+
+def lay_out(root: Path, files: dict[str, str]) -> Path:
+    for name, text in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text)
+    return root
+
+
+def collect(root: Path, *exercises: exercise.Exercise, layout: str = "auto") -> intake.Intake:
+    return intake.collect(root, exercises or (SERVICE,), root.parent / "workspace", layout)
+
+
+CANVAS = {
+    "doejane_12345_67890_temperature_service.py": "1",
+    "doejane_12345_67891_temperature_service-1.py": "2",
+    "muellerjoerg_LATE_222_333_temperature_service.ipynb": "{}",
+    "notes.txt": "",
+}
+MOODLE = {
+    "Jane Doe_4711_assignsubmission_file_/temperature_service.py": "1",
+    "Jörg Müller, jr._4712_assignsubmission_file_/my answer.py": "2",
+    "Jörg Müller, jr._4712_assignsubmission_onlinetext_/onlinetext.html": "<p>",
+}
+NBGRADER = {
+    "submitted/jane/week 3/temperature_service.ipynb": "{}",
+    "submitted/jane/week 3/timestamp.txt": "2026-11-21",
+    "submitted/jörg/week 3/temperature_service.ipynb": "{}",
+}
+GITHUB = {
+    "services-submissions/services-jane-doe/temperature_service.py": "1",
+    "services-submissions/services-jane-doe/.git/config": "[core]",
+    "services-submissions/services-jorg/src/temperature_service.py": "2",
+    "services-submissions/services-jorg/README.md": "hello",
+}
+FOLDERS = {"jane/temperature_service.py": "1", "jörg 😀/answer.py": "2"}
+FILES = {"jane.py": "1", "jörg_temperature_service.py": "2"}
+
+
+@pytest.mark.parametrize(
+    ("layout", "files", "students"),
+    [
+        ("canvas", CANVAS, ["12345", "222"]),
+        ("moodle", MOODLE, ["4711", "4712"]),
+        ("nbgrader", NBGRADER, ["jane", "jörg"]),
+        ("github", GITHUB, ["jane-doe", "jorg"]),
+        ("folders", FOLDERS, ["jane", "jörg 😀"]),
+        ("files", FILES, ["jane", "jörg"]),
+    ],
+)
+def test_each_layout_is_recognised_and_every_file_is_accounted_for(
+    tmp_path: Path, layout: str, files: dict[str, str], students: list[str]
+) -> None:
+    found = collect(lay_out(tmp_path / "in", files))
+    assert found.layout == layout
+    assert sorted(entry.student for entry in found.entries) == students
+    accounted = {entry.source for entry in found.entries} | {path for path, _ in found.left}
+    assert all(name in accounted or any(name.startswith(f"{path}/") for path in accounted) for name in files)
+
+
+def test_canvas_tells_who_is_late_and_the_latest_attempt_counts(tmp_path: Path) -> None:
+    found = collect(lay_out(tmp_path / "in", CANVAS))
+    jane, joerg = sorted(found.entries, key=lambda entry: entry.student)
+    assert (jane.source, jane.name, jane.late) == ("doejane_12345_67891_temperature_service-1.py", "doejane", False)
+    assert jane.platform == {"canvas_user": "12345", "canvas_submission": "67891"}
+    assert joerg.late
+    left = dict(found.left)
+    assert left["doejane_12345_67890_temperature_service.py"] == f"{jane.source} was taken"
+    assert left["notes.txt"] == "its name does not follow the layout 'canvas'"
+
+
+def test_moodle_keeps_the_full_name(tmp_path: Path) -> None:
+    found = collect(lay_out(tmp_path / "in", MOODLE))
+    assert {entry.student: entry.name for entry in found.entries} == {"4711": "Jane Doe", "4712": "Jörg Müller, jr."}
+
+
+def test_with_several_exercises_each_file_goes_to_its_own_by_name_or_by_content(tmp_path: Path) -> None:
+    files = {
+        "jane/temperature_service.py": "",
+        "jane/second.py": "class MoveRobotServer(Node):\n    pass\n",
+        "jane/quiz.ipynb": '{"cells": [{"source": ["%%submission pattern_choice\\n"]}]}',
+        "jane/other.py": "print(1)",
+        "joe/week_move_robot_final.py": "",
+    }
+    found = collect(lay_out(tmp_path / "in", files), SERVICE, ROBOT, CHOICE)
+    assert [(entry.student, entry.exercise, entry.source) for entry in found.entries] == [
+        ("jane", "temperature_service", "jane/temperature_service.py"),
+        ("jane", "move_robot", "jane/second.py"),
+        ("jane", "pattern_choice", "jane/quiz.ipynb"),
+        ("joe", "move_robot", "joe/week_move_robot_final.py"),
+    ]
+    assert found.left == (("jane/other.py", "it is for none of the exercises"),)
+    assert found.missing == (("joe", "temperature_service"), ("joe", "pattern_choice"))
+
+
+def test_a_single_file_of_a_wrong_kind_is_still_a_submission_that_gets_a_report(tmp_path: Path) -> None:
+    found = collect(lay_out(tmp_path / "in", {"jane/essay.pdf": "%PDF", "joe/temperature_service.py": ""}))
+    assert [entry.source for entry in found.entries] == ["jane/essay.pdf", "joe/temperature_service.py"]
+
+
+def test_of_two_equally_named_the_newer_one_counts(tmp_path: Path) -> None:
+    root = lay_out(tmp_path / "in", {"jane/a/temperature_service.py": "", "jane/b/temperature_service.py": ""})
+    os.utime(root / "jane/a/temperature_service.py", (2e9, 2e9))
+    assert collect(root).entries[0].source == "jane/a/temperature_service.py"
+
+
+def test_an_archive_is_the_same_as_its_folder(tmp_path: Path) -> None:
+    root = lay_out(tmp_path / "in", MOODLE)
+    with zipfile.ZipFile(tmp_path / "all.zip", "w") as packed:
+        for name in MOODLE:
+            packed.write(root / name, name)
+    from_zip = collect(tmp_path / "all.zip")
+    assert [entry.source for entry in from_zip.entries] == [entry.source for entry in collect(root).entries]
+
+
+def test_an_archive_that_reaches_out_is_unpacked_without_those_members(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "evil.zip", "w") as packed:
+        packed.writestr("../outside.py", "1")
+        packed.writestr("/absolute.py", "1")
+        link = zipfile.ZipInfo("jane/link.py")
+        link.external_attr = 0o120777 << 16
+        packed.writestr(link, "/etc/passwd")
+        packed.writestr("jane/temperature_service.py", "1")
+    found = collect(tmp_path / "evil.zip")
+    assert [entry.student for entry in found.entries] == ["jane"]
+    assert {path for path, _ in found.left} == {"../outside.py", "/absolute.py", "jane/link.py"}
+    assert not (tmp_path / "outside.py").exists()
+
+
+def test_what_is_no_archive_or_not_there_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "broken.zip").write_bytes(b"PK\x03\x04 and then nothing")
+    with pytest.raises(GradingError, match=r"broken\.zip is no zip archive"):
+        collect(tmp_path / "broken.zip")
+    with pytest.raises(GradingError, match="no folder or zip"):
+        collect(tmp_path / "nowhere")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(GradingError, match="no files"):
+        collect(tmp_path / "empty")
+    monkeypatch.setattr(archive, "LARGEST", 10)
+    with zipfile.ZipFile(tmp_path / "bomb.zip", "w", zipfile.ZIP_DEFLATED) as packed:
+        packed.writestr("jane/bomb.py", "0" * 1000)
+    with pytest.raises(GradingError, match="Split it"):
+        collect(tmp_path / "bomb.zip")
+
+
+def test_folders_called_alike_are_not_taken_for_repositories() -> None:
+    assert recognise(["student-1/a.py", "student-2/a.py"]) == "folders"

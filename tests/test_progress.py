@@ -1,0 +1,173 @@
+"""The file of a learner's progress: nothing is lost, and nothing about it stops a grading."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import json
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from typing import TYPE_CHECKING, NoReturn
+
+import pytest
+
+from course_kit import progress
+from course_kit.grading import CheckReport, Report
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MANY_TRIES = """
+from dataclasses import replace
+from course_kit import progress
+for _ in range(25):
+    assert progress.update("exercise", lambda old: replace(old, tries=old.tries + 1)) == ""
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    path = tmp_path / "progress.json"
+    monkeypatch.setenv(progress.VARIABLE, str(path))
+    return path
+
+
+def a_report(score: float, status: str = "graded", *checks: CheckReport) -> Report:
+    return Report("exercise", "Title", "file.py", status, score >= 7, score, 10.0, 1.0, checks)
+
+
+def a_check(name: str, status: str, diagnosis: str | None = None) -> CheckReport:
+    return CheckReport(name, name.title(), status, 0.0, 1.0, diagnosis=diagnosis)
+
+
+def test_the_best_score_and_the_first_pass_stay_and_the_failure_is_the_last_gradings(file: Path) -> None:
+    failing = (a_check("first", "passed"), a_check("second", "failed", "code"), a_check("third", "failed"))
+    assert progress.record(a_report(3.0, "graded", *failing)) == ""
+    early = progress.read()["exercise"]
+    assert (early.best, early.tries, early.passed) == (3.0, 1, False)
+    assert early.failed == progress.Failure("second", "Second", "code")
+    progress.record(a_report(8.0))
+    passed = progress.read()["exercise"]
+    assert (passed.best, passed.tries, passed.passed, passed.failed) == (8.0, 2, True, None)
+    progress.record(a_report(2.0, "crashed", *failing))
+    late = progress.read()["exercise"]
+    assert (late.best, late.tries, late.passed, late.first_passed) == (8.0, 3, True, passed.first_passed)
+    assert late.failed == early.failed
+    assert sorted(path.name for path in file.parent.iterdir()) == ["progress.json", "progress.lock"]
+
+
+@pytest.mark.parametrize("status", ["unreadable", "error"])
+def test_what_was_not_graded_is_no_try(file: Path, status: str) -> None:
+    assert progress.record(a_report(0.0, status)) == ""
+    assert not file.exists()
+
+
+def test_off_keeps_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(progress.VARIABLE, "off")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    assert progress.record(a_report(8.0)) == ""
+    assert progress.read() == {}
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_a_choice_it_lies_in_the_state_directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(progress.VARIABLE)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    assert progress.record(a_report(8.0)) == ""
+    assert (tmp_path / "ros2-course-kit" / "progress.json").is_file()
+
+
+def test_graders_at_the_same_time_lose_nothing(file: Path) -> None:
+    graders = [subprocess.Popen([sys.executable, "-c", MANY_TRIES]) for _ in range(4)]
+    assert [grader.wait(60) for grader in graders] == [0, 0, 0, 0]
+    assert json.loads(file.read_text())["exercises"]["exercise"]["tries"] == 100
+
+
+def test_forgetting_one_exercise_keeps_the_others(file: Path) -> None:
+    progress.record(a_report(8.0))
+    progress.record(replace(a_report(5.0), exercise="other"))
+    assert progress.update("exercise", lambda _: None) == ""
+    assert list(progress.read()) == ["other"]
+    assert file.exists()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "not JSON",
+        "[]",
+        '{"format_version": 1, "exercises": []}',
+        '{"format_version": 1, "exercises": {"exercise": {"tries": "3"}}}',
+        '{"format_version": 1, "exercises": {"exercise": {"best": NaN}}}',
+        '{"format_version": 1, "exercises": {"exercise": {"best": "8"}}}',
+        '{"format_version": 1, "exercises": {"exercise": {"first_passed": 8}}}',
+        '{"format_version": 1, "exercises": {"exercise": {"hints": {"a": "b"}}}}',
+        '{"format_version": 1, "exercises": {"exercise": {"failed": {"check": "a"}}}}',
+        '{"format_version": 1, "exercises": {"exercise": {"failed": {"check": 1, "title": "", "diagnosis": null}}}}',
+        '{"format_version": 1, "exercises": {"exercise": {"unknown": 1}}}',
+        "[" * 100_000,
+        "\udcff",
+    ],
+)
+def test_a_damaged_file_is_kept_aside_and_a_new_one_begun(file: Path, text: str) -> None:
+    content = text.encode(errors="surrogateescape")
+    file.write_bytes(content)
+    with pytest.raises(progress.ProgressError, match="is damaged"):
+        progress.read()
+    assert file.read_bytes() == content  # looking changes nothing
+    told = progress.record(a_report(8.0))
+    assert "progress.damaged-1.json" in told
+    assert "\n" not in told
+    assert file.with_name("progress.damaged-1.json").read_bytes() == content
+    assert progress.read()["exercise"].tries == 1
+
+
+def test_a_second_damaged_file_does_not_take_the_place_of_the_first(file: Path) -> None:
+    for text in ("one", "two"):
+        file.write_text(text)
+        progress.record(a_report(8.0))
+    assert file.with_name("progress.damaged-1.json").read_text() == "one"
+    assert file.with_name("progress.damaged-2.json").read_text() == "two"
+
+
+def test_a_file_of_a_newer_kit_is_left_alone(file: Path) -> None:
+    file.write_text('{"format_version": 2, "something": "else"}')
+    assert "newer course kit" in progress.record(a_report(8.0))
+    assert file.read_text() == '{"format_version": 2, "something": "else"}'
+
+
+def test_a_read_only_file_is_left_alone(file: Path) -> None:
+    progress.record(a_report(3.0))
+    file.chmod(0o444)
+    assert "read-only" in progress.record(a_report(8.0))
+    assert progress.read()["exercise"].best == 3.0
+
+
+def test_a_folder_that_cannot_be_used_is_named(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file.write_text("")
+    monkeypatch.setenv(progress.VARIABLE, str(file / "progress.json"))
+    told = progress.record(a_report(8.0))
+    assert str(file) in told
+    assert "Nothing was recorded" in told
+
+
+def test_a_full_disk_leaves_the_old_file(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(descriptor: int) -> NoReturn:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(descriptor))
+
+    progress.record(a_report(3.0))
+    monkeypatch.setattr(os, "fsync", full)
+    assert "No space left" in progress.record(a_report(8.0))
+    assert progress.read()["exercise"].best == 3.0
+    assert sorted(path.name for path in file.parent.iterdir()) == ["progress.json", "progress.lock"]
+
+
+def test_a_lock_that_is_never_let_go_does_not_hold_the_grader_up(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress, "_PATIENCE_S", 0.05)
+    with file.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        assert "locked" in progress.record(a_report(8.0))
+    assert progress.record(a_report(8.0)) == ""
