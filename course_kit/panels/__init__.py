@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from course_kit.panels.plotting import Plot
+    from course_kit.panels.quiz_panel import QuizPanel
     from course_kit.panels.sliders import ParameterSliders
 
 __all__ = ["parameter_sliders", "plot", "quiz"]

@@ -82,7 +82,18 @@ function render({ model, el }) {
       const label = row.slider ? `${entry.name}, typed` : undefined;
       const kind = numeric ? { class: "ck-params-number", inputmode: "decimal" } : { class: "ck-params-text" };
       row.box = make("input", { id: boxKey, type: "text", spellcheck: "false", "aria-label": label, ...kind, ...common });
-      row.box.addEventListener("change", () => wish(row, row.box.value));
+      // Enter does not end an input's change inside JupyterLab, so both ways to be done with it are listened to.
+      const done = () => {
+        if (row.box.value !== row.shown && row.box.value !== row.asked) {
+          row.asked = row.box.value;
+          wish(row, row.asked);
+        }
+      };
+      row.box.addEventListener("change", done);
+      row.box.addEventListener("keydown", (event) => {
+        if (event.key === "Enter") done();
+        if (event.key === "Escape") row.box.value = row.shown;
+      });
       place.append(row.box);
     }
     const facts = [entry.type, entry.limits].filter(Boolean).join(", ");
@@ -144,6 +155,7 @@ function render({ model, el }) {
         send(row);
         continue;
       }
+      row.asked = undefined;
       if (answered && outcome.state === "refused" && row.box) row.box.value = values[name];
       put(row, values[name]);
       row.status.dataset.state = outcome.state;
