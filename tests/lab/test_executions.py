@@ -280,9 +280,9 @@ class Chatty(Node):
 
     def execute(self, goal):
         for number in range(goal.request.order):
-            print("printed", number, end="")
-            print()
+            print("printed", end=" ")  # a line is not torn apart by another one
             self.get_logger().info(f"logged {number}")
+            print(number)
         if goal.request.order == 2:
             raise ValueError("two")
         goal.succeed()
@@ -294,7 +294,7 @@ lab.start(Chatty)
 def test_what_execute_callbacks_print_lands_in_the_cell_that_waits(kernel: Kernel) -> None:
     assert kernel.run(SERVER).ok
     shown = kernel.run("goal = await lab.send_goal('/chat', Fibonacci, order=3)\n_ = await goal.result()")
-    lines = [f"printed {number}\n[INFO] [chatty]: logged {number}\n" for number in range(3)]
+    lines = [f"[INFO] [chatty]: logged {number}\nprinted {number}\n" for number in range(3)]
     assert shown.stdout == "".join(lines)
     assert shown.stderr == ""
     shown = kernel.run("goal = await lab.send_goal('/chat', Fibonacci, order=2)\n_ = await goal.result()\ngoal")
