@@ -94,6 +94,15 @@ def test_a_run_that_was_killed_is_resumed_without_doing_anything_twice(handed_in
     assert all(path.read_bytes() == content for path, content in before.items())
 
 
+def test_a_submission_sees_neither_the_others_nor_the_results(handed_in: Path) -> None:
+    out = handed_in.parent / "out"
+    spy = f"import os\nprint('SEEN', os.listdir({str(handed_in)!r}), os.listdir({str(out)!r}), flush=True)\n"
+    (handed_in / "student0/temperature_service.py").write_text(spy + SOLUTION)
+    finish(handed_in)
+    printed = json.loads(records(handed_in)["student0"].read_text())["report"]["stdout"]
+    assert "SEEN [] []" in printed
+
+
 def test_ctrl_c_finishes_what_is_under_way_and_the_rest_comes_later(handed_in: Path) -> None:
     with started(*class_run(handed_in, "--workers", 2)) as process:
         wait_until(lambda: len(records(handed_in)) >= 1)
