@@ -10,7 +10,7 @@ import random
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import endings
+from course_kit.grading import endings, processes
 from course_kit.grading.checks import Evidence, Failed, NotRun
 from course_kit.grading.patience import FairClock
 from course_kit.grading.tester import Tester
@@ -152,9 +152,9 @@ class Bench:
         """Whether the running submission can be asked nothing more."""
         return self._spoiled
 
-    def clock(self) -> FairClock:
+    def clock(self, own_waiting: Callable[[], float] = processes.own_waiting) -> FairClock:
         """A fair clock that starts now."""
-        return FairClock(self._waited)
+        return FairClock(self._waited, own_waiting)
 
     def life(self, *, fresh: bool = False) -> Life:
         """What is known of the submission; `fresh` has it counted now instead of up to 50 ms ago."""

@@ -104,10 +104,15 @@ def tasks_of_user(user: int) -> int:
     return tasks
 
 
-def own_waiting() -> float:
-    """Seconds the thread of this process that suffered most was ready to run and got no processor."""
+def own_waiting(*, helpers_only: bool = False) -> float:
+    """Seconds the thread of this process that suffered most was ready to run and got no processor.
+
+    Args:
+        helpers_only: leave the main thread out, which has the number of the process.
+    """
     with suppress(OSError, ValueError, IndexError):
-        return _waited(this_process())
+        own = this_process()
+        return _waited(own, but=own if helpers_only else 0)
     return 0.0
 
 
@@ -146,10 +151,12 @@ def _stat(process_id: int) -> list[str]:
         return file.read().rpartition(")")[2].split()
 
 
-def _waited(process_id: int) -> float:
+def _waited(process_id: int, but: int = 0) -> float:
     longest = 0
     folder = f"/proc/{process_id}/task"
     for thread in os.listdir(folder):  # noqa: PTH208 - hot
+        if but and thread == str(but):
+            continue
         with suppress(OSError, ValueError, IndexError), open(f"{folder}/{thread}/schedstat", encoding="utf-8") as file:  # noqa: PTH123
             longest = max(longest, int(file.read().split()[1]))
     return longest / 1e9
