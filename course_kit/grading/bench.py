@@ -7,6 +7,7 @@ submission and from the one that writes the report.
 from __future__ import annotations
 
 import random
+import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -72,6 +73,7 @@ class Bench:
         self._spoiled = False
         self.deadline_s = 0.0
         self._clock: FairClock | None = None
+        self._counted: tuple[float, float] | None = None
 
     @property
     def tester(self) -> Tester:
@@ -106,6 +108,7 @@ class Bench:
             raise NotRun("it starts your program anew with other arguments, and with --attach it was started already.")
         self.close()
         self._spoiled = False
+        self._counted = None  # of another program
         self.memory.clear()
         domain = None
         if self.job.mode != "attach":
@@ -190,8 +193,14 @@ class Bench:
             self._spoiled = True
             raise SubmissionEndedError(life, self.job)
 
-    def _waited(self) -> float:
-        return self.life(fresh=True).waited_s if self._tester is not None else 0.0
+    def _waited(self, age_s: float) -> float:
+        """Seconds the submission's threads have waited for a processor, as counted at most `age_s` seconds ago."""
+        if self._tester is None:
+            return 0.0
+        now = time.monotonic()
+        if self._counted is None or now - self._counted[0] > age_s:
+            self._counted = (now, self.life(fresh=True).waited_s)
+        return self._counted[1]
 
     def _ask(self, what: str, *, patience_s: float = 0.0, **more: Any) -> dict[str, Any]:
         self._warden.send({"do": what, **more})

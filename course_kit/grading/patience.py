@@ -10,6 +10,7 @@ from course_kit.grading import processes
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+_RECENT_S = 0.1  # how old the count may be from which a clock starts: counting anew costs more than most waits last
 _MOST = 0.8  # however busy the machine: after five times the patience a wait is over
 
 
@@ -21,18 +22,19 @@ class FairClock:
     """
 
     def __init__(
-        self, waited_by_submission: Callable[[], float], own_waiting: Callable[[], float] = processes.own_waiting
+        self, waited_by_submission: Callable[[float], float], own_waiting: Callable[[], float] = processes.own_waiting
     ) -> None:
         """Start the clock.
 
         Args:
-            waited_by_submission: seconds its threads have waited for a processor so far; asked as rarely as possible.
+            waited_by_submission: seconds its threads have waited for a processor so far; given how many seconds old
+                the count may be, and asked as rarely as possible.
             own_waiting: the same of the grader. What it counts by itself includes the waiting of a grader that only
                 looks whether something has come yet; who measures how long things took, knows better.
         """
         self._of_submission, self._own = waited_by_submission, own_waiting
         self._began = time.monotonic()
-        self._waited = (waited_by_submission(), own_waiting())
+        self._waited = (waited_by_submission(_RECENT_S), own_waiting())
 
     def wall(self) -> float:
         """Seconds on the wall."""
@@ -45,5 +47,5 @@ class FairClock:
     def fair(self) -> float:
         """Seconds, fairly counted."""
         wall = self.wall()
-        lost = max(self._of_submission() - self._waited[0], self._own() - self._waited[1])
+        lost = max(self._of_submission(0.0) - self._waited[0], self._own() - self._waited[1])
         return wall - min(max(lost, 0.0), _MOST * wall)
