@@ -7,13 +7,12 @@ submission and from the one that writes the report.
 from __future__ import annotations
 
 import random
-import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import endings, processes
 from course_kit.grading.checks import Evidence, Failed, NotRun
-from course_kit.grading.patience import FairClock
+from course_kit.grading.patience import FairClock, Recent
 from course_kit.grading.tester import Tester
 
 if TYPE_CHECKING:
@@ -73,7 +72,7 @@ class Bench:
         self._spoiled = False
         self.deadline_s = 0.0
         self._clock: FairClock | None = None
-        self._counted: tuple[float, float] | None = None
+        self._waiting, self._own_waiting = Recent(self._waited), Recent(processes.own_waiting)
 
     @property
     def tester(self) -> Tester:
@@ -108,7 +107,7 @@ class Bench:
             raise NotRun("it starts your program anew with other arguments, and with --attach it was started already.")
         self.close()
         self._spoiled = False
-        self._counted = None  # of another program
+        self._waiting = Recent(self._waited)
         self.memory.clear()
         domain = None
         if self.job.mode != "attach":
@@ -140,7 +139,7 @@ class Bench:
         if self.job.fault:
             raise Failed(Evidence("", "a Python program", "a syntax error"), self.job.fault, "start.syntax")
         self.deadline_s = deadline_s
-        self._clock = FairClock(self._waited)
+        self._clock = self.clock()
 
     def time_is_up(self) -> bool:
         """Whether the check has used up its time, fairly counted."""
@@ -155,9 +154,14 @@ class Bench:
         """Whether the running submission can be asked nothing more."""
         return self._spoiled
 
-    def clock(self, own_waiting: Callable[[], float] = processes.own_waiting) -> FairClock:
-        """A fair clock that starts now."""
-        return FairClock(self._waited, own_waiting)
+    def clock(self, own_waiting: Callable[[], float] | None = None) -> FairClock:
+        """A fair clock that starts now.
+
+        Args:
+            own_waiting: seconds the grader has waited for a processor, for whoever knows better than the kernel, which
+                counts that of a grader too that only looks whether something has come yet.
+        """
+        return FairClock(self._waiting, Recent(own_waiting) if own_waiting else self._own_waiting)
 
     def life(self, *, fresh: bool = False) -> Life:
         """What is known of the submission; `fresh` has it counted now instead of up to 50 ms ago."""
@@ -193,14 +197,8 @@ class Bench:
             self._spoiled = True
             raise SubmissionEndedError(life, self.job)
 
-    def _waited(self, age_s: float) -> float:
-        """Seconds the submission's threads have waited for a processor, as counted at most `age_s` seconds ago."""
-        if self._tester is None:
-            return 0.0
-        now = time.monotonic()
-        if self._counted is None or now - self._counted[0] > age_s:
-            self._counted = (now, self.life(fresh=True).waited_s)
-        return self._counted[1]
+    def _waited(self) -> float:
+        return self.life(fresh=True).waited_s if self._tester is not None else 0.0
 
     def _ask(self, what: str, *, patience_s: float = 0.0, **more: Any) -> dict[str, Any]:
         self._warden.send({"do": what, **more})

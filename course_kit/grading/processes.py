@@ -123,11 +123,15 @@ def end_descendants(keep: Container[int] = ()) -> None:
     so that a program which forks while it is being killed does not escape.
     """
     own = this_process()
+    listed = _listed_children
     while True:
-        doomed = [child for child in _children(own) if child not in keep]
+        doomed = [child for child in listed(own) if child not in keep]
         if not doomed:
-            return
-        for process_id in (*doomed, *(below for child in doomed for below in descendants(child))):
+            if listed is _all_children or (not keep and _childless()):
+                return
+            listed = _all_children  # the kernel's list may lack a child when another ends just then
+            continue
+        for process_id in (*doomed, *(below for child in doomed for below in _below(child))):
             with suppress(ProcessLookupError):
                 os.kill(process_id, signal.SIGKILL)
         for child in doomed:
@@ -135,7 +139,39 @@ def end_descendants(keep: Container[int] = ()) -> None:
                 os.waitpid(child, 0)
 
 
-def _children(parent: int) -> list[int]:
+def _childless() -> bool:
+    """Whether this process has no child, living or unreaped."""
+    try:
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+    except ChildProcessError:
+        return True
+    return False
+
+
+def _below(process_id: int) -> list[int]:
+    found, pending = [], [process_id]
+    while pending:
+        below = _listed_children(pending.pop())
+        found.extend(below)
+        pending.extend(below)
+    return found
+
+
+def _listed_children(parent: int) -> list[int]:
+    """The children by the kernel's own list, without a look at every process of the machine."""
+    found: list[int] = []
+    try:
+        for thread in os.listdir(f"/proc/{parent}/task"):  # noqa: PTH208 - hot
+            with open(f"/proc/{parent}/task/{thread}/children", encoding="ascii") as file:  # noqa: PTH123 - hot
+                found += map(int, file.read().split())
+    except FileNotFoundError:  # it has ended, or this kernel keeps no such lists (CONFIG_PROC_CHILDREN)
+        return _all_children(parent)
+    except OSError:
+        return found
+    return found
+
+
+def _all_children(parent: int) -> list[int]:
     found = []
     for name in os.listdir("/proc"):  # noqa: PTH208 - hot
         if name.isdecimal():

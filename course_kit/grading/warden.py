@@ -56,7 +56,7 @@ class Warden:
         probe_end = self._start_probe()
         problem = self._serve(probe_end)
         stopping = time.monotonic()
-        self._stop()
+        self._stop(with_probe=True)
         processes.end_descendants()
         now = time.monotonic()
         return {
@@ -214,18 +214,18 @@ class Warden:
             self._life.stopped_by_us(limit)
         self._kill()
 
-    def _kill(self) -> None:
+    def _kill(self, *, with_probe: bool = False) -> None:
         if self._sandbox is None or self._life is None:
             return
-        self._sandbox.end(keep={self._probe_id})
+        self._sandbox.end(keep=() if with_probe else {self._probe_id})
         # All writers are dead: the streams end, and reading them cannot block.
         while streams := self._life.open_streams():
             for name in streams.values():
                 self._life.take(name)
         self._sandbox.streams.close()
 
-    def _stop(self) -> None:
-        self._kill()
+    def _stop(self, *, with_probe: bool = False) -> None:
+        self._kill(with_probe=with_probe)
         if self._arguments and self._life is not None and self._life.facts()["stderr"]:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.
             self._totals[1].add(f"[The lines above are of a start with: {' '.join(self._arguments)}]\n".encode())
