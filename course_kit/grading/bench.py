@@ -7,6 +7,7 @@ submission and from the one that writes the report.
 from __future__ import annotations
 
 import random
+import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 _STEP_S = 0.004  # how often the graph is looked at: rclpy has no event for its changes
 _WATCH_S = 0.02  # how often it is asked whether the submission lives, while an answer is waited for
+PHASES = ("start", "discovery")  # where time goes beside checking: the program's making, and its way onto the graph
 _RPC_S = 30.0  # the warden answers in milliseconds; without it there is no grading
 
 
@@ -71,6 +73,7 @@ class Bench:
         self._tester: Tester | None = None
         self._spoiled = False
         self.deadline_s = 0.0
+        self.spent = dict.fromkeys(PHASES, 0.0)  # seconds
         self._clock: FairClock | None = None
         self._waiting, self._own_waiting = Recent(self._waited), Recent(processes.own_waiting)
 
@@ -105,6 +108,7 @@ class Bench:
         """
         if arguments and self.job.mode == "attach":
             raise NotRun("it starts your program anew with other arguments, and with --attach it was started already.")
+        began = time.monotonic()
         self.close()
         self._spoiled = False
         self._waiting = Recent(self._waited)
@@ -115,6 +119,7 @@ class Bench:
             answer = self._ask("launch", arguments=list(arguments), files=dict(files or {}), variables=changed)
             domain = int(answer["domain"])
         self._tester = Tester(domain)
+        self.spent["start"] += time.monotonic() - began
 
     def run_to_end(self) -> Life:
         """Start the submission and wait until it has ended; for exercises that ask for a value, not for a node.
@@ -189,6 +194,18 @@ class Bench:
                     return False
             self.tester.spin_once(_STEP_S)
         return True
+
+    def wait_for_start(self, condition: Callable[[], bool]) -> bool:
+        """Wait until `condition` holds of a program just started; False when it does not within its time to start.
+
+        Raises:
+            SubmissionEndedError: the submission has ended meanwhile.
+        """
+        began = time.monotonic()
+        try:
+            return self.wait_until(condition, self.job.limits.start_s)
+        finally:
+            self.spent["discovery"] += time.monotonic() - began
 
     def require_running(self) -> None:
         """Raise SubmissionEndedError if the submission has ended."""

@@ -105,8 +105,11 @@ def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadab
 def _grade(task: Exercise, job: Job, shown: str, worker: Worker) -> Report:
     began = time.monotonic()
     found = Isolation.from_mapping(worker.ready())
+    waited_s = time.monotonic() - began
     isolation = Isolation(reason="it was attached to") if job.mode == "attach" else found
-    return _report(task, shown, worker.grade(job), isolation, began)
+    outcome = worker.grade(job)
+    outcome["timings"]["worker_s"] = waited_s
+    return _report(task, shown, outcome, isolation, began)
 
 
 def _domain() -> int:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 from course_kit.grading import guard, namespaces, processes
+from course_kit.grading.bench import PHASES
 from course_kit.grading.isolation import enter_network
 from course_kit.grading.life import Life
 from course_kit.grading.output import Output
@@ -58,14 +59,22 @@ class Warden:
         stopping = time.monotonic()
         self._stop(with_probe=True)
         processes.end_descendants()
-        now = time.monotonic()
         return {
             "results": self._results,
             "stdout": self._totals[0].text(),
             "stderr": self._totals[1].text(),
             "problem": problem,
-            "timings": {**self._extra, "teardown_s": now - stopping, "total_s": now - self._began},
+            "timings": self._timings(stopping),
         }
+
+    def _timings(self, stopping: float) -> dict[str, Any]:
+        """Where the time went, in seconds; what came before the probe ran counts as start."""
+        now = time.monotonic()
+        probing = sum(self._extra.get(f"{phase}_s", 0.0) for phase in (*PHASES, "checks"))
+        times = {"teardown_s": now - stopping, "total_s": now - self._began}
+        if "start_s" in self._extra:
+            self._extra["start_s"] += stopping - self._began - probing
+        return {**self._extra, **times}
 
     def _start_probe(self) -> Channel:
         ours, theirs = Channel.pair()
