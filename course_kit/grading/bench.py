@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading import endings, processes
 from course_kit.grading.checks import Evidence, Failed, NotRun
 from course_kit.grading.patience import FairClock, Recent
+from course_kit.grading.steps import Record
 from course_kit.grading.tester import Tester
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ class Bench:
         """
         self.job = job
         self.memory: dict[str, Any] = {}  # what the checks know of the running submission; empty after each launch
+        self.record = Record()  # what the present check and the submission have sent each other
         self._variables = dict(variables or {})
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
         self._warden = warden
@@ -113,6 +115,8 @@ class Bench:
         self._spoiled = False
         self._waiting = Recent(self._waited)
         self.memory.clear()
+        if arguments:
+            self.record.sent(f"start with {' '.join(arguments)}", "message")
         domain = None
         if self.job.mode != "attach":
             changed = {**self._variables, **(variables or {})}
@@ -141,6 +145,7 @@ class Bench:
         Raises:
             Failed: there is nothing to check, because the program is not Python.
         """
+        self.record.clear()
         if self.job.fault:
             raise Failed(Evidence("", "a Python program", "a syntax error"), self.job.fault, "start.syntax")
         self.deadline_s = deadline_s

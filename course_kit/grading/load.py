@@ -46,6 +46,7 @@ def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Loa
     clients = [bench.tester.client(service.interface, service.name, number) for number in range(load.clients)]
     try:
         bench.wait_until(lambda: all(client.service_is_ready() for client in clients), load.seconds)
+        turn = bench.record.sent(evidence.sent)
         late = _Lateness()
         clock = bench.clock(late.seconds)
         responses = _run(bench, clients, requests, load, late)
@@ -53,6 +54,8 @@ def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Loa
     except SubmissionEndedError as ended:
         raise Failed(replace(evidence, got="the program ended"), ended.message, ended.diagnosis) from None
     answered = sum(response is not None for response in responses)
+    if answered:
+        turn.came(f"{answered} of {len(requests)} responses within {spent:.1f} s")
     if answered == len(requests) and spent <= load.seconds:
         return responses
     bench.spoil()

@@ -49,7 +49,8 @@ class Panel:
             self._closing.pop()()
 
     def _repr_mimebundle_(self, **options: Any) -> dict[str, Any]:
-        bundle: dict[str, Any] = dict(self.widget._repr_mimebundle_(**options) or {})
+        shown = self.widget._repr_mimebundle_(**options) or {}
+        bundle: dict[str, Any] = dict(shown[0] if isinstance(shown, tuple) else shown)  # anywidget adds metadata
         bundle["text/plain"] = self.describe()
         return bundle
 
