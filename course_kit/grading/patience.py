@@ -36,13 +36,15 @@ class FairClock:
     submission on a machine with many other programs thus gets the same patience as on an idle one.
     """
 
-    def __init__(self, of_submission: Recent, own: Recent) -> None:
+    def __init__(self, of_submission: Recent, own: Recent, most: float = _MOST) -> None:
         """Start the clock.
 
         Args:
             of_submission: seconds its threads have waited for a processor so far; as rarely asked as possible.
             own: the same of the grader's.
+            most: the largest part of the time that is taken for lost.
         """
+        self._most = most
         self._of_submission, self._own = of_submission, own
         self._began = time.monotonic()
         self._waited = (of_submission.lately(), own.lately())
@@ -59,4 +61,4 @@ class FairClock:
         """Seconds, fairly counted."""
         wall = self.wall()
         lost = max(self._of_submission() - self._waited[0], self._own() - self._waited[1])
-        return wall - min(max(lost, 0.0), _MOST * wall)
+        return wall - min(max(lost, 0.0), self._most * wall)
