@@ -84,6 +84,12 @@ function render({ model, el }) {
     event.preventDefault();
     go(x.valueAsNumber, y.valueAsNumber);
   });
+  // A notebook keeps Enter from submitting a form, which a browser would do by itself.
+  form.addEventListener("keydown", (event) => {
+    if (event.key !== "Enter" || event.target.tagName !== "INPUT") return;
+    event.preventDefault();
+    form.requestSubmit();
+  });
   cancel.addEventListener("click", () => model.send({ do: "cancel" }));
   picture.addEventListener("click", (event) => {
     const inverse = picture.getScreenCTM().inverse();
