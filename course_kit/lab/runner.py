@@ -71,6 +71,7 @@ def tap(reports: Reports) -> None:
     from rclpy.executors import Executor
     from rclpy.node import Node
 
+    from course_kit.lab.action_tapping import ActionTapping
     from course_kit.lab.patches import Patches
     from course_kit.lab.tapping import Tapping
 
@@ -79,6 +80,7 @@ def tap(reports: Reports) -> None:
     tapping = Tapping(taps)
     patches = Patches()
     tapping.tap_sending(patches)
+    ActionTapping(tapping, patches)
 
     def take_client(executor: Any, client: Any) -> Any:  # a function, so that it becomes a method
         return tapping.take_client(executor, client)
