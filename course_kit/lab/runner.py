@@ -178,11 +178,16 @@ def _exit_code(code: object) -> int:
     return 1
 
 
+def end_with_parent(parent: int) -> bool:
+    """Have this process ended when its parent dies; False if it has died already."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    return os.getppid() == parent
+
+
 def main() -> int:
     """Become the program given on the command line."""
     name, parent, descriptor, path, *arguments = sys.argv[1:]
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-    if os.getppid() != int(parent):  # it died before the line above
+    if not end_with_parent(int(parent)):
         return INTERRUPTED
     interrupts = _Interrupts()
     for stream in (sys.stdout, sys.stderr):
