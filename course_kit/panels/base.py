@@ -49,7 +49,9 @@ class Panel:
             self._closing.pop()()
 
     def _repr_mimebundle_(self, **options: Any) -> dict[str, Any]:
-        bundle: dict[str, Any] = dict(self.widget._repr_mimebundle_(**options) or {})
+        made = self.widget._repr_mimebundle_(**options)
+        # ipywidgets returns the data, anywidget the data and its metadata.
+        bundle: dict[str, Any] = dict((made[0] if isinstance(made, tuple) else made) or {})
         bundle["text/plain"] = self.describe()
         return bundle
 

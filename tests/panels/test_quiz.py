@@ -189,6 +189,12 @@ def test_a_closed_panel_hears_nothing() -> None:
     assert panel.widget.marks == {}
 
 
+def test_a_notebook_shows_the_form_and_stores_its_words() -> None:
+    bundle = panels.quiz(SEED)._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+    assert bundle["text/plain"] == repr(panels.quiz(SEED))
+
+
 def test_its_words_are_the_same_whatever_is_chosen() -> None:
     assert repr(panels.quiz(SEED)) == repr(answered(right))
     assert "10 scenarios (seed 5)" in repr(panels.quiz(SEED))
