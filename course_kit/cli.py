@@ -48,6 +48,11 @@ def build_parser() -> argparse.ArgumentParser:
 
     doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
     doctor.set_defaults(run=_doctor)
+
+    dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
+    dev.add_argument("tool", choices=("check",))
+    dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev check --help")
+    dev.set_defaults(run=_dev)
     return parser
 
 
@@ -114,6 +119,12 @@ def _doctor(options: argparse.Namespace) -> int:
     from course_kit import doctor
 
     return doctor.run()
+
+
+def _dev(options: argparse.Namespace) -> int:
+    from course_kit.dev import check
+
+    return check.main(options.rest)
 
 
 def _release(options: argparse.Namespace) -> int:

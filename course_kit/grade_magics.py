@@ -26,13 +26,14 @@ USAGE = "Use it as %grade EXERCISE, for example %grade temperature_service, or %
 class Card:
     """A report as a notebook shows it: a card where there is HTML, plain text elsewhere."""
 
-    def __init__(self, report: Report) -> None:
-        self._report = report
+    def __init__(self, report: Report, folder: Path | None = None) -> None:
+        """Show `report` in a notebook that lies in `folder`, the present one when None."""
+        self._report, self._folder = report, folder
 
     def _repr_html_(self) -> str:
         from course_kit import grading
 
-        return grading.render_html(self._report)
+        return grading.render_html(self._report, self._folder)
 
     def __repr__(self) -> str:
         from course_kit import grading
@@ -67,6 +68,12 @@ def _ids_in_file() -> list[str]:
         return [cell.get("id", "") for cell in nbformat.read(path, as_version=4).cells]
     except Exception:  # noqa: BLE001 - no such file, not saved yet, half written: the order of running will do
         return []
+
+
+def _notebook_folder() -> Path | None:
+    """Where the notebook lies; a learner may have changed the kernel's own folder. None where nobody tells."""
+    session = Path(os.environ.get("JPY_SESSION_NAME", ""))
+    return session.parent if session.is_absolute() else None
 
 
 @magics_class
@@ -114,7 +121,7 @@ class GradeMagics(Magics):
         except GradingError as problem:
             complain(str(problem))
             return
-        display(Card(report))
+        display(Card(report, _notebook_folder()))
         if trouble := progress.record(report):
             complain(trouble)
 

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 _POLL_S = 0.2
 _GONE_POLLS = 10  # editors that write beside the file and rename need a moment; longer than this is worth a word
 _WIDTH = 80
+_NOT_GRADED = frozenset({"unreadable", "error"})
 
 
 def watch(exercise_id: str, path: Path | None = None) -> int:
@@ -125,14 +126,14 @@ def card(report: Report, before: Report | None) -> str:
 
 
 def _verdict(report: Report) -> str:
-    if report.status in ("unreadable", "error"):
+    if report.status in _NOT_GRADED:
         return "Not graded."
     outcome = "passed" if report.passed else "not passed yet"
     return f"{report.score:g} of {report.max_score:g} points: {outcome} ({report.duration_s:.1f} s)"
 
 
 def _difference(report: Report, before: Report | None) -> str:
-    if before is None or "error" in (report.status, before.status) or report.score == before.score:
+    if before is None or report.score == before.score or {report.status, before.status} & _NOT_GRADED:
         return ""
     return f", {report.score - before.score:+g} since the last save"
 

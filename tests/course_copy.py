@@ -1,4 +1,4 @@
-"""A copy of the course in a folder of its own, for tests that change its files, and its command as a child process."""
+"""The command as a child process, and a copy of the course for tests that change its files."""
 
 from __future__ import annotations
 
@@ -8,10 +8,19 @@ import subprocess
 import sys
 from pathlib import Path
 
+from course_kit import shelf
+from course_kit.grading import exercise
+
 REPOSITORY = Path(__file__).resolve().parent.parent
 TEMPERATURE = "temperature_service"
-STARTER = REPOSITORY / "exercises" / TEMPERATURE / f"{TEMPERATURE}.py"
 SOLUTION = REPOSITORY / "solutions" / TEMPERATURE / f"{TEMPERATURE}.py"
+
+
+def starter(folder: Path, name: str = "starter.py") -> Path:
+    """A file with the starter of exercise 1, whatever the person at this machine has made of theirs."""
+    path = folder / name
+    path.write_bytes((shelf.STARTERS / TEMPERATURE / f"{TEMPERATURE}.py{shelf.PRISTINE}").read_bytes())
+    return path
 
 
 class Course:
@@ -21,13 +30,16 @@ class Course:
         self.root = root
         self.progress = folder / "progress.json"
 
+    def command(self, *arguments: str) -> list[str]:
+        return [sys.executable, "-m", "course_kit.cli", *arguments]
+
     def environ(self, **variables: str) -> dict[str, str]:
         changes = {"COURSE_KIT_PROGRESS": str(self.progress), "PYTHONPATH": str(self.root), **variables}
         return {**os.environ, **changes}
 
     def run(self, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            [sys.executable, "-m", "course_kit.cli", *arguments],
+            self.command(*arguments),
             cwd=self.root,
             env=self.environ(**variables),
             stdin=subprocess.DEVNULL,
@@ -39,11 +51,14 @@ class Course:
 
 
 def copy_course(folder: Path) -> Course:
-    """The course as it is handed to people, without git and without what was generated."""
+    """The course as it is handed to people: no git, nothing generated, no exercise begun."""
     root = folder / "a course"
-    leave = shutil.ignore_patterns("__pycache__", ".course", ".ipynb_checkpoints")
-    for name in ("course_kit", "exercises", "solutions"):
+    leave = shutil.ignore_patterns("__pycache__", ".course", ".ipynb_checkpoints", "*.backup-*")
+    for name in ("course_kit", "exercises"):
         shutil.copytree(REPOSITORY / name, root / name, ignore=leave)
     (root / "notebooks").mkdir()
     shutil.copy(REPOSITORY / "pyproject.toml", root)
+    for name in exercise.ids(root / "exercises"):
+        for pristine in (shelf.STARTERS / name).iterdir():
+            (root / "exercises" / name / pristine.name.removesuffix(shelf.PRISTINE)).write_bytes(pristine.read_bytes())
     return Course(folder, root)

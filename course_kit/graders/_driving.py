@@ -67,6 +67,7 @@ def fairly(bench: Bench, trial: Callable[[Bench], Evidence]) -> Evidence:
                 raise
         start_again(bench, ACTION, OWN_SPEED)
         bench.memory[_SLOW] = True
+        bench.record.clear()  # the verdict is on the second trial alone
         return trial(bench)
     except Failed:
         bench.spoil()

@@ -60,7 +60,10 @@ class Limiter:
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
         if not self._bench.spoiled:
-            with suppress(Failed):  # what is wrong with it was or will be said by the checks themselves
+            with (
+                suppress(Failed),
+                self._bench.record.looking_away(),
+            ):  # what is wrong with it was or will be said by the checks themselves
                 self.remote.set_together(self._before.to_mapping())
 
     def settings(self) -> Settings:

@@ -34,6 +34,7 @@ def expect_status(
             evidence = replace(evidence, got=f"nothing within {_SILENT_S:g} s")
             raise Failed(evidence, "/status is to come twice a second, by a timer.", "topic.silent")
         line = str(heard.messages[count - 1].data)
+        bench.record.came(f"/status: {line!r}")
         evidence = replace(evidence, got=f"on /status: {line}")
         if status_fits(settings, line):
             return evidence

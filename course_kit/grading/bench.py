@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading import endings
 from course_kit.grading.checks import Evidence, Failed, NotRun
 from course_kit.grading.patience import FairClock
+from course_kit.grading.steps import Record
 from course_kit.grading.tester import Tester
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ class Bench:
         """
         self.job = job
         self.memory: dict[str, Any] = {}  # what the checks know of the running submission; empty after each launch
+        self.record = Record()  # what the present check and the submission have sent each other
         self._variables = dict(variables or {})
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
         self._warden = warden
@@ -107,6 +109,8 @@ class Bench:
         self.close()
         self._spoiled = False
         self.memory.clear()
+        if arguments:
+            self.record.sent(f"start with {' '.join(arguments)}", "message")
         domain = None
         if self.job.mode != "attach":
             changed = {**self._variables, **(variables or {})}
@@ -134,6 +138,7 @@ class Bench:
         Raises:
             Failed: there is nothing to check, because the program is not Python.
         """
+        self.record.clear()
         if self.job.fault:
             raise Failed(Evidence("", "a Python program", "a syntax error"), self.job.fault, "start.syntax")
         self.deadline_s = deadline_s

@@ -10,6 +10,8 @@ import inspect
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from course_kit.grading.steps import GRADER, Step
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
@@ -112,7 +114,7 @@ def in_order(checks: Sequence[Check]) -> list[Check]:
 
 @dataclass(frozen=True)
 class Result:
-    """How a check went: `status` is passed, failed, skipped or error."""
+    """How a check went: `status` is passed, failed, skipped or error; `steps` what crossed the wire if it failed."""
 
     id: str
     title: str
@@ -123,6 +125,7 @@ class Result:
     got: str = ""
     diagnosis: str | None = None
     message: str = ""
+    steps: tuple[Step, ...] = ()
 
     def to_mapping(self) -> dict[str, Any]:
         """The result as plain data."""
@@ -155,11 +158,21 @@ def _run(one: Check, bench: Bench) -> Result:
     except Failed as verdict:
         seen = verdict.evidence
         status, diagnosis, message = "failed", verdict.diagnosis, verdict.message
+        steps = _exchange(bench, seen)
     except NotRun as reason:
         return Result(one.id, one.title, "skipped", one.points, message=f"Not run: {reason}")
     except Exception as problem:  # noqa: BLE001 - whatever it is, it is our fault and must not cost the other checks
         text = f"The grader itself failed here ({type(problem).__name__}: {problem}). This is not your fault."
         return Result(one.id, one.title, "error", one.points, message=text)
     else:
-        status, diagnosis, message = "passed", None, ""
-    return Result(one.id, one.title, status, one.points, seen.sent, seen.expected, seen.got, diagnosis, message)
+        status, diagnosis, message, steps = "passed", None, "", ()
+    told = (seen.sent, seen.expected, seen.got, diagnosis, message, steps)
+    return Result(one.id, one.title, status, one.points, *told)
+
+
+def _exchange(bench: Bench, seen: Evidence) -> tuple[Step, ...]:
+    """The steps that led to a verdict; whatever goes wrong in telling them leaves the verdict as it is."""
+    try:
+        return bench.record.steps(seen)
+    except Exception as problem:  # noqa: BLE001 - as above
+        return (Step(GRADER, GRADER, "note", f"The grader could not tell the exchange ({problem!r})."),)

@@ -16,6 +16,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.isolation import Isolation
 from course_kit.grading.job import Job
 from course_kit.grading.report import CheckReport, Report
+from course_kit.grading.steps import Step
 from course_kit.grading.worker import Worker
 
 if TYPE_CHECKING:
@@ -104,9 +105,8 @@ def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadab
 
 def _grade(task: Exercise, job: Job, shown: str, worker: Worker) -> Report:
     began = time.monotonic()
-    found = Isolation.from_mapping(worker.ready())
-    isolation = Isolation(reason="it was attached to") if job.mode == "attach" else found
-    return _report(task, shown, worker.grade(job), isolation, began)
+    walls = _walls(Isolation.from_mapping(worker.ready()), job.mode)
+    return _report(task, shown, worker.grade(job), walls, began)
 
 
 def _domain() -> int:
@@ -133,6 +133,14 @@ def _job(task: Exercise, text: Submission | None, seed: int, command: str | None
     return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
 
 
+def _walls(found: Isolation, mode: str) -> str:
+    """What stood around the submission, in one line."""
+    if mode == "attach":
+        return "none: the node was running already, and the grader only talked to it"
+    text = found.describe()
+    return text if mode == "run" else f"{text}. The command saw your environment variables and worked in your folder"
+
+
 def _fault(text: Submission) -> str:
     fault = text.syntax_fault()
     if fault is None:
@@ -141,7 +149,7 @@ def _fault(text: Submission) -> str:
     return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."
 
 
-def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: Isolation, began: float) -> Report:
+def _report(task: Exercise, shown: str, outcome: dict[str, Any], walls: str, began: float) -> Report:
     checks = tuple(_check(task, result) for result in outcome["results"])
     score = sum(check.points for check in checks)
     if outcome["problem"] or not checks:
@@ -165,7 +173,7 @@ def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: Isol
         stdout=outcome["stdout"],
         stderr=outcome["stderr"],
         problem=problem,
-        isolation=isolation.describe(),
+        isolation=walls,
         timings=outcome["timings"],
     )
 
@@ -173,6 +181,7 @@ def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: Isol
 def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
     failed = result["status"] == "failed"
     message = diagnosis.complete(result["message"], result["diagnosis"]) if failed else result["message"]
+    hints = _hints(task, result["id"], result["diagnosis"]) if failed else ()
     return CheckReport(
         id=result["id"],
         title=result["title"],
@@ -184,12 +193,14 @@ def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
         got=result["got"],
         diagnosis=result["diagnosis"],
         message=message,
-        hint=_hint(task, result["id"], result["diagnosis"]) if failed else None,
+        hint=hints[0] if hints else None,
+        told=result["message"],
+        steps=tuple(Step(**step) for step in result["steps"]),
+        more_hints=hints[1:],
     )
 
 
-def _hint(task: Exercise, check: str, code: str | None) -> str | None:
-    """The exercise's own hint for the cause, else the catalogue's; for an unknown cause the ladder of the check."""
-    if code is None:
-        return task.next_hint(check)
-    return task.next_hint(code) or diagnosis.catalogue()[code].hint
+def _hints(task: Exercise, check: str, code: str | None) -> tuple[str, ...]:
+    """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check."""
+    of_cause = (task.ladder(code) or (diagnosis.catalogue()[code].hint,)) if code else ()
+    return tuple(dict.fromkeys((*of_cause, *task.ladder(check))))

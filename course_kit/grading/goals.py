@@ -14,6 +14,7 @@ from course_kit.grading import goal_endings, silence
 from course_kit.grading.actions import Action, Line, ensure_ready
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.steps import GRADER, NODE, Followed, Step, Turn, tell
 
 if TYPE_CHECKING:
     from course_kit.grading.bench import Bench, Life
@@ -67,6 +68,9 @@ class Goal:
         self._results: list[Any] = []
         self.clock = bench.clock()
         request = self._parts.SendGoalService.Request(goal_id=self._uuid(), goal=message)
+        self._turn = bench.record.sent(f"goal for {action.name}: {tell(message)}")
+        self._cancelling = Turn()
+        bench.record.follow(self._feedback_steps)
         self._answer = self._line.goals.call_async(request)
 
     @property
@@ -132,6 +136,7 @@ class Goal:
             raise Failed(evidence, ended.message, ended.diagnosis) from None
         if not found:
             raise silence.unanswered(self._bench, self.shown, expected)
+        self._turn.came("accepted" if self.accepted else "rejected")
 
     def wait_for_end(self, seconds: float, expected: str) -> Ended:
         """Wait for the result.
@@ -149,14 +154,19 @@ class Goal:
         except SubmissionEndedError as ended:
             diagnosis, message = goal_endings.of_program(ended.life, self._bench.job)
             evidence = Evidence(self.shown, expected, "no result: the program ended")
+            self._turn.missed(evidence.got)
             raise Failed(evidence, message, diagnosis) from None
         for future in self._results:
             if future.done():
-                return Ended(future.result().status, future.result().result)
+                end = Ended(future.result().status, future.result().result)
+                self._turn.came(f"result: {end.name}, {tell(end.result)}")
+                return end
         self._bench.spoil()
         over = next((NAMES[status] for _, status in self.statuses if status >= SUCCEEDED), "")
         diagnosis, message = goal_endings.of_silence(self._bench, over, seconds, self.life())
-        raise Failed(Evidence(self.shown, expected, f"no result within {seconds:.1f} s"), message, diagnosis)
+        evidence = Evidence(self.shown, expected, f"no result within {seconds:.1f} s")
+        self._turn.missed(evidence.got)
+        raise Failed(evidence, message, diagnosis)
 
     def wait_for_last_feedback(self) -> list[Told]:
         """The feedback of a goal that has ended, once no more comes."""
@@ -174,11 +184,14 @@ class Goal:
     def cancel(self) -> Any:
         """Ask the server to cancel it; a future of the response (action_msgs/srv/CancelGoal)."""
         request = self._parts.CancelGoalService.Request(goal_info=GoalInfo(goal_id=self._uuid()))
+        self._cancelling = self._bench.record.sent("request to cancel the goal")
         return self._line.cancels.call_async(request)
 
     def is_cancelled_by(self, response: Any) -> bool:
         """Whether a response to `cancel` says that the goal will be cancelled."""
-        return any(bytes(info.goal_id.uuid) == self._id for info in response.goals_canceling)
+        agreed = any(bytes(info.goal_id.uuid) == self._id for info in response.goals_canceling)
+        self._cancelling.came("cancelling accepted" if agreed else "cancelling refused")
+        return agreed
 
     def life(self) -> Life:
         """What is known of the program, with only what it has written to stderr since the goal was sent."""
@@ -194,6 +207,17 @@ class Goal:
     def _ask_for_result(self) -> None:
         request = self._parts.GetResultService.Request(goal_id=self._uuid())
         self._results.append(self._line.results.call_async(request))
+
+    def _feedback_steps(self) -> list[Followed]:
+        """The first and the last feedback; `Told.sent_s` is of the same machine's clock as the other steps."""
+        all_told = self.feedback
+        begin = self._turn.steps[0][0]
+        steps = []
+        for number in sorted({1, len(all_told)} if all_told else ()):
+            told = all_told[number - 1]
+            text = f"feedback {number} after {told.sent_s - begin:.2f} s: {tell(told.feedback)}"
+            steps.append((told.sent_s, Step(NODE, GRADER, "message", text)))
+        return steps
 
     def _uuid(self) -> Any:
         return UUID(uuid=list(self._id))

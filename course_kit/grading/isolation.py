@@ -55,18 +55,16 @@ class Isolation:
 
     def describe(self) -> str:
         """One line for people."""
-        walls = [
-            name
-            for name, stands in (
-                ("own network (loopback only)", self.network),
-                ("own processes", self.processes),
-                ("read-only files", self.files),
-            )
-            if stands
-        ]
+        walls = (
+            ("own network (loopback only)", "network", self.network),
+            ("own processes", "processes", self.processes),
+            ("read-only files", "files", self.files),
+        )
+        standing = [name for name, _, stands in walls if stands]
+        missing = [kind for _, kind, stands in walls if not stands]
         always = "resource limits, own session, own ROS domain, scratch directory"
-        text = f"{', '.join([*walls, always])}"
-        return text if not self.reason else f"{text}. Not in force: {self.reason}"
+        text = ", ".join([*standing, always])
+        return f"{text}. No wall around {', '.join(missing)}: {self.reason or 'unknown why'}" if missing else text
 
 
 def status() -> Isolation:

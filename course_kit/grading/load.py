@@ -44,12 +44,15 @@ def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Loa
     clients = [bench.tester.client(service.interface, service.name, number) for number in range(load.clients)]
     try:
         bench.wait_until(lambda: all(client.service_is_ready() for client in clients), load.seconds)
+        turn = bench.record.sent(evidence.sent)
         clock = bench.clock()
         responses = _run(bench, clients, requests, load)
         spent = clock.fair()
     except SubmissionEndedError as ended:
         raise Failed(replace(evidence, got="the program ended"), ended.message, ended.diagnosis) from None
     answered = sum(response is not None for response in responses)
+    if answered:
+        turn.came(f"{answered} of {len(requests)} responses within {spent:.1f} s")
     if answered == len(requests):
         return responses
     bench.spoil()

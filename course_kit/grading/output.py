@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from html import escape
+
 KEPT = 4096  # bytes, at the beginning and at the end
 
 
@@ -32,7 +34,15 @@ class Output:
         return f"{_decode(bytes(self._head))}\n[... {left_out} bytes left out ...]\n{_decode(bytes(self._tail))}"
 
 
-def _decode(data: bytes) -> str:
-    """Text that can stand in JSON and in a terminal: no control characters but line ends and tabs."""
-    text = data.decode("utf-8", errors="replace").replace("\r\n", "\n")
+def printable(text: str) -> str:
+    """Text that steers nothing: no control characters but line ends and tabs, no marks that turn the writing round."""
     return "".join(character if character.isprintable() or character in "\n\t" else "\ufffd" for character in text)
+
+
+def escaped(text: str) -> str:
+    """The same as text in HTML, within elements and within attributes."""
+    return escape(printable(text))
+
+
+def _decode(data: bytes) -> str:
+    return printable(data.decode("utf-8", errors="replace").replace("\r\n", "\n"))

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
 _VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
+_QUESTIONS = _VERBS[:2]
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has the name it will have
 NOT_SET = "not set"  # the type of a parameter without a value
 
@@ -100,9 +101,11 @@ class Remote:
         if bench.time_is_up():
             message = f"Each answer came, but so slowly that the {bench.deadline_s:g} s for this check were over."
             raise Failed(evidence, message, "service.blocks")
+        turn = bench.record.sent(evidence.sent, minor=verb in _QUESTIONS)
         with callbacks.explained(bench, evidence):
             future = self._clients[verb].call_async(request)
             if bench.wait_until(future.done, silence.ANSWER_S):
+                turn.came(_told(request, future.result()))
                 return future.result()
             raise callbacks.unanswered(bench, evidence)
 
@@ -166,6 +169,19 @@ def _not_served(bench: Bench, node: str, expected: str) -> Failed:
         message = f"The graph has {graph.listed(nodes, 'node')}, and none is called {node}.{graph.closest(node, nodes)}"
         return Failed(evidence, message, "name.node")
     return Failed(evidence, *graph.why_empty(bench, node)[::-1])
+
+
+def _told(request: Any, response: Any) -> str:
+    """A response of one of the services as the learner is shown it."""
+    if isinstance(response, ListParameters.Response):
+        return f"names: {', '.join(response.result.names)}"
+    if isinstance(response, GetParameters.Response):
+        values = [parameter_value_to_python(value) for value in response.values]
+        if len(values) != len(request.names):
+            return "no values: something that was asked for is not declared, or not set"
+        return shown(dict(zip(request.names, values, strict=True)))
+    results = response.results if isinstance(response, SetParameters.Response) else [response.result]
+    return "; ".join(Outcome(one.successful, one.reason).shown() for one in results)
 
 
 def _value(message: ParameterValue) -> Value:

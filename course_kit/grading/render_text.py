@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import textwrap
 from typing import TYPE_CHECKING
+
+from course_kit.grading.output import printable
 
 if TYPE_CHECKING:
     from course_kit.grading.report import CheckReport, Report
 
 _MARKS = {"passed": "PASS", "failed": "FAIL", "skipped": "skip", "error": "ERR "}
 _TAIL_LINES = 12
+_ONE_EXCHANGE = 2  # steps: a request and its response
 
 
 def render_text(report: Report, width: int = 80) -> str:
@@ -26,6 +30,8 @@ def render_text(report: Report, width: int = 80) -> str:
     if any(check.status != "passed" for check in report.checks):
         lines += _last_output("stdout", report.stdout, width) + _last_output("stderr", report.stderr, width)
     lines += ["", *_wrap(_verdict(report), width)]
+    if report.isolation:
+        lines += _wrap(f"Isolation: {report.isolation}.", width, hanging=2)
     return "\n".join(lines) + "\n"
 
 
@@ -45,24 +51,31 @@ def _check_lines(check: CheckReport, width: int) -> list[str]:
         return head
     if check.status == "skipped":
         return [*head, *_wrap(check.message, width, indent=15)]
-    body = []
-    for name, text in (("we sent", check.sent), ("expected", check.expected), ("we got", check.got)):
-        if text:
-            body += _wrap(f"{name:<9} {text}", width, indent=6, hanging=10)
-    if check.message:
-        body += _wrap(f"{'why':<9} {check.message}", width, indent=6, hanging=10)
-    if check.diagnosis:
-        body += _wrap(f"{'diagnosis':<9} {check.diagnosis}", width, indent=6, hanging=10)
-    if check.hint:
-        body += _wrap(f"{'hint':<9} {check.hint}", width, indent=6, hanging=10)
+    rows = [("we sent", check.sent), ("expected", check.expected), ("we got", check.got), *_steps(check)]
+    rows += [("why", check.message), ("diagnosis", check.diagnosis or ""), ("hint", check.hint or "")]
+    body = [line for name, text in rows if text for line in _wrap(f"{name:<9} {text}", width, indent=6, hanging=10)]
     return [*head, *body, ""]
+
+
+def _steps(check: CheckReport) -> list[tuple[str, str]]:
+    """The exchange in numbered lines, where it is more than the one that the rows above tell."""
+    steps = [step for step in check.steps if not step.text.startswith("expected: ")]
+    if sum(step.kind != "note" for step in steps) <= _ONE_EXCHANGE:
+        return []
+    numbers = itertools.count(1)
+    lines = [step.line() if step.kind == "note" else f"{next(numbers)}. {step.line()}" for step in steps]
+    return [("exchange", lines[0]), *(("", line) for line in lines[1:])]
 
 
 def _last_output(name: str, text: str, width: int) -> list[str]:
     if not text.strip():
         return []
     tail = text.rstrip("\n").split("\n")[-_TAIL_LINES:]
-    return ["", f"The end of your program's {name}:", *(line for part in tail for line in _cut(f"  | {part}", width))]
+    return [
+        "",
+        f"The end of your program's {name}:",
+        *(line for part in tail for line in _cut(f"  | {printable(part)}", width)),
+    ]
 
 
 def _cut(line: str, width: int) -> list[str]:
@@ -70,8 +83,9 @@ def _cut(line: str, width: int) -> list[str]:
 
 
 def _wrap(text: str, width: int, indent: int = 0, hanging: int = 0) -> list[str]:
+    """Lines of text; what would steer the terminal, out of a submission's source or messages, is made harmless."""
     return textwrap.wrap(
-        text,
+        printable(text),
         width,
         initial_indent=" " * indent,
         subsequent_indent=" " * (indent + hanging),

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from course_kit.grading.steps import Step
 
 FORMAT_VERSION = 1
 _DIGITS = 6
@@ -12,7 +15,15 @@ _DIGITS = 6
 
 @dataclass(frozen=True)
 class CheckReport:
-    """How one check went, for the learner; `status` is passed, failed, skipped or error."""
+    """How one check went, for the learner; `status` is passed, failed, skipped or error.
+
+    Beside what the contract's JSON has of it:
+
+    Attributes:
+        told: what happened, without the reason and the link that `message` adds.
+        steps: what crossed the wire, when it failed.
+        more_hints: what may follow on `hint`, the next one first.
+    """
 
     id: str
     title: str
@@ -25,6 +36,9 @@ class CheckReport:
     diagnosis: str | None = None
     message: str = ""
     hint: str | None = None
+    told: str = ""
+    steps: tuple[Step, ...] = ()
+    more_hints: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

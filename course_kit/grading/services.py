@@ -9,6 +9,7 @@ from course_kit.grading import offers, silence
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.offers import Wanted, await_offer, ensure_running
+from course_kit.grading.steps import tell
 
 if TYPE_CHECKING:
     from rclpy.client import Client
@@ -102,6 +103,7 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
         message = f"Each answer came, but so slowly that the {bench.deadline_s:g} s for this check were over."
         raise Failed(Evidence(shown, expected, "too late to be asked"), message, "service.blocks")
     clock = bench.clock()
+    turn = bench.record.sent(f"request {service.name}: {tell(request)}", about=shown)
     futures = [_client(bench, service).call_async(request)]
     looked = False
 
@@ -123,6 +125,7 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
         raise Failed(evidence, ended.message, ended.diagnosis) from None
     for future in futures:
         if future.done():
+            turn.came(f"response: {tell(future.result())}")
             return Answer(future.result(), clock.fair() if clock.wall() > _NUDGE_S else clock.wall())
     raise silence.unanswered(bench, shown, expected)
 

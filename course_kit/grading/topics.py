@@ -17,6 +17,7 @@ from rclpy.qos import (
 
 from course_kit.grading import callbacks, endings, graph, silence
 from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.steps import Turn, tell
 from course_kit.grading.tester import DEPTH
 
 if TYPE_CHECKING:
@@ -121,6 +122,7 @@ class Exchange:
         self._sent = sent
         self._answers = tuple(answers)
         self._publisher = bench.tester.publisher(sent.interface, sent.name)
+        self._turn = Turn()
         self._heard = tuple(bench.tester.hear(topic.interface, topic.name) for topic in answers)
 
     def send(self, message: Any, evidence: Evidence) -> tuple[Any, ...]:
@@ -140,9 +142,11 @@ class Exchange:
         with callbacks.explained(self._bench, evidence):
             self._connect(evidence)
             places = [len(heard.messages) for heard in self._heard]
+            self._tell_sent(messages)
             for message in messages:
                 self._publisher.publish(message)
-            self._await([place + len(messages) for place in places], evidence)
+            self._await(places, len(messages), evidence)
+            self._tell_came(places)
         return tuple(heard.messages[place:] for heard, place in zip(self._heard, places, strict=True))
 
     def wait_for_better(self, good: Callable[[tuple[Any, ...]], bool], evidence: Evidence) -> tuple[Any, ...]:
@@ -151,12 +155,26 @@ class Exchange:
         A node that publishes more than once for a message, or from a timer, leaves some that are taken for answers to
         the next one; whether that is allowed is for a check of its own.
         """
+        places = [len(heard.messages) for heard in self._heard]
         with callbacks.explained(self._bench, evidence):
             self._bench.wait_until(lambda: good(self._last()), _LATE_S)
+        self._tell_came(places)
         return self._last()
 
     def _last(self) -> tuple[Any, ...]:
         return tuple(heard.messages[-1] for heard in self._heard)
+
+    def _tell_sent(self, messages: Sequence[Any]) -> None:
+        what = tell(messages[0]) if len(messages) == 1 else f"{len(messages)} messages"
+        self._turn = self._bench.record.sent(f"{self._sent.name}: {what}", "message")
+
+    def _tell_came(self, places: Sequence[int]) -> None:
+        """Keep what has come on each topic since there were so many messages."""
+        for topic, heard, place in zip(self._answers, self._heard, places, strict=True):
+            new = heard.messages[place:]
+            if new:
+                what = tell(new[0]) if len(new) == 1 else f"{len(new)} messages"
+                self._turn.came(f"{topic.name}: {what}", "message")
 
     def _connect(self, evidence: Evidence) -> None:
         """Make sure that both ways stand, by empty messages, which no caller counts."""
@@ -173,15 +191,19 @@ class Exchange:
             return all(heard.messages for heard in self._heard)
 
         if not self._bench.wait_until(connected, HEARD_S):
+            self._tell_sent([self._sent.interface()])
             raise self._silent([1] * len(self._heard), evidence)
         if sent > 1:  # whichever of them were lost: the answers to all others are to come before we go on
             self._bench.wait_until(lambda: all(len(heard.messages) >= sent for heard in self._heard), _AGAIN_S)
 
-    def _await(self, counts: Sequence[int], evidence: Evidence) -> None:
+    def _await(self, places: Sequence[int], number: int, evidence: Evidence) -> None:
+        counts = [place + number for place in places]
+
         def come() -> bool:
             return all(len(heard.messages) >= count for heard, count in zip(self._heard, counts, strict=True))
 
         if not self._bench.wait_until(come, HEARD_S):
+            self._tell_came(places)
             raise self._silent(counts, evidence)
 
     def _silent(self, counts: Sequence[int], evidence: Evidence) -> Failed:
@@ -191,6 +213,7 @@ class Exchange:
             if len(heard.messages) < count
         ]
         names = " and ".join(missing)
+        self._turn.missed(f"within {HEARD_S:g} s nothing on {names}")
         evidence = replace(evidence, got=f"within {HEARD_S:g} s nothing on {names}")
         return Failed(evidence, *_why_nothing(self._bench, self._sent.name, names)[::-1])
 

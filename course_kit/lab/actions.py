@@ -1,4 +1,6 @@
-"""Actions behind a notebook: a crash told in short, and no reply lost.
+"""Actions behind a notebook: execute callbacks do not hold up anybody, a crash is told in short, no reply is lost.
+
+A goal is executed on a thread of its own (see `execution`).
 
 An exception in an execute callback is caught by rclpy itself, which prints the whole traceback and aborts the goal
 with an empty result; here it is told like any other, and the goal ends the same way.
@@ -17,17 +19,18 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionClient, ActionServer
 
-from course_kit.lab.executor import Turn
+from course_kit.lab.executor import CallbackStopped, Turn
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from course_kit.lab.execution import Executions
     from course_kit.lab.patches import Patches
 
 
-def install(patches: Patches, crashed: Callable[[BaseException, Turn], None]) -> None:
-    """Have `crashed` told of execute callbacks that raise, and replies kept; `patches` takes it back."""
-    _tell_of_crashes(patches, crashed)
+def install(patches: Patches, executions: Executions, crashed: Callable[[BaseException, Turn], None]) -> None:
+    """Have goals executed by `executions`, `crashed` told of what raises, and replies kept; `patches` takes it back."""
+    _execute_apart(patches, executions, crashed)
     sending = threading.RLock()
     for method in ("send_goal_async", "_cancel_goal_async", "_get_result_async", "take_data"):
         _hold(patches, ActionClient, method, sending)
@@ -44,22 +47,28 @@ def _hold(patches: Patches, owner: Any, method: str, lock: Any) -> None:
     patches.set(owner, method, held)
 
 
-def _tell_of_crashes(patches: Patches, crashed: Callable[[BaseException, Turn], None]) -> None:
-    register = ActionServer.register_execute_callback
+def _execute_apart(patches: Patches, executions: Executions, crashed: Callable[[BaseException, Turn], None]) -> None:
+    execute_goal = ActionServer._execute_goal  # noqa: SLF001 - all of a server's goals pass here, however they are begun
 
-    def register_guarded(server: Any, execute_callback: Any) -> None:
-        async def execute(goal_handle: Any) -> Any:
-            begun = time.monotonic()
+    async def execute_goal_apart(server: Any, execute_callback: Any, goal_handle: Any) -> None:
+        node = server._node  # noqa: SLF001 - rclpy has no other way to it
+        begun = time.monotonic()
+
+        async def execute(handle: Any) -> Any:
             try:
+                if executions.runs(node):
+                    return await executions.run(server, execute_callback, handle)
                 if inspect.iscoroutinefunction(execute_callback):
-                    return await execute_callback(goal_handle)
-                return execute_callback(goal_handle)
-            except Exception as error:  # noqa: BLE001 - whatever the learner's code raises
-                crashed(error, Turn(None, server._node, begun))  # noqa: SLF001 - rclpy has no other way to it
-                if goal_handle.is_active:
-                    goal_handle.abort()
-                return server._action_type.Result()  # noqa: SLF001
+                    return await execute_callback(handle)
+                return execute_callback(handle)
+            except CallbackStopped:
+                raise
+            except BaseException as error:  # noqa: BLE001 - whatever the learner's code raises
+                crashed(error, Turn(None, node, begun))
+                if handle.is_active:
+                    handle.abort()
+                return server.action_type.Result()
 
-        register(server, execute if callable(execute_callback) else execute_callback)
+        await execute_goal(server, execute, goal_handle)
 
-    patches.set(ActionServer, "register_execute_callback", register_guarded)
+    patches.set(ActionServer, "_execute_goal", execute_goal_apart)

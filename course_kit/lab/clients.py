@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import threading
+import time
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from course_kit.lab.tapping import Tapping
 
 HIDDEN_NAME = "_lab_"  # and the process's number, so that two notebooks do not share it
+_POLL = 0.005  # seconds
 _FREE = 1.0  # seconds in which the lab's thread must be free to make a client
 _KEPT = 32  # clients and publishers; the one unused for longest goes first
 
@@ -101,9 +104,13 @@ class Clients:
         found: GoalClient = self._use(self._goal_clients, (action_type, action), make, self._drop_goal_client)
         return found
 
-    def busy_goal_clients(self) -> list[GoalClient]:
-        """The clients of actions with goals that have not ended."""
-        return [client for client in self._goal_clients.values() if client.busy]
+    def wait_for_results(self, actions: set[str], timeout: float) -> None:
+        """Wait until no goal of these actions is on its way; `timeout` seconds at most."""
+        deadline = time.monotonic() + timeout
+        pause = threading.Event()
+        clients = [client for client in self._goal_clients.values() if client.action_name in actions]
+        while any(client.busy for client in clients) and time.monotonic() < deadline:
+            pause.wait(_POLL)
 
     def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
         """A new subscription.
@@ -191,7 +198,7 @@ def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
     try:
         return make()
     except (InvalidServiceNameException, InvalidTopicNameException) as error:
-        raise LabError(f"{name!r} is not a ROS name: {str(error).splitlines()[0]}.") from error
+        raise LabError(f"{name!r} is not a ROS name: {str(error).splitlines()[0].rstrip(' :')}.") from error
     except (rclpy_implementation.RCLError, ValueError) as error:  # the second one from an action client
         if not incompatible(error):
             raise

@@ -11,17 +11,19 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import rclpy.utilities
+from rclpy.action import ActionServer
 
 from course_kit.lab import actions, bridge, graph, guards, why
 from course_kit.lab.clients import Clients, OtherTypeError
-from course_kit.lab.describe import actions_of, display_name, is_alive
-from course_kit.lab.errors import ActionNotFoundError, DeadlockError, ServiceFailedError, ServiceNotFoundError
+from course_kit.lab.describe import actions_of
+from course_kit.lab.errors import ActionNotFoundError, DeadlockError, ServiceNotFoundError
+from course_kit.lab.execution import Executions, abort_goals, turn_of
 from course_kit.lab.executor import Turn
+from course_kit.lab.failures import Failures
 from course_kit.lab.goal_client import full_name
 from course_kit.lab.live_nodes import Nodes
 from course_kit.lab.messages import type_name
 from course_kit.lab.patches import Patches
-from course_kit.lab.report import Crash, examine
 from course_kit.lab.spinner import Spinner
 from course_kit.lab.tapping import Tapping
 
@@ -33,8 +35,10 @@ if TYPE_CHECKING:
     from course_kit.lab.output import Output
 
 LAB_NAME = "lab"
-_SHOWN = "_shown_by_course_kit"  # on an exception: it has been
-_REPEATS = 3  # times the same error of the same callback is shown in a row
+_FREE = 1.0  # seconds a callback may keep the thread before goals are not ended properly
+_TOLD = 0.5  # seconds the lab's own clients are given to hear that their goals were aborted
+_JOIN = 0.5  # seconds an execute callback is given to end when its node is stopped; later it ends unseen
+_LAST_JOIN = 2.0  # the same at the end of the lab
 
 
 class Engine:
@@ -65,16 +69,17 @@ class Engine:
         self._locate = locate
         self._notebook = notebook
         self._patches = Patches()
-        self._last_crash: tuple[Crash | None, int] = (None, 0)
         self._tapping = Tapping(taps)
-        self.spinner = Spinner(ros_arguments, self._tapping, self)
-        self.nodes = Nodes(self.spinner, self._forget)
+        self._failures = Failures(output, locate, self._tapping, self)
+        self.spinner = Spinner(ros_arguments, self._tapping, self._failures)
+        self.executions = Executions(self.spinner.executor, output)
+        self.nodes = Nodes(self.spinner, self._end_goals, self._forget)
         self.clients = Clients(self.spinner, self._tapping, LAB_NAME)
         self._install()
 
     def _install(self) -> None:
         guards.install(self._patches, self)
-        actions.install(self._patches, self.callback_crashed)
+        actions.install(self._patches, self.executions, self._failures.callback_crashed)
         self.nodes.watch(self._patches)
         self._tapping.tap_sending(self._patches)
         bridge.install(self._patches, lambda future: guards.check_await(self, future), self.settle)
@@ -83,6 +88,7 @@ class Engine:
 
     def close(self) -> bool:
         """End everything; False if a callback could not be ended."""
+        self._end_goals([live.node for live in self.nodes], _LAST_JOIN)
         try:
             return self.spinner.close(self._destroy_nodes)
         finally:
@@ -153,7 +159,7 @@ class Engine:
         try:
             function()
         except Exception as error:  # noqa: BLE001 - whatever the learner's code raises
-            self.callback_crashed(error, Turn(None, None, begun))
+            self._failures.callback_crashed(error, Turn(None, None, begun))
 
     def why_no_answer(self, service: str) -> str:
         """What is known about a server that does not answer."""
@@ -161,7 +167,7 @@ class Engine:
 
     def why_no_result(self, action: str) -> str:
         """What is known about an action server that does not answer."""
-        return why.no_result(self.nodes, self._running(), action, self._locate)
+        return why.no_result(self.nodes, self._running(), action, self._locate, self.executions)
 
     def not_in_callback(self, what: str) -> None:
         """Raise DeadlockError if the caller is a callback on the lab's thread."""
@@ -180,8 +186,7 @@ class Engine:
 
     def settle(self) -> None:
         """Show what callbacks have printed, unless this is a callback."""
-        if not self.spinner.is_current_thread():
-            self.output.drain()
+        self.output.drain()
 
     # What the guards ask (guards.Guarded)
 
@@ -190,8 +195,13 @@ class Engine:
         return self.spinner.is_current_thread()
 
     def turn(self) -> Turn | None:
-        """The callback that is running."""
-        return self.spinner.executor.turn
+        """The callback that is running on this thread, or the lab's."""
+        execution = self.executions.current()
+        return self.spinner.executor.turn if execution is None else turn_of(execution)
+
+    def in_execution(self) -> bool:
+        """Whether the caller is inside an execute callback on a thread of its own."""
+        return self.executions.current() is not None
 
     def is_live(self, node: Any) -> bool:
         """Whether a node is one that the lab spins."""
@@ -209,7 +219,11 @@ class Engine:
 
     def stop_soon(self, node: Any) -> None:
         """Stop a node when its callback has ended."""
-        self.nodes.stop_soon(node)
+        execution = self.executions.current()
+        if execution is None:
+            self.nodes.stop_soon(node)
+        else:
+            execution.afterwards.append(lambda: self.nodes.stop_soon(node))
 
     def wait_for_turn(self, timeout: float) -> None:
         """Return when a callback has run, or after `timeout` seconds."""
@@ -217,57 +231,38 @@ class Engine:
         turned.clear()
         turned.wait(timeout)
 
-    # What the executor reports (executor.FailureListener)
+    # What telling of failures asks (failures.Told)
 
-    def callback_crashed(self, error: BaseException, turn: Turn) -> None:
-        """Say what went wrong in a callback, in three lines; the same error over and over is said three times."""
-        if getattr(error, _SHOWN, False):
-            return
-        with contextlib.suppress(AttributeError):
-            setattr(error, _SHOWN, True)
-        node = turn.node
-        if node is self.clients.known_node:
-            node = None
-        crash = examine(error, turn.entity, node, self._locate)
-        if node is not None and not is_alive(node):
-            return  # the rest of a node that was stopped in the middle
-        before, times = self._last_crash
-        times = times + 1 if crash == before else 1
-        self._last_crash = (crash, times)
-        if times > _REPEATS:
-            return
-        ending = _consequence(error, turn)
-        if times == _REPEATS:
-            ending += " (It happens again and again; this is the last time it is shown.)"
-        self.output.put(crash.text(ending), "stderr")
+    @property
+    def hidden_node(self) -> Any:
+        """The lab's own node, if it has been needed."""
+        return self.clients.known_node
 
-    def request_failed(self, service: Any, sequence: int, error: BaseException) -> None:
-        """Give the one who waits for this answer an error, if it is a client in this lab."""
-        turn = self.spinner.executor.turn
-        if turn is not None:  # before its caller goes on, so that the two are shown in this order
-            self.callback_crashed(error, Turn(service, turn.node, turn.since))
-        crash = examine(error, service, None, self._locate)
-        owner = display_name(self._tapping.where(service)[0])
-        place = f" ({crash.place})" if crash.place else ""
-        text = f"{owner} sent no response: {crash.callback or 'its callback'} {crash.error}{place}"
-        waiting = [
-            client._pending_requests[sequence]  # noqa: SLF001
-            for client in self._all_clients()
-            if client.service_name == service.service_name and sequence in client._pending_requests  # noqa: SLF001
-        ]
-        if len(waiting) == 1:  # two clients may have used the same number; then each waits for its timeout
-            waiting[0].set_exception(ServiceFailedError(text))
-            waiting[0].exception()  # marks it as seen: a caller that lost interest is no news
-
-    def _all_clients(self) -> list[Any]:
+    def all_clients(self) -> list[Any]:
+        """Every service client in the lab."""
         nodes = [one for live in self.nodes for one in (live.node, *live.helpers)]
         if self.clients.known_node is not None:
             nodes.append(self.clients.known_node)
         return [client for node in nodes for client in list(node.clients)]
 
+    def _end_goals(self, nodes: list[Any], patience: float = _JOIN) -> None:
+        """Nodes are about to be destroyed: abort their goals, tell the clients, and end the threads."""
+        if not any(isinstance(one, ActionServer) for node in nodes for one in getattr(node, "waitables", ())):
+            return
+        deadline = time.monotonic() + patience
+        threads = self.executions.stop(nodes)
+        if self.spinner.is_current_thread():
+            abort_goals(nodes)
+            return
+        if self.spinner.run_between_callbacks(lambda: abort_goals(nodes), _FREE):
+            self.spinner.run_between_callbacks(lambda: None, _FREE)  # the results are sent as tasks of their own
+            self.clients.wait_for_results({action for node in nodes for action in actions_of(node)}, _TOLD)
+        for thread in threads:
+            thread.join(max(0.0, deadline - time.monotonic()))
+
     def _forget(self, nodes: list[Any]) -> None:
         """Nodes are about to be destroyed."""
-        self._last_crash = (None, 0)
+        self._failures.forget()
         channels: set[str] = set()
         for node in nodes:
             with contextlib.suppress(Exception):  # one that is destroyed already has none
@@ -275,11 +270,3 @@ class Engine:
                 channels |= {subscription.topic_name for subscription in node.subscriptions}
                 channels |= actions_of(node)
         self.clients.forget(channels)
-
-
-def _consequence(error: BaseException, turn: Turn) -> str:
-    if isinstance(error, DeadlockError):
-        return "Nothing hangs here; in a program of its own this callback would wait for ever."
-    if turn.entity is not None and hasattr(turn.entity, "send_response"):
-        return "The caller gets no answer. In a program of its own this would end the server; here it lives on."
-    return "The node lives on, and so do the others."

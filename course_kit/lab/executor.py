@@ -22,11 +22,19 @@ _BREATH = 0.1  # seconds between attempts while the middleware itself fails
 
 
 class Turn(NamedTuple):
-    """The callback that is running: its entity (None for a future's callback), its node, since when."""
+    """The callback that is running.
+
+    Attributes:
+        entity: what it was called for; None for a future's callback and for the execution of a goal.
+        node: its node.
+        since: when it began, by time.monotonic.
+        callback: the execute callback of a goal.
+    """
 
     entity: Any
     node: Any
     since: float
+    callback: Any = None
 
 
 class CallbackStopped(BaseException):

@@ -177,6 +177,7 @@ class Pursuit:
     def take_feedback(self, message: Any) -> None:
         """A feedback message has come."""
         self.feedback.append(message)
+        self.note_status("EXECUTING")  # a goal with feedback is; the message that says so may come later
         on_feedback = self.on_feedback
         if on_feedback is not None:
             self._call(lambda: on_feedback(message))

@@ -12,6 +12,7 @@ import time
 from typing import TYPE_CHECKING, Any, Protocol
 
 import rclpy
+from rclpy.action import ActionClient
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.client import Client
 from rclpy.executors import Executor, MultiThreadedExecutor, SingleThreadedExecutor
@@ -32,6 +33,9 @@ class Guarded(Protocol):
 
     def in_callback(self) -> bool:
         """Whether the caller is inside a callback of the lab."""
+
+    def in_execution(self) -> bool:
+        """Whether the caller is inside an execute callback on a thread of its own."""
 
     def turn(self) -> Turn | None:
         """The callback that is running."""
@@ -93,7 +97,7 @@ def _guard_context(patches: Patches, lab: Guarded) -> None:
         turn = lab.turn()
         if context is not None:
             original(context=context, **options)
-        elif lab.in_callback() and turn is not None and turn.node is not None:
+        elif (lab.in_callback() or lab.in_execution()) and turn is not None and turn.node is not None:
             lab.note(f"{turn.node.get_name()} called {name}: in the lab that stops this node only.")
             lab.stop_soon(turn.node)
         else:
@@ -135,9 +139,7 @@ def _guard_spinning(patches: Patches, lab: Guarded) -> None:
     ) -> None:
         _refuse(lab, "rclpy.spin_until_future_complete()")
         if lab.is_live(node):
-            done = threading.Event()
-            future.add_done_callback(lambda _: done.set())
-            _wait_in_slices(lab, done, timeout_sec)
+            _has_come(lab, future, timeout_sec)
             return
         _spin_for(node, executor, lambda executor: _spin_until(executor, future, timeout_sec))
 
@@ -177,29 +179,69 @@ def _guard_executors(patches: Patches, lab: Guarded) -> None:
 
 
 def _guard_calls(patches: Patches, lab: Guarded) -> None:
-    from rclpy.action import ActionClient
-
     call = Client.call
-    send_goal = ActionClient.send_goal
 
     def call_guarded(client: Any, request: Any, timeout_sec: float | None = None) -> Any:
-        _refuse(lab, f"call() of {client.service_name}", "Use call_async() and add_done_callback() instead.")
-        return call(client, request, timeout_sec)
+        _refuse_to_wait(lab, f"call() of {client.service_name}", "call_async()")
+        if not lab.in_execution():
+            return call(client, request, timeout_sec)
+        future = client.call_async(request)
+        if not _has_come(lab, future, timeout_sec):
+            client.remove_pending_request(future)
+        return future.result()
 
-    def send_goal_guarded(client: Any, goal: Any, **options: Any) -> Any:
-        _refuse(lab, "send_goal()", "Use send_goal_async() and add_done_callback() instead.")
-        return send_goal(client, goal, **options)
+    def send_goal(client: Any, goal: Any, **options: Any) -> Any:
+        _refuse_to_wait(lab, "send_goal()", "send_goal_async()")
+        sent = client.send_goal_async(goal, **options)
+        _has_come(lab, sent, None)
+        return client._get_result(sent.result())  # noqa: SLF001 - as rclpy's own does
+
+    def cancel_goal(client: Any, goal_handle: Any) -> Any:
+        _refuse_to_wait(lab, "cancel_goal()", "cancel_goal_async()")
+        future = client._cancel_goal_async(goal_handle)  # noqa: SLF001
+        _has_come(lab, future, None)
+        return future.result()
+
+    def get_result(client: Any, goal_handle: Any) -> Any:
+        _refuse_to_wait(lab, "get_result()", "get_result_async()")
+        future = client._get_result_async(goal_handle)  # noqa: SLF001
+        _has_come(lab, future, None)
+        return future.result()
 
     patches.set(Client, "call", call_guarded)
-    patches.set(ActionClient, "send_goal", send_goal_guarded)
+    patches.set(ActionClient, "send_goal", send_goal)
+    patches.set(ActionClient, "_cancel_goal", cancel_goal)
+    patches.set(ActionClient, "_get_result", get_result)
 
 
-def _refuse(lab: Guarded, what: str, instead: str = "Return, and let add_done_callback() run what comes next.") -> None:
+def _refuse_to_wait(lab: Guarded, what: str, instead: str) -> None:
     if lab.in_callback():
         raise DeadlockError(
             f"{what} inside a callback would wait for ever: the answer can only be taken by the thread that runs "
-            f"this callback. {instead}"
+            f"this callback. Use {instead} and add_done_callback() instead."
         )
+
+
+def _refuse(lab: Guarded, what: str) -> None:
+    """Raise for a function that spins: in a callback it hangs; in an execute callback it takes the node away."""
+    if lab.in_callback():
+        raise DeadlockError(
+            f"{what} inside a callback would wait for ever: the answer can only be taken by the thread that runs "
+            "this callback. Return, and let add_done_callback() run what comes next."
+        )
+    if lab.in_execution():
+        raise DeadlockError(
+            f"{what} inside an execute callback would take the node away from the executor that runs it, for good. "
+            "That executor takes the answer meanwhile: wait for the future with an event that add_done_callback() sets."
+        )
+
+
+def _has_come(lab: Guarded, future: Any, timeout: float | None) -> bool:
+    """Wait for a future; False if it is not done within `timeout` seconds."""
+    done = threading.Event()
+    future.add_done_callback(lambda _: done.set())
+    _wait_in_slices(lab, done, timeout)
+    return done.is_set()
 
 
 def _wait_in_slices(lab: Guarded, done: threading.Event, timeout: float | None) -> None:

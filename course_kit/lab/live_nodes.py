@@ -72,8 +72,11 @@ class _Start(threading.local):
 class Nodes:
     """The live nodes of one lab."""
 
-    def __init__(self, spinner: Spinner, gone: Callable[[list[Any]], None]) -> None:
+    def __init__(
+        self, spinner: Spinner, end_goals: Callable[[list[Any]], None], gone: Callable[[list[Any]], None]
+    ) -> None:
         self._spinner = spinner
+        self._end_goals = end_goals
         self._gone = gone
         self._live: list[LiveNode] = []
         self._start = _Start()
@@ -145,6 +148,8 @@ class Nodes:
             return
         self._live.remove(live)
         nodes = [live.node, *live.helpers]
+
+        self._end_goals(nodes)
 
         def end() -> None:
             self._gone(nodes)

@@ -38,7 +38,6 @@ class Notebook:
         self._shell = shell
         self._output = output
         self._patches = Patches()
-        self._thread_id = 0
         self._attached = False
         self._loop: asyncio.AbstractEventLoop | None = None
         self._scheduled = False
@@ -71,8 +70,8 @@ class Notebook:
         return None
 
     def attach(self, thread_id: int) -> None:
-        """Begin: take over what the thread prints and logs."""
-        self._thread_id = thread_id
+        """Begin: take over what the thread prints and logs, and all further producers of output."""
+        self._output.producers.add(thread_id)
         if self.present:
             self.watch_output()
             self._capture_logs()
@@ -121,7 +120,7 @@ class Notebook:
         def routed(text: str) -> Any:
             if not self._attached:
                 return write(text)
-            if threading.get_ident() == self._thread_id:
+            if threading.get_ident() in self._output.producers:
                 self._output.put_part(text, name)
                 return len(text)
             if threading.current_thread() is threading.main_thread():
@@ -141,7 +140,7 @@ class Notebook:
         """Warnings of rclpy in a callback, without the place in rclpy, which is not where the learner went wrong."""
 
         def warned(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
-            if threading.get_ident() == self._thread_id:
+            if threading.get_ident() in self._output.producers:
                 self._output.put(f"{category.__name__}: {message}\n", "stderr")
             else:
                 show(message, category, *place, **more)

@@ -26,14 +26,17 @@ class Output:
         queued: whether lines wait for `drain`; otherwise they are written as they come.
         pumps: called first by `drain`: they put what has arrived from elsewhere.
         on_put: called when a line has been put.
+        producers: identifiers of the threads that run callbacks: they put, and never write what others have put.
     """
 
     def __init__(self) -> None:
         self.queued = False
         self.pumps: list[Callable[[], None]] = []
         self.on_put: Callable[[], None] = lambda: None
+        self.producers: set[int] = set()
         self._lines: deque[tuple[Stream, str]] = deque()
-        self._parts: dict[Stream, str] = {"stdout": "", "stderr": ""}
+        self._parts: dict[tuple[int, Stream], str] = {}
+        self._parting = threading.Lock()
         self._lost = 0
         self._draining = threading.Lock()
         self._news = threading.Event()
@@ -52,17 +55,20 @@ class Output:
 
     def put_part(self, text: str, stream: Stream) -> None:
         """Queue text as soon as its line is complete, so that a line is never torn apart by somebody else's."""
-        self._parts[stream] += text
-        if self._parts[stream].endswith("\n"):
-            text, self._parts[stream] = self._parts[stream], ""
-            self.put(text, stream)
+        key = (threading.get_ident(), stream)
+        with self._parting:
+            text = self._parts.pop(key, "") + text
+            if not text.endswith("\n"):
+                self._parts[key] = text
+                return
+        self.put(text, stream)
 
     def end_parts(self) -> None:
         """Queue what has no line end yet; called at the end of a cell."""
-        for stream, text in list(self._parts.items()):
-            if text:
-                self._parts[stream] = ""
-                self.put(text, stream)
+        with self._parting:
+            parts, self._parts = self._parts, {}
+        for (_, stream), text in parts.items():
+            self.put(text, stream)
 
     def poke(self) -> None:
         """Wake whoever is in `wait`."""
@@ -73,7 +79,9 @@ class Output:
         self._news.wait(timeout)
 
     def drain(self) -> None:
-        """Write everything queued, on the calling thread."""
+        """Write everything queued, on the calling thread, unless that is one of the producers."""
+        if threading.get_ident() in self.producers:
+            return
         if not self._draining.acquire(blocking=False):  # another thread is at it, or we are called by our own print
             return
         try:

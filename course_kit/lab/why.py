@@ -7,11 +7,13 @@ import time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_kit.lab.describe import actions_of
+from course_kit.lab.execution import turn_of
 from course_kit.lab.report import where_is
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from course_kit.lab.execution import Executions
     from course_kit.lab.executor import Turn
     from course_kit.lab.live_nodes import LiveNode
     from course_kit.lab.report import Locate
@@ -42,19 +44,23 @@ def no_answer(nodes: Iterable[LiveNode], running: Running, service: str, locate:
     )
 
 
-def no_result(nodes: Iterable[LiveNode], running: Running, action: str, locate: Locate) -> str:
+def no_result(nodes: Iterable[LiveNode], running: Running, action: str, locate: Locate, executions: Executions) -> str:
     """What is known about an action server that does not answer."""
     if running.turn is not None and running.turn.entity is not None:
         return f"{_still_in(running, locate)}; while a callback runs, no other does."
     for live in nodes:
         if action in actions_of(live.node):
+            execution = executions.of(live.node)
+            if execution is not None and execution.thread is not None:
+                return f"{_still_in(Running(turn_of(execution), execution.thread.ident or 0), locate)}."
             return f"{live.node.get_name()} has not finished the goal: its execute callback awaits something."
     return "Its server runs outside this notebook and may still be busy with the goal. Look at the server's own output."
 
 
 def _still_in(running: Running, locate: Locate) -> str:
     turn: Any = running.turn
-    name = getattr(getattr(turn.entity, "callback", None), "__name__", "a callback")
+    callback = turn.callback if turn.entity is None else getattr(turn.entity, "callback", None)
+    name = getattr(callback, "__name__", "a callback")
     frame = sys._current_frames().get(running.thread_id)  # noqa: SLF001 - the documented way to look
     at = where_is(frame, locate)
     where = f" ({at[0]}: {at[1]})" if at else ""

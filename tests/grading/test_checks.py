@@ -7,9 +7,13 @@ from typing import Any
 import pytest
 
 from course_kit.grading.checks import Check, Evidence, Failed, check, in_order, run_all
+from course_kit.grading.steps import Record
 
 
 class FakeBench:
+    def __init__(self) -> None:
+        self.record = Record()
+
     def begin(self, deadline_s: float) -> None:
         self.deadline_s = deadline_s
 
@@ -54,6 +58,15 @@ def test_failure_skips_what_depends_on_it_and_nothing_else() -> None:
         "c": "skipped",
         "d": "passed",
     }
+
+
+def test_an_exchange_that_cannot_be_told_leaves_the_verdict_as_it_is() -> None:
+    bench = FakeBench()
+    bench.record.follow(lambda: [1 / 0])  # type: ignore[list-item]
+    failed = Failed(Evidence("s", "e", "g"), "what happened", "math.formula")
+    (result,) = run_all([make("a", outcome=failed)], bench)  # type: ignore[arg-type]
+    assert (result.status, result.diagnosis, result.got) == ("failed", "math.formula", "g")
+    assert "ZeroDivisionError" in result.steps[0].text
 
 
 def test_fault_of_the_grader_is_an_error_and_the_others_go_on() -> None:

@@ -3,17 +3,31 @@
 from __future__ import annotations
 
 import fcntl
+import socket
+import subprocess
+import sys
+import threading
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import grading
-from course_kit.grading import processes
+from course_kit import environment, grading
+from course_kit.grading import isolation, processes
+from tests.grading.hostile_table import Table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from pathlib import Path
+    from typing import TypeAlias
 
+    Grade: TypeAlias = Callable[..., grading.Report]
+    Strict: TypeAlias = Callable[..., Path]
+
+FORKS, DAEMONISES = "forks without end", "leaves daemons that ignore every signal"
+HIDES_A_SERVER = "hides a right server for the submission after it"
+LISTENS, REACHES = "listens on a port", "calls another student's node, in that node's ROS domain"
+STAYS = "drops sitecustomize files for the submission after it"
+OTHER_TRIES = (FORKS, DAEMONISES, HIDES_A_SERVER, LISTENS, REACHES, STAYS)
 ATTACKS = {
     "prints_a_report": """
 print('{"format_version": 1, "status": "graded", "score": 10.0, "max_score": 10.0, "passed": true, "checks": []}')
@@ -88,6 +102,24 @@ for folder in (sysconfig.get_path("purelib"), os.path.dirname(os.__file__), "/tm
         except OSError:
             pass
 """,
+    "loops_at_import": "while True:\n    pass\n",
+    "floods_its_output": "while True:\n    print('x' * 100_000)\n",
+    "eats_memory": "kept = []\nwhile True:\n    kept.append(bytearray(b'x') * 10_000_000)\n",
+}
+ENDED_BY = {"floods_its_output": "limit.output", "eats_memory": "limit.memory", "loops_at_import": "limit.time"}
+TRIES = {
+    "prints_a_report": "prints a report with full marks",
+    "writes_into_every_descriptor": "forges a report on every open descriptor",
+    "sends_strange_notes": "writes nonsense where the runner leaves its notes",
+    "leaves_at_once": "exits early, with status 0",
+    "kills_its_parents": "kills its parent, process 1 and everything it can name",
+    "traces_its_parent": "traces the process above it and opens its memory",
+    "patches_rclpy": "patches rclpy and the grader's own modules",
+    "reaches_out": "connects to another machine and to a server on this one",
+    "plants_a_file": "drops a .pth and a sitecustomize file where Python looks for them",
+    "loops_at_import": "loops for ever at import",
+    "floods_its_output": "floods its output",
+    "eats_memory": "eats memory",
 }
 DAEMON = """
 import fcntl, os, signal, time
@@ -115,22 +147,43 @@ def lock(tmp_path: Path) -> Iterator[Path]:
     path = tmp_path / "lock"
     path.touch()
     yield path
-    with path.open() as file:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # raises while somebody is left
+    assert is_free(path)
+
+
+def is_free(lock: Path) -> bool:
+    """Whether nobody is left who holds it."""
+    with lock.open() as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
+
+
+@pytest.fixture(scope="module")
+def table(worker: grading.Worker) -> Iterator[Table]:
+    """Takes a row for each attack, and is written when none of them is missing."""
+    written = Table(isolation.Isolation.from_mapping(worker.ready()))
+    yield written
+    written.write(set(TRIES.values()) | set(OTHER_TRIES))
 
 
 @pytest.mark.parametrize("attack", ATTACKS)
-def test_attack_earns_nothing(attack: str, grade_source: Callable[..., grading.Report]) -> None:
-    report = grade_source(ATTACKS[attack])
+def test_attack_earns_nothing(attack: str, grade_source: Grade, strict_exercises: Strict, table: Table) -> None:
+    folder = strict_exercises(cpu_s=2, start_s=10.0, memory_mb=300) if attack in ENDED_BY else None
+    report = grade_source(ATTACKS[attack], exercises=folder)
     assert report.score == 0.0
     assert not report.passed
     assert report.status == "crashed"
     assert {check.id for check in report.checks if check.status == "failed"} == {"offered"}
     for word in ("ATTACHED", "MEMORY", "CONNECTED"):
         assert word not in report.stdout
+    if attack in ENDED_BY:
+        assert report.checks[0].diagnosis == ENDED_BY[attack]
+    table.add(TRIES[attack], report)
 
 
-def test_nothing_is_planted(grade_source: Callable[..., grading.Report], solution: str) -> None:
+def test_nothing_is_planted(grade_source: Grade, solution: str) -> None:
     import os
     import sysconfig
     from pathlib import Path
@@ -141,45 +194,47 @@ def test_nothing_is_planted(grade_source: Callable[..., grading.Report], solutio
     assert "PLANTED" not in grade_source(solution).stdout
 
 
-def test_daemons_die(grade_source: Callable[..., grading.Report], lock: Path) -> None:
+def test_daemons_die(grade_source: Grade, lock: Path, table: Table) -> None:
     report = grade_source(DAEMON.format(lock=str(lock), body="time.sleep(600)", then="time.sleep(0.5)"))
     assert report.score == 0.0
+    assert is_free(lock)
+    table.add(DAEMONISES, report, "no daemon lives when the grade is written")
 
 
-def test_daemons_of_a_program_that_stays_die(
-    grade_source: Callable[..., grading.Report], lock: Path, solution: str
-) -> None:
+def test_daemons_of_a_program_that_stays_die(grade_source: Grade, lock: Path, solution: str) -> None:
     report = grade_source(DAEMON.format(lock=str(lock), body="time.sleep(600)", then=solution))
     assert report.score == 10.0
 
 
-def test_server_in_a_daemon_earns_nothing(
-    grade_source: Callable[..., grading.Report], lock: Path, solution: str
-) -> None:
+def test_server_in_a_daemon_earns_nothing(grade_source: Grade, lock: Path, solution: str) -> None:
     serve = f"exec({solution!r}, {{'__name__': '__main__'}})"
     report = grade_source(DAEMON.format(lock=str(lock), body=serve, then="pass"))
     assert not report.passed
 
 
 def test_server_left_behind_does_not_help_the_next(
-    grade_source: Callable[..., grading.Report], lock: Path, solution: str
+    grade_source: Grade, lock: Path, solution: str, table: Table
 ) -> None:
     serve = f"exec({solution!r}, {{'__name__': '__main__'}})"
     grade_source(DAEMON.format(lock=str(lock), body=serve, then="time.sleep(1)"))
+    assert is_free(lock)
     report = grade_source("import time\ntime.sleep(2)\n")
     assert report.score == 0.0
     assert report.checks[0].diagnosis == "start.nothing"
+    table.add(HIDES_A_SERVER, report, "the next submission finds an empty graph")
 
 
-def test_fork_bomb(grade_source: Callable[..., grading.Report], lock: Path) -> None:
+def test_fork_bomb(grade_source: Grade, lock: Path, table: Table) -> None:
     bomb = (
         f"import fcntl, os\nheld = open({str(lock)!r})\nfcntl.flock(held, fcntl.LOCK_SH)\nwhile True:\n    os.fork()\n"
     )
     report = grade_source(bomb)
     assert report.checks[0].diagnosis == "limit.processes"
+    assert is_free(lock)
+    table.add(FORKS, report, "every fork is dead")
 
 
-def test_exit_in_a_callback(grade_source: Callable[..., grading.Report], solution: str) -> None:
+def test_exit_in_a_callback(grade_source: Grade, solution: str) -> None:
     report = grade_source(
         solution.replace(
             "        response.message = problem", "        raise SystemExit\n        response.message = problem"
@@ -190,15 +245,13 @@ def test_exit_in_a_callback(grade_source: Callable[..., grading.Report], solutio
     assert report.score == 1.0
 
 
-def test_worker_is_left_alone(
-    grade_source: Callable[..., grading.Report], worker: grading.Worker, solution: str
-) -> None:
+def test_worker_is_left_alone(grade_source: Grade, worker: grading.Worker, solution: str) -> None:
     grade_source(ATTACKS["kills_its_parents"])
     assert processes.descendants(worker.process_id) == []
     assert grade_source(solution).score == 10.0
 
 
-def test_submission_does_not_see_the_solutions(grade_source: Callable[..., grading.Report]) -> None:
+def test_submission_does_not_see_the_solutions(grade_source: Grade) -> None:
     from tests.grading.conftest import ROOT
 
     report = grade_source(f"import os\nprint('FOUND', os.listdir({str(ROOT / 'solutions')!r}))\n")
@@ -206,7 +259,7 @@ def test_submission_does_not_see_the_solutions(grade_source: Callable[..., gradi
 
 
 def test_submission_does_not_see_foreign_variables(
-    grade_source: Callable[..., grading.Report], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    grade_source: Grade, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("MY_SECRET_TOKEN", "abc123")
     path = tmp_path / "curious.py"
@@ -215,3 +268,109 @@ def test_submission_does_not_see_foreign_variables(
     assert "ROS_DOMAIN_ID" in report.stdout
     assert "MY_SECRET_TOKEN" not in report.stdout
     del grade_source
+
+
+DROP = """
+import os, sys, site
+for folder in (os.getcwd(), os.environ["HOME"], site.getusersitepackages(), *sys.path):
+    try:
+        os.makedirs(folder, exist_ok=True)
+        for name in ("sitecustomize.py", "usercustomize.py", "course_kit_dropped.pth"):
+            with open(os.path.join(folder, name), "x") as file:
+                file.write("import sys; sys.stderr.write('DROPPED')\\n")
+            print("WROTE", os.path.join(folder, name))
+    except OSError:
+        pass
+"""
+
+
+def test_dropped_files_are_gone_with_the_submission(grade_source: Grade, solution: str, table: Table) -> None:
+    report = grade_source(DROP)
+    written = [Path(line.removeprefix("WROTE ")) for line in report.stdout.splitlines() if line.startswith("WROTE")]
+    assert written
+    assert [path for path in written if path.exists()] == []
+    after = grade_source(solution)
+    assert after.score == 10.0
+    assert "DROPPED" not in after.stderr
+    table.add(STAYS, report, f"{len(written)} files in its scratch directory, gone with it")
+
+
+LISTEN = """
+import socket, time
+with socket.create_server(("0.0.0.0", {port})) as server:
+    socket.create_connection(("127.0.0.1", {port}), 2).close()
+    print("LISTENING", flush=True)
+    server.settimeout(4)
+    server.accept()
+    try:
+        server.accept()
+        print("VISITED")
+    except TimeoutError:
+        pass
+"""
+
+
+def test_a_port_it_listens_on_is_not_to_be_reached(grade_source: Grade, table: Table) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    over = threading.Event()
+    visited: list[bool] = []
+    visitor = threading.Thread(target=lambda: visited.append(visits(port, over)))
+    visitor.start()
+    report = grade_source(LISTEN.format(port=port))
+    over.set()
+    visitor.join()
+    assert "LISTENING" in report.stdout
+    assert report.score == 0.0
+    assert not visits(port, over)
+    walled = table.walls.network
+    assert visited == [not walled]
+    assert ("VISITED" in report.stdout) == (not walled)
+    table.add(LISTENS, report, "nobody outside can connect" if walled else "closed after the grade; open until then")
+
+
+def visits(port: int, over: threading.Event) -> bool:
+    """Whether a connection to the port comes about before it is `over`; at least one try."""
+    while not (come := comes_in(port)) and not over.wait(0.05):
+        pass
+    return come
+
+
+def comes_in(port: int) -> bool:
+    """Whether somebody listens there."""
+    with socket.socket() as line:
+        line.settimeout(1)
+        return line.connect_ex(("127.0.0.1", port)) == 0
+
+
+REACH = """
+import rclpy
+from course_interfaces.srv import ConvertTemperature
+context = rclpy.Context()
+rclpy.init(context=context, domain_id={domain})
+node = rclpy.create_node("burglar", context=context)
+client = node.create_client(ConvertTemperature, "/convert_temperature")
+print("REACHED" if client.wait_for_service({patience}) else "ALONE", flush=True)
+context.shutdown()
+"""
+
+
+def test_another_students_node_is_out_of_reach(
+    grade_source: Grade, solution: str, domain: int, tmp_path: Path, table: Table
+) -> None:
+    (tmp_path / "victim.py").write_text(solution)
+    (tmp_path / "burglar.py").write_text(REACH.format(domain=domain, patience=30.0))
+    environ = environment.child_environment(ROS_DOMAIN_ID=str(domain))
+    with subprocess.Popen([sys.executable, tmp_path / "victim.py"], env=environ, stderr=subprocess.DEVNULL) as victim:
+        try:
+            # The same program outside of the sandbox gets there: otherwise nothing would be shown.
+            command = [sys.executable, tmp_path / "burglar.py"]
+            outside = subprocess.run(command, env=environ, capture_output=True, text=True, timeout=60, check=False)
+            report = grade_source(REACH.format(domain=domain, patience=2.0))
+        finally:
+            victim.kill()
+    assert outside.stdout == "REACHED\n", outside.stderr
+    assert report.score == 0.0
+    walled = table.walls.network
+    assert report.stdout == ("ALONE\n" if walled else "REACHED\n")
+    table.add(REACHES, report, "it is not on its network" if walled else "nothing: it shares the loopback interface")

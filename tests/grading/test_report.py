@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
 
+from course_kit import environment
 from course_kit.grading import CheckReport, Report, exit_code, render_html, render_text
 from course_kit.grading.diagnosis import catalogue, complete
+from course_kit.grading.sequence import sequence_svg
+from course_kit.grading.steps import GRADER, NODE, Step
 
 FAILED = CheckReport(
     "celsius_to_fahrenheit",
@@ -23,8 +27,18 @@ FAILED = CheckReport(
     "math.formula",
     "The factor is upside down & more.",
     "Think.",
+    told="The factor is upside down & more.",
+    steps=(
+        Step(GRADER, NODE, "request", "request /convert: value=100.0"),
+        Step(NODE, GRADER, "response", "response: <script>alert(2)</script>"),
+        Step(GRADER, NODE, "message", "/cmd_vel_in: " + "linear.x=1.0 " * 20),
+        Step(NODE, GRADER, "failure", "no answer within 5 s"),
+        Step(GRADER, GRADER, "note", "expected: 212.0"),
+    ),
+    more_hints=("Think <again>.", "Think at last."),
 )
 PASSED = CheckReport("offered", "The service is there", "passed", 1.5, 1.5, "", "e", "e")
+FREE = CheckReport("known_ids", "Every entry belongs", "passed", 0.0, 0.0)
 SKIPPED = CheckReport("precision", "Every digit", "skipped", 0.0, 0.5, message="Not run.")
 REPORT = Report(
     "temperature_service",
@@ -35,7 +49,7 @@ REPORT = Report(
     score=1.5,
     max_score=4.0,
     duration_s=1.23456,
-    checks=(PASSED, FAILED, SKIPPED),
+    checks=(PASSED, FREE, FAILED, SKIPPED),
     stdout="<i>out</i>",
     stderr="err",
     isolation="walls",
@@ -86,10 +100,10 @@ class Elements(HTMLParser):
 def test_json_has_exactly_the_names_of_the_contract() -> None:
     data = json.loads(REPORT.to_json())
     assert list(data) == KEYS
-    assert [list(check) for check in data["checks"]] == [CHECK_KEYS] * 3
+    assert [list(check) for check in data["checks"]] == [CHECK_KEYS] * 4
     assert (data["format_version"], data["score"], data["max_score"], data["passed"]) == (1, 1.5, 4.0, False)
     assert data["checks"][0]["diagnosis"] is None
-    assert data["checks"][1]["hint"] == "Think."
+    assert data["checks"][2]["hint"] == "Think."
 
 
 def test_json_of_a_sum_of_tenths_is_exact() -> None:
@@ -124,9 +138,25 @@ def test_text_fits_and_says_all(width: int) -> None:
         "upside down",
         "Think.",
         "1.5 of 4 points",
+        "1. grader -> your node: request /convert",
+        "4. your node --x grader: no answer",
+        "Isolation: walls.",
     ):
         assert word in text
     assert "\x1b" not in text
+
+
+def test_text_has_no_exchange_that_the_rows_already_tell() -> None:
+    short = replace(FAILED, steps=FAILED.steps[:2])
+    assert "1. grader" not in render_text(replace(REPORT, checks=(short,)))
+
+
+def test_text_lets_nothing_steer_the_terminal() -> None:
+    wild = replace(FAILED, got="\x1b[2J\x07", message="line 3: x = '\x9b31m'", title="a\u202eb")
+    text = render_text(replace(REPORT, submission="\x1b]0;me\x07.py", checks=(wild,)))
+    assert all(character.isprintable() or character == "\n" for character in text)
+    html = render_html(replace(REPORT, problem="\u202e\x1b", checks=(wild,), stdout="\x1b[2J"))
+    assert not {"\x1b", "\x9b", "\u202e"} & set(html)
 
 
 def test_text_of_what_could_not_be_graded() -> None:
@@ -149,7 +179,82 @@ def test_html_says_in_words_what_it_shows_in_colour() -> None:
     html = render_html(REPORT)
     for words in (": passed, 1.5 of 1.5", ": not passed, 0 of 2", ": not run, 0 of 0.5", "1.5 of 4 points"):
         assert words in html
-    assert "<details><summary>Show a hint" in html
+    assert "known_ids" not in html
+    assert "Every entry belongs" in html
+    assert ": passed, worth no points" in html
+
+
+def bars(html: str) -> list[tuple[float, float]]:
+    """Length in em and filled share in percent of the bar of each check."""
+    found = re.findall(r'class="ck-bar" style="width:([\d.]+)em"><span style="width:(\d+)%"', html)
+    return [(float(length), float(share)) for length, share in found]
+
+
+def test_each_check_with_points_has_a_bar_as_long_as_it_is_worth() -> None:
+    assert bars(render_html(REPORT)) == [(4.5, 100), (6.0, 0), (1.5, 0)]
+    assert bars(render_html(replace(REPORT, checks=(FREE,), max_score=0.0))) == []
+
+
+def test_hints_come_one_after_the_other_behind_clicks() -> None:
+    html = render_html(REPORT)
+    assert html.count("Show a hint") == 1
+    assert html.count("Show the next hint") == 2
+    nested = html[html.index("Show a hint") :]
+    places = [
+        nested.index(text) for text in ("Think.", "Think &lt;again&gt;.", "Think at last.", "</details></details>")
+    ]
+    assert places == sorted(places)
+    for element in re.findall(r'<details class="ck-hint"[^>]*>', html):
+        assert "open" not in element
+
+
+def test_only_the_first_failure_is_unfolded() -> None:
+    html = render_html(replace(REPORT, checks=(PASSED, FAILED, SKIPPED, replace(FAILED, id="again"))))
+    assert html.count("<details open>") == 1
+    assert html.index("<details open>") < html.index(FAILED.title)
+
+
+def test_diagram_shows_each_step_and_says_it_in_words() -> None:
+    html = render_html(REPORT)
+    drawing = html[html.index("<svg") : html.index("</svg>")]
+    assert 'role="img"' in drawing
+    assert "Sequence diagram of 4 steps between the grader and your node. The last one failed." in drawing
+    assert "✗ no answer within 5 s" in drawing
+    assert drawing.count("ck-arrow") == 6  # three that arrive: a line and a head each
+    assert drawing.count("ck-fail") >= 2
+    assert "<script" not in drawing
+    words = html[html.index("The diagram in words") :]
+    assert "<li>grader -&gt; your node: request /convert: value=100.0</li>" in words
+    assert "your node --x grader: no answer within 5 s" in words
+
+
+def test_diagram_grows_with_its_text_and_stays_within_its_width() -> None:
+    drawing = sequence_svg(FAILED.steps)
+    height = int(re.search(r'viewBox="0 0 640 (\d+)"', drawing).group(1))
+    assert height == int(re.search(r' height="(\d+)" role', drawing).group(1))
+    lines = [(int(y), text) for y, text in re.findall(r'<text x="320" y="(\d+)"[^>]*>([^<]*)<', drawing)]
+    assert max(y for y, _ in lines) < height
+    assert len({y for y, _ in lines}) == len(lines) > len(FAILED.steps)
+    assert all(len(text) <= 68 + len("&gt;") * text.count("&") for _, text in lines)
+    assert sequence_svg(()) == ""
+
+
+def test_link_leads_from_the_notebooks_folder_to_the_lesson() -> None:
+    taught = replace(FAILED, diagnosis="service.no_return")
+    root = environment.checkout()
+    assert root is not None
+    html = render_html(replace(REPORT, checks=(taught,)), root / "exercises" / "temperature_service")
+    section = catalogue()["service.no_return"].section.replace(" ", "-")
+    assert f'href="../../notebooks/01_services.ipynb#{section}"' in html
+    assert catalogue()["service.no_return"].explanation.replace("'", "&#x27;") in html
+    assert 'href="notebooks/01_services.ipynb#' in render_html(replace(REPORT, checks=(taught,)), root)
+
+
+def test_isolation_is_told_in_both() -> None:
+    report = replace(REPORT, isolation="resource limits. No wall around files: <no>")
+    assert "Isolation: resource limits. No wall around files: &lt;no&gt;." in render_html(report)
+    assert "Isolation: resource limits. No wall around files: <no>." in render_text(report)
+    assert "Isolation" not in render_text(replace(report, isolation="")) + render_html(replace(report, isolation=""))
 
 
 def test_html_of_what_could_not_be_graded() -> None:

@@ -1,0 +1,262 @@
+"""`course-kit dev check` on a small course of our own: what is proven, and what is named when something is not."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import cli, environment, grading
+from course_kit.dev import check, gradings, rules, sets, styles
+from course_kit.grading import CheckReport, Report, processes
+from course_kit.grading.diagnosis import catalogue, complete
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+EXERCISE = "pattern_choice"  # nothing has to be run for it: answers that are written out are read
+ROOT = environment.checkout() or Path()
+BROKEN = ("quiz.malformed", "quiz.unknown", "start.syntax")
+
+
+@pytest.fixture
+def course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A checkout with one exercise, three broken submissions and as many right ones as are wanted."""
+    shutil.copytree(ROOT / "exercises" / EXERCISE, tmp_path / "exercises" / EXERCISE)
+    shutil.copytree(ROOT / "solutions" / EXERCISE, tmp_path / "solutions" / EXERCISE)
+    broken = tmp_path / "tests" / "broken" / EXERCISE
+    broken.mkdir(parents=True)
+    for name in BROKEN:
+        shutil.copy(ROOT / "tests" / "broken" / EXERCISE / f"{name}.py", broken)
+    variants = tmp_path / "tests" / "grading" / "correct" / EXERCISE
+    variants.mkdir(parents=True)
+    for number in range(rules.FEWEST_VARIANTS):
+        shutil.copy(solution(tmp_path), variants / f"copy_{number}.py")
+    monkeypatch.setattr(environment, "checkout", lambda: tmp_path)
+    return tmp_path
+
+
+def solution(course: Path) -> Path:
+    return course / "solutions" / EXERCISE / f"{EXERCISE}.py"
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    code = cli.main(["dev", "check", "--workers", "2", *arguments])
+    shown = capsys.readouterr()
+    return code, shown.out, shown.err
+
+
+def test_a_course_that_is_right_is_proven(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    del course
+    code, out, err = run(capsys, EXERCISE, "--seed", "5")
+    assert code == 0
+    assert "✓ 8" in out
+    assert "PROVEN. 14 submissions graded once, 14 gradings in" in out
+    assert "[14/14] pattern_choice" in err
+    assert max(map(len, out.splitlines())) <= 120
+
+
+def test_a_wrong_solution_is_named(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = solution(course).read_text()
+    solution(course).write_text(text.replace("answers = {", "answers = {}\nothers = {"))
+    code, out, _ = run(capsys, EXERCISE)
+    assert code == 1
+    assert "pattern_choice solution pattern_choice.py: it should get full marks" in " ".join(out.split())
+    assert "NOT PROVEN" in out
+    assert "✗ 1 of 1" in out
+
+
+def test_a_code_without_submission_is_named(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    del course
+    code, out, _ = run(capsys, "--format", "json")
+    found = json.loads(out)
+    assert code == 1
+    assert not found["proven"]
+    named = {fault["text"].partition(":")[0] for fault in found["faults"]}
+    assert named == set(catalogue()) - set(BROKEN)
+    assert {fault["rule"] for fault in found["faults"]} == {"codes"}
+    (only,) = found["runs"]
+    assert len(only["submissions"]) == 14
+    assert [one["score"] for one in only["submissions"] if one["kind"] == "solution"] == [10.0]
+
+
+def test_a_verdict_that_changes_is_named(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = course / "exercises" / EXERCISE / "exercise.toml"
+    path.write_text(path.read_text().replace("\nseed = 1 ", "\n# "))  # now each time draws other scenarios
+    code, out, _ = run(capsys, EXERCISE, "--repeat", "2", "--seed", "1", "--format", "json")
+    found = json.loads(out)
+    assert code == 1
+    assert [one["seed"] for one in found["runs"]] == [1, 2]
+    unstable = {fault["submission"] for fault in found["faults"] if fault["rule"] == "stable"}
+    assert "solution pattern_choice.py" in unstable
+    assert "broken quiz.malformed" in unstable
+
+
+def test_a_slip_is_judged_by_what_it_says(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = course / "tests" / "slips" / f"{EXERCISE}.toml"
+    path.parent.mkdir()
+    text = """
+[{name}]
+says = '{says}'
+failed = {{ answers = "quiz.missing" }}
+[[{name}.changes]]
+old = 'answers = {{'
+new = 'answer = {{'
+"""
+    path.write_text(text.format(name="right", says="Did you mean answer") + text.format(name="odd", says="unicorn"))
+    code, out, _ = run(capsys, EXERCISE)
+    assert code == 1
+    assert "pattern_choice slip odd: a message should say 'unicorn'" in " ".join(out.split())
+    assert "✗ 1 of 2" in out
+    path.write_text(text.format(name="odd", says="").replace("answers = {'", "no such text'"))
+    code, out, err = run(capsys, EXERCISE)
+    assert (code, out) == (2, "")
+    assert "replaces a text that occurs 0 times in pattern_choice.py" in err
+
+
+def test_mistakes_of_use_are_told(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = run(capsys, "unicorn")
+    assert code == 2
+    assert "There is no exercise 'unicorn'" in err
+    with pytest.raises(SystemExit):
+        run(capsys, EXERCISE, "--repeat", "0")
+    shutil.rmtree(course / "tests")
+    assert run(capsys, EXERCISE)[0] == 2
+
+
+@pytest.mark.usefixtures("course")
+def test_breaking_off_leaves_no_worker() -> None:
+    (submission,) = sets.load(EXERCISE, ROOT).of("solution")
+    before = set(processes.descendants(os.getpid()))
+    begun: list[Future[Report]] = []
+
+    def break_off() -> None:
+        with gradings.Gradings(ROOT / "exercises", 2) as pool:
+            begun.extend(pool.begin(submission, None) for _ in range(20))
+            begun[0].result()
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        break_off()
+    assert all(future.done() for future in begun)
+    assert set(processes.descendants(os.getpid())) == before
+
+
+@pytest.mark.usefixtures("course")
+def test_a_killed_worker_costs_one_grading() -> None:
+    (submission,) = sets.load(EXERCISE, ROOT).of("solution")
+    with gradings.Gradings(ROOT / "exercises", 1) as pool:
+        (worker,) = processes.descendants(os.getpid())[-1:]
+        assert pool.begin(submission, None).result().score == 10.0
+        os.kill(worker, 9)
+        with pytest.raises(grading.GradingError):
+            pool.begin(submission, None).result()
+        assert pool.begin(submission, None).result().score == 10.0
+
+
+def test_load_keeps_processors_busy_and_ends() -> None:
+    with gradings.load(2) as busy:
+        assert len(busy) == 2
+        while processes.usage(busy).cpu_s < 0.1:
+            assert processes.usage(busy).tasks == 2
+    assert processes.usage(busy).tasks == 0
+
+
+def made_report(submission: sets.Submission, **failed: str | None) -> Report:
+    """A report in which the checks named have failed, each with its diagnosis, and `fine` has passed."""
+    checks = [CheckReport("fine", "Fine", "passed", 1.0, 1.0)]
+    for name, code in failed.items():
+        message = complete("It failed.", code)
+        checks.append(CheckReport(name, name, "failed", 0.0, 1.0, "", "a", "b", code, message, "a hint"))
+    score = float(not failed)
+    return Report(submission.exercise, "", "", "graded", not failed, score, 1.0, 0.1, tuple(checks))
+
+
+def made_sets(*submissions: sets.Submission) -> sets.Sets:
+    loaded = sets.load("temperature_service", ROOT)
+    return sets.Sets(loaded.task, submissions)
+
+
+def texts(rule: str, of: sets.Sets, reports: dict[sets.Submission, Report]) -> str:
+    return "\n".join(str(fault) for fault in rules.faults(of, reports) if fault.rule == rule)
+
+
+def test_a_check_that_nothing_turns_red_is_named() -> None:
+    right, wrong = (sets.load("temperature_service", ROOT).of(kind)[0] for kind in ("solution", "slip"))
+    reports = {right: made_report(right), wrong: made_report(wrong, other=None)}
+    said = texts("checks", made_sets(right, wrong), reports)
+    assert said == "temperature_service: no submission makes the check 'fine' fail."
+
+
+def test_missing_variants_and_styles_are_named() -> None:
+    loaded = sets.load("temperature_service", ROOT)
+    (right,) = loaded.of("solution")
+    kept = [one for one in loaded.of("variant") if one.name in ("class_only", "main_guarded")]
+    said = texts("variants", made_sets(right, *kept), {one: made_report(one) for one in (right, *kept)})
+    assert "there are 2 right programs in other styles; at least 8" in said
+    for style in ("async callbacks", "reentrant group", "several executors"):
+        assert f"no right program shows the style '{style}'" in said
+    assert "'class only'" not in said
+
+
+@pytest.mark.parametrize(
+    ("failed", "said"),
+    [
+        ({"offered": "start.exit"}, "it should get this code alone, and gets:"),
+        ({"offered": "start.crash", "answers": None}, "it should get this code alone, and gets:"),
+        ({}, "it should get this code alone, and gets:"),
+        ({"offered": "start.crash"}, ""),
+    ],
+)
+def test_broken_submission_with_another_code_is_named(failed: dict[str, str | None], said: str) -> None:
+    one = next(one for one in sets.load("temperature_service", ROOT).of("broken") if one.name == "start.crash")
+    found = texts("broken", made_sets(one), {one: made_report(one, **failed)})
+    assert found.startswith(f"temperature_service broken start.crash: {said}" if said else "")
+    assert bool(found) == bool(said)
+
+
+def test_poor_feedback_is_named() -> None:
+    one = next(one for one in sets.load("temperature_service", ROOT).of("broken") if one.name == "start.crash")
+    report = made_report(one, offered="start.crash")
+    silent = replace(report.checks[1], hint=None, got="", message="?")
+    found = texts("broken", made_sets(one), {one: replace(report, checks=(silent,))})
+    assert "says nothing under 'hint'" in found
+    assert "says nothing under 'got'" in found
+    assert "does not explain start.crash" in found
+
+
+def test_starter_that_passes_or_has_no_hint_of_its_own_is_named() -> None:
+    program, notebook = sets.load("temperature_service", ROOT).of("starter")
+    reports = {program: made_report(program), notebook: made_report(notebook, answers=None)}
+    said = texts("starter", made_sets(program, notebook), reports)
+    assert "starter temperature_service.py: it should be graded and not passed" in said
+    assert "starter temperature_service.ipynb: its first failed check, answers, has no hint from the ladder" in said
+    assert "different verdicts" in said
+
+
+@pytest.mark.parametrize(
+    ("text", "style"),
+    [
+        ("def main():\n    pass\nif __name__ == '__main__':\n    main()\n", {"main"}),
+        ('"""Doc."""\nimport rclpy\nX = 1\nclass A:\n    pass\n', {"class only"}),
+        ("class A:\n    async def f(self):\n        pass\nA()\n", {"async callbacks"}),
+        ("a = rclpy.callback_groups.ReentrantCallbackGroup()\nb()\n", {"reentrant group"}),
+        ("f(SingleThreadedExecutor(), rclpy.executors.MultiThreadedExecutor(2))\n", {"several executors"}),
+        ("f(MultiThreadedExecutor(2), ParameterDescriptor())\n", {"descriptors"}),
+    ],
+)
+def test_styles_are_seen(text: str, style: set[str]) -> None:
+    assert styles.of(text) == style
+
+
+def test_verdict_is_what_must_not_change() -> None:
+    (one,) = sets.load("temperature_service", ROOT).of("solution")
+    report = made_report(one)
+    assert check.verdict(report) == check.verdict(replace(report, duration_s=9.0, stdout="x"))
+    for changed in ({"score": 3.0}, {"status": "crashed"}, {"checks": made_report(one, fine=None).checks}):
+        assert check.verdict(report) != check.verdict(replace(report, **changed))

@@ -1,0 +1,162 @@
+"""The exchange a failed check carries: what is kept, what is left out, how it ends."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from course_interfaces.srv import ConvertTemperature
+from geometry_msgs.msg import Twist
+
+from course_kit import grading
+from course_kit.grading.checks import Evidence
+from course_kit.grading.steps import GRADER, NODE, Record, Step, tell
+from tests.grading.conftest import ROOT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+
+def lines(record: Record, evidence: Evidence) -> list[str]:
+    return [step.line() for step in record.steps(evidence)]
+
+
+def test_an_unanswered_request_ends_at_what_came_instead() -> None:
+    record = Record()
+    record.sent("request /add: a=1", about="a=1")
+    assert lines(record, Evidence("a=1", "sum=2", "no answer within 5 s")) == [
+        "grader -> your node: request /add: a=1",
+        "your node --x grader: no answer within 5 s",
+        "expected: sum=2",
+    ]
+
+
+def test_of_several_turns_the_one_the_verdict_is_about_is_told() -> None:
+    record = Record()
+    for number in range(4):
+        record.sent(f"request {number}", about=str(number)).came(f"response {number}")
+    assert [step.text for step in record.steps(Evidence("1", "", "x"))] == ["request 1", "response 1"]
+
+
+def test_a_long_exchange_says_what_is_left_out() -> None:
+    record = Record()
+    for number in range(10):
+        record.sent(f"request {number}").came(f"response {number}")
+    told = lines(record, Evidence(got="x"))
+    assert told[0] == "(12 earlier steps left out)"
+    assert told[1:3] == ["grader -> your node: request 6", "your node -> grader: response 6"]
+    assert len(told) == 9
+
+
+def test_questions_in_between_and_second_tries_are_not_told() -> None:
+    record = Record()
+    record.sent("set a=1").came("accepted")
+    record.sent("get a", minor=True).came("a=1")
+    for _ in range(2):
+        record.sent("/in: 1", "message").came("/out: 2", "message")
+    assert [step.text for step in record.steps(Evidence(got="x"))] == ["set a=1", "accepted", "/in: 1", "/out: 2"]
+
+
+def test_a_question_that_nothing_follows_is_told() -> None:
+    record = Record()
+    record.sent("get a", minor=True)
+    assert [step.text for step in record.steps(Evidence(got="no answer"))] == ["get a", "no answer"]
+
+
+def test_what_is_followed_stands_where_it_happened_in_time() -> None:
+    record = Record()
+    turn = record.sent("goal")
+    record.follow(lambda: [(turn.steps[0][0] + 1e-9, Step(NODE, GRADER, "message", "feedback"))])
+    record.sent("cancel").missed("nothing came")
+    assert [step.text for step in record.steps(Evidence())] == ["goal", "feedback", "cancel", "nothing came"]
+
+
+def test_the_next_check_begins_empty_and_tidying_up_is_not_kept() -> None:
+    record = Record()
+    late = record.sent("request")
+    record.clear()
+    late.came("too late")
+    with record.looking_away():
+        record.sent("put back")
+    assert record.steps(Evidence("", "e", "g")) == ()
+
+
+def test_messages_are_told_with_their_fields() -> None:
+    twist = Twist()
+    assert tell(twist) == "all fields 0"
+    twist.linear.x = 1.23456
+    assert tell(twist) == "linear.x=1.235, the rest 0"
+    request = ConvertTemperature.Request(value=98.6, from_unit="x" * 100)
+    assert tell(request) == f"value=98.6, from_unit='{'x' * 40}...', to_unit=''"
+
+
+def steps_of(report: grading.Report, check: str) -> list[str]:
+    return [step.line() for one in report.checks if one.id == check for step in one.steps]
+
+
+@pytest.mark.parametrize(
+    ("exercise", "code", "check", "told"),
+    [
+        (
+            "temperature_service",
+            "service.no_return",
+            "answers",
+            [
+                "grader -> your node: request /convert_temperature: value=100.0, from_unit='celsius'",
+                "your node --x grader: no answer: the program ended",
+                "expected: an answer with success=True",
+            ],
+        ),
+        (
+            "move_robot",
+            "action.cancel_refused",
+            "cancel",
+            ["request to cancel the goal", "feedback 1 after", "your node -> grader: cancelling refused", "accepted"],
+        ),
+        (
+            "robot_parameters",
+            "parameter.read_once",
+            "change_velocity",
+            [
+                "set_parameters: max_velocity=",
+                "it was accepted",
+                "/cmd_vel_in: linear.x=-9.0",
+                "/cmd_vel: linear.x=-1.0",
+            ],
+        ),
+    ],
+)
+def test_a_failed_check_carries_its_exchange(
+    exercise: str, code: str, check: str, told: list[str], worker: grading.Worker
+) -> None:
+    report = grading.grade(exercise, ROOT / "tests" / "broken" / exercise / f"{code}.py", worker=worker, seed=3)
+    steps = steps_of(report, check)
+    for words in told:
+        assert any(words in line for line in steps), steps
+    assert all(not one.steps for one in report.checks if one.status != "failed")
+    assert "steps" not in report.to_json()
+
+
+def test_a_topic_that_stays_silent_is_missed(worker: grading.Worker, tmp_path: Path) -> None:
+    exercise = "robot_parameters"
+    solution = (ROOT / "solutions" / exercise / f"{exercise}.py").read_text()
+    lines = [line for line in solution.splitlines(keepends=True) if "wheel_speed.publish" not in line]
+    assert len(lines) == solution.count("\n") - 1
+    (tmp_path / "answer.py").write_text("".join(lines))
+    report = grading.grade(exercise, tmp_path / "answer.py", worker=worker, seed=3)
+    steps = steps_of(report, "reacts")
+    assert [line.partition(":")[0] for line in steps] == ["grader -> your node", "your node --x grader", "expected"]
+    assert "/cmd_vel_in" in steps[0]
+    assert "nothing on /wheel_speed" in steps[1]
+
+
+def test_what_a_submission_answers_is_told_as_text(grade_source: Callable[..., grading.Report], solution: str) -> None:
+    wild = "<script>alert(1)</script>\\x1b[2J\\n"
+    report = grade_source(solution.replace("response.message = problem_with(request)", f'response.message = "{wild}"'))
+    failed = [check for check in report.checks if check.status == "failed"]
+    assert failed
+    assert any("alert" in step.text for check in failed for step in check.steps)
+    html, text = grading.render_html(report), grading.render_text(report)
+    assert "<script" not in html
+    assert "\x1b" not in html + text

@@ -1,0 +1,305 @@
+"""Execute callbacks on threads of their own: who is served meanwhile, and how they end."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import subprocess
+import sys
+import threading
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import rclpy
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionServer
+from std_srvs.srv import Trigger
+
+from course_kit import lab
+from tests.lab.action_nodes import Fibonaccis, Stubborn, Waiting
+
+if TYPE_CHECKING:
+    from course_kit.lab.core import Lab
+    from tests.lab.kernel import Kernel
+
+pytestmark = pytest.mark.usefixtures("own_lab")
+
+
+def executing() -> list[threading.Thread]:
+    return [thread for thread in threading.enumerate() if thread.name == "ros-execute"]
+
+
+def test_feedback_cancel_and_other_callbacks_are_served_meanwhile() -> None:
+    node = lab.start(Waiting)
+
+    async def follow() -> Any:
+        goal = await lab.send_goal("/fibonacci", Fibonacci, order=40)
+        assert repr(goal) == "Goal(order=40) for /fibonacci: accepted"
+        async for feedback in goal:
+            assert list(feedback.sequence) == [0, 1, 1]
+            break
+        assert goal.status == "EXECUTING"
+        await lab.call("/ping", Trigger)
+        assert not node.go_on.is_set()
+        assert await goal.cancel() is True
+        assert list((await goal.result()).sequence) == [0, 1, 1]
+        return goal
+
+    goal = asyncio.run(follow())
+    assert goal.status == "CANCELED"
+    assert goal.cancel_blocking() is False
+    assert executing() == []
+
+
+def test_a_server_may_refuse_to_cancel() -> None:
+    node = lab.start(Stubborn)
+    goal = lab.send_goal_blocking("/stubborn", Fibonacci, order=1)
+    assert goal.cancel_blocking() is False
+    assert goal.status in {"ACCEPTED", "EXECUTING"}
+    node.release.set()
+    assert list(goal.result_blocking().sequence) == [7]
+
+
+def test_two_goals_are_executed_at_once() -> None:
+    class Meeting(Fibonaccis):
+        def __init__(self) -> None:
+            super().__init__()
+            self.barrier = threading.Barrier(2)
+
+        def execute(self, goal: Any) -> Any:
+            self.barrier.wait(10)
+            return super().execute(goal)
+
+    lab.start(Meeting)
+
+    async def both() -> list[Any]:
+        goals = [await lab.send_goal("/fibonacci", Fibonacci, order=order) for order in (2, 3)]
+        return [list((await goal.result()).sequence) for goal in goals]
+
+    assert asyncio.run(both()) == [[0, 1, 1], [0, 1, 1, 2]]
+
+
+def test_a_goal_that_takes_too_long_says_where_it_is() -> None:
+    node = lab.start(Stubborn)
+    goal = lab.send_goal_blocking("/stubborn", Fibonacci, order=1)
+    assert node.busy.wait(10)
+    expected = (
+        r"/stubborn did not finish the goal within 0.3 s. stubborn is still in execute "
+        r"\(action_nodes.py, line \d+: .*\), for 0 s by now\."
+    )
+    with pytest.raises(lab.NoAnswerError, match=expected):
+        goal.result_blocking(timeout=0.3)
+    node.release.set()
+    assert list(goal.result_blocking().sequence) == [7]  # it was only waited for too shortly
+
+
+def test_a_server_that_is_stopped_aborts_its_goals() -> None:
+    lab.start(Waiting)
+    ended: list[Any] = []
+    goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=9, on_result=ended.append)
+    lab.stop()
+    assert goal.status == "ABORTED"
+    assert ended == [goal]
+    assert list(goal.result_blocking().sequence) == []
+    assert executing() == []
+
+
+def test_running_the_cell_again_ends_the_goals_of_the_node_before() -> None:
+    lab.start(Stubborn)
+    goal = lab.send_goal_blocking("/stubborn", Fibonacci, order=1)
+    second = lab.start(Stubborn)
+    assert goal.status == "ABORTED"
+    assert executing() == []
+    second.release.set()
+    assert list(lab.send_goal_blocking("/stubborn", Fibonacci, order=1).result_blocking().sequence) == [7]
+
+
+def test_goals_that_are_not_executed_yet_and_those_of_coroutines_end_as_well() -> None:
+    class Postponing(Fibonaccis):
+        def __init__(self) -> None:
+            super().__init__()
+            self.never = rclpy.Future()
+            self.left = False
+            self.other = ActionServer(self, Fibonacci, "later", self.execute, handle_accepted_callback=lambda _: None)
+            self.third = ActionServer(self, Fibonacci, "awaiting", self.wait)
+
+        async def wait(self, _goal: Any) -> Any:
+            try:
+                await self.never
+            finally:
+                self.left = True
+
+    node = lab.start(Postponing)
+    goals = [lab.send_goal_blocking(name, Fibonacci, order=1) for name in ("/later", "/awaiting")]
+    assert goals[0].status == "ACCEPTED"
+    lab.stop()
+    assert [goal.status for goal in goals] == ["ABORTED", "ABORTED"]
+    assert node.left
+
+
+def test_closing_the_lab_leaves_no_thread(own_lab: Lab) -> None:
+    node = lab.start(Stubborn)
+    goal = lab.send_goal_blocking("/stubborn", Fibonacci, order=1)
+    assert node.busy.wait(10)
+    own_lab.close()
+    assert executing() == []
+    assert goal.done
+
+
+def test_an_execute_callback_may_call_and_wait() -> None:
+    """As on a MultiThreadedExecutor: the answer is taken by another thread."""
+
+    class Caller(Fibonaccis):
+        def __init__(self) -> None:
+            super().__init__()
+            self.client = self.create_client(Trigger, "ping")
+
+        def execute(self, goal: Any) -> Any:
+            assert self.client.call(Trigger.Request()) is not None
+            assert lab.call_blocking("/ping", Trigger) is not None
+            return super().execute(goal)
+
+    lab.start(Caller)
+    goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=2)
+    assert list(goal.result_blocking().sequence) == [0, 1, 1]
+
+
+def test_an_execute_callback_that_waits_for_ever_can_be_stopped() -> None:
+    class Caller(Fibonaccis):
+        def __init__(self) -> None:
+            super().__init__()
+            self.client = self.create_client(Trigger, "nobody_serves_this")
+
+        def execute(self, goal: Any) -> Any:
+            self.first.set()
+            self.client.call(Trigger.Request())
+            return super().execute(goal)
+
+    node = lab.start(Caller)
+    goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=2)
+    assert node.first.wait(10)
+    lab.stop()
+    assert goal.status == "ABORTED"
+    assert executing() == []
+
+
+def test_spinning_in_an_execute_callback_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    class Spinning(Fibonaccis):
+        def execute(self, goal: Any) -> Any:
+            rclpy.spin_once(self)
+            return super().execute(goal)
+
+    lab.start(Spinning)
+    goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=2)
+    goal.result_blocking()
+    assert goal.status == "ABORTED"
+    assert "inside an execute callback would take the node away from the executor" in capsys.readouterr().err
+
+
+def test_shutdown_in_an_execute_callback_stops_its_node_when_the_goal_has_ended() -> None:
+    class Final(Fibonaccis):
+        def execute(self, goal: Any) -> Any:
+            rclpy.shutdown()
+            return super().execute(goal)
+
+    lab.start(Final)
+    goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=2)
+    assert list(goal.result_blocking().sequence) == [0, 1, 1]
+    assert lab.nodes() == []
+
+
+def test_an_interrupted_wait_leaves_the_goal_alone() -> None:
+    node = lab.start(Waiting)
+
+    async def give_up() -> Any:
+        goal = await lab.send_goal("/fibonacci", Fibonacci, order=3)
+        waiting = asyncio.ensure_future(goal.result())
+        await asyncio.sleep(0)
+        waiting.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await waiting
+        return goal
+
+    goal = asyncio.run(give_up())
+    node.go_on.set()
+    assert list(goal.result_blocking().sequence) == [0, 1, 1, 2]
+
+
+def test_a_goal_nobody_waits_for_any_more_is_cancelled_when_it_is_accepted() -> None:
+    class Slow(Waiting):
+        def __init__(self) -> None:
+            self.deciding, self.decide_now = threading.Event(), threading.Event()
+            self.cancelled = threading.Event()
+            super().__init__()
+
+        def decide(self, goal: Any) -> Any:
+            self.deciding.set()
+            self.decide_now.wait(10)
+            return super().decide(goal)
+
+        def execute(self, goal: Any) -> Any:
+            result = super().execute(goal)
+            self.cancelled.set()
+            return result
+
+    node = lab.start(Slow)
+    expected = "/fibonacci neither accepted nor rejected the goal within 0.3 s. waiting is still in"
+    with pytest.raises(lab.NoAnswerError, match=expected):
+        lab.send_goal_blocking("/fibonacci", Fibonacci, order=9, timeout=0.3)
+    node.decide_now.set()
+    assert node.cancelled.wait(10)
+
+
+PROGRAM = """
+import sys
+from tests.lab.action_nodes import Stubborn
+from example_interfaces.action import Fibonacci
+from course_kit import lab
+lab.start(Stubborn)
+print(lab.send_goal_blocking("/stubborn", Fibonacci, order=1))
+"""
+
+
+def test_a_program_ends_although_a_goal_is_being_executed() -> None:
+    for _ in range(3):
+        ended = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=60, check=False)
+        assert (ended.returncode, ended.stderr) == (0, "")
+        assert ended.stdout == "Goal(order=1) for /stubborn: accepted\n"
+
+
+SERVER = """
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionServer
+from rclpy.node import Node
+
+class Chatty(Node):
+    def __init__(self):
+        super().__init__("chatty")
+        ActionServer(self, Fibonacci, "chat", self.execute)
+
+    def execute(self, goal):
+        for number in range(goal.request.order):
+            print("printed", number, end="")
+            print()
+            self.get_logger().info(f"logged {number}")
+        if goal.request.order == 2:
+            raise ValueError("two")
+        goal.succeed()
+        return Fibonacci.Result()
+lab.start(Chatty)
+"""
+
+
+def test_what_execute_callbacks_print_lands_in_the_cell_that_waits(kernel: Kernel) -> None:
+    assert kernel.run(SERVER).ok
+    shown = kernel.run("goal = await lab.send_goal('/chat', Fibonacci, order=3)\n_ = await goal.result()")
+    lines = [f"printed {number}\n[INFO] [chatty]: logged {number}\n" for number in range(3)]
+    assert shown.stdout == "".join(lines)
+    assert shown.stderr == ""
+    shown = kernel.run("goal = await lab.send_goal('/chat', Fibonacci, order=2)\n_ = await goal.result()\ngoal")
+    assert shown.result["text/plain"] == "Goal(order=2) for /chat: ABORTED"
+    assert re.fullmatch(
+        r"chatty: execute raised ValueError: two\n  In\[\d+\], line 16: raise ValueError\(\"two\"\)\n"
+        r"  The node lives on, and so do the others\.\n",
+        shown.stderr,
+    )

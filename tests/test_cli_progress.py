@@ -1,0 +1,197 @@
+"""`grade`, `list` and `hint` as a learner uses them one after the other, each in a process of its own."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from course_kit import course_list, grading, progress
+from tests.course_copy import SOLUTION, TEMPERATURE, Course, starter
+from tests.lab.kernel import Kernel
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+SYNTAX_FAULT = "def half("
+
+
+@pytest.fixture
+def course(tmp_path: Path) -> Course:
+    return Course(tmp_path)
+
+
+def listed(course: Course) -> dict[str, Any]:
+    done = course.run("list", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    rows = json.loads(done.stdout)["exercises"]
+    return next(row for row in rows if row["id"] == TEMPERATURE)
+
+
+def mend(course: Course) -> str:
+    """A file that gets the first check right and is below the pass mark."""
+    path = starter(course.progress.parent, "mended.py")
+    path.write_text(path.read_text().replace("# Your code goes here.", "response.success = True"))
+    return str(path)
+
+
+def test_before_the_first_try_the_course_is_listed_in_its_order(course: Course) -> None:
+    done = course.run("list")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    names = ["temperature_service", "move_robot", "robot_parameters", "pattern_choice"]
+    places = [done.stdout.index(name) for name in names]
+    assert places == sorted(places)
+    assert done.stdout.count("[ ]") == done.stdout.count("not tried yet") == len(names)
+    assert "0 of 4 passed" in done.stdout
+    assert "Next: temperature_service" in done.stdout
+    assert not course.progress.exists()
+
+
+def test_a_try_a_hint_and_another_try_are_remembered(course: Course) -> None:
+    assert course.run("grade", TEMPERATURE, str(starter(course.progress.parent))).returncode == 1
+    first = listed(course)
+    assert (first["passed"], first["tries"], first["best_score"], first["hints"]) == (False, 1, 1.0, 0)
+    hinted = " ".join(course.run("hint", TEMPERATURE).stdout.split())
+    assert "A request gets an answer" in hinted
+    assert "Hint 2 of 2" in hinted
+    assert listed(course)["hints"] == 2
+    assert course.run("grade", TEMPERATURE, mend(course)).returncode == 1
+    second = " ".join(course.run("hint", TEMPERATURE).stdout.split())
+    assert "which failed last" in second
+    assert "A request gets an answer" not in second
+    assert listed(course)["tries"] == 2
+    assert "not passed yet" in course.run("list").stdout
+
+
+@pytest.mark.answers
+def test_a_pass_is_ticked_and_said_in_words_and_stays(course: Course) -> None:
+    assert course.run("grade", TEMPERATURE, str(SOLUTION), "--format", "json").returncode == 0
+    assert course.run("grade", TEMPERATURE, str(starter(course.progress.parent))).returncode == 1
+    row = listed(course)
+    assert (row["passed"], row["tries"], row["best_score"]) == (True, 2, 10.0)
+    shown = course.run("list", PYTHONIOENCODING="utf-8").stdout
+    assert "[✓]  1 temperature_service" in shown
+    assert " passed\n" in shown
+    assert "1 of 4 passed" in shown
+    assert "Next: move_robot" in shown
+
+
+@pytest.mark.answers
+def test_a_terminal_without_utf_8_gets_an_x_for_a_tick(course: Course) -> None:
+    course.run("grade", TEMPERATURE, "--exec", shlex.join([sys.executable, str(SOLUTION)]))
+    shown = course.run("list", PYTHONIOENCODING="ascii").stdout
+    assert "[x]  1 temperature_service" in shown  # and so a grading of --exec is recorded
+    assert shown.isascii()
+
+
+@pytest.mark.answers
+def test_a_grading_of_a_running_node_is_recorded(course: Course, domain: int) -> None:
+    with subprocess.Popen([sys.executable, str(SOLUTION)], env=course.environ()) as node:
+        try:
+            done = course.run("grade", TEMPERATURE, "--attach", ROS_DOMAIN_ID=str(domain))
+        finally:
+            node.terminate()
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert listed(course)["tries"] == 1
+
+
+def test_a_file_that_cannot_be_read_is_no_try_and_one_that_is_not_python_is(course: Course) -> None:
+    folder = course.progress.parent
+    assert course.run("grade", TEMPERATURE, str(folder / "none.py")).returncode == 2
+    assert not course.progress.exists()
+    (folder / "fault.py").write_text(SYNTAX_FAULT)
+    assert course.run("grade", TEMPERATURE, str(folder / "fault.py")).returncode == 1
+    assert listed(course)["tries"] == 1
+
+
+def test_a_class_run_marks_nothing_as_the_instructors_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(progress.VARIABLE, str(tmp_path / "progress.json"))
+    (tmp_path / "fault.py").write_text(SYNTAX_FAULT)
+    assert grading.grade(TEMPERATURE, tmp_path / "fault.py").status == "crashed"
+    assert not (tmp_path / "progress.json").exists()
+
+
+@pytest.mark.parametrize(("content", "mode"), [("damaged", 0o644), ('{"format_version": 9}', 0o644), ("{}", 0o444)])
+def test_a_file_that_cannot_be_used_is_one_line_beside_the_grade(course: Course, content: str, mode: int) -> None:
+    course.progress.write_text(content)
+    course.progress.chmod(mode)
+    fault = course.progress.with_name("fault.py")
+    fault.write_text(SYNTAX_FAULT)
+    done = course.run("grade", TEMPERATURE, str(fault), "--format", "json")
+    assert done.returncode == 1
+    assert json.loads(done.stdout)["status"] == "crashed"
+    assert str(course.progress) in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_list_and_hint_go_on_beside_a_damaged_file(course: Course) -> None:
+    course.progress.write_text("damaged")
+    for verb, shown in (("list", "not tried yet"), ("hint", "Hint 1 of")):
+        done = course.run(verb, *([TEMPERATURE] if verb == "hint" else []))
+        assert done.returncode == 0
+        assert shown in done.stdout
+        assert "damaged" in done.stderr
+        assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("verb", ["grade", "hint", "reset", "solution", "watch"])
+def test_a_misspelt_exercise_gets_the_nearest_name(course: Course, verb: str) -> None:
+    done = course.run(verb, "temprature_service", *(["file.py"] if verb == "grade" else []))
+    assert done.returncode == 2
+    assert "Did you mean temperature_service?" in done.stderr
+    assert done.stdout == ""
+
+
+@pytest.mark.parametrize("arguments", [["list"], ["hint", "robot_parameters"], ["hint", "pattern_choice"]])
+def test_80_columns_are_enough(course: Course, arguments: list[str]) -> None:
+    assert max(map(len, course.run(*arguments).stdout.splitlines())) <= 80
+
+
+def test_a_character_the_terminal_has_not_stops_nothing(course: Course) -> None:
+    fault = course.progress.with_name("temperatüre✓.py")
+    fault.write_text(SYNTAX_FAULT)
+    done = course.run("grade", TEMPERATURE, str(fault), PYTHONIOENCODING="ascii")
+    assert done.returncode == 1
+    assert "temperat?re?.py" in " ".join(done.stdout.split())
+    as_json = course.run("grade", TEMPERATURE, str(fault), "--format", "json", PYTHONIOENCODING="ascii")
+    assert json.loads(as_json.stdout)["submission"] == str(fault)
+
+
+def test_an_exercise_that_is_being_written_hides_no_other(tmp_path: Path) -> None:
+    text = 'format_version = 1\nid = "{0}"\ntitle = "{0}"\norder = {1}\npoints = 2\npass_mark = 1\nstarter = "a.py"\n'
+    text += 'notebook = "a.ipynb"\nclass_name = "A"\n'
+    for order, name in enumerate(("second", "first"), start=-2):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "exercise.toml").write_text(text.format(name, -order))
+    (tmp_path / "torn").mkdir()
+    (tmp_path / "torn" / "exercise.toml").write_text("format_version = ")
+    rows, told = course_list.rows(tmp_path)
+    assert [row.task.id for row in rows] == ["first", "second"]
+    assert len(told) == 1
+    assert "torn" in told[0]
+
+
+def test_in_a_notebook_grades_are_recorded_and_hints_given(course: Course, tmp_path: Path) -> None:
+    with Kernel(cwd=tmp_path) as kernel:
+        kernel.run(f"import os; os.environ['COURSE_KIT_PROGRESS'] = {str(course.progress)!r}")
+        assert kernel.run("%load_ext course_kit").ok
+        kernel.run(f"%grade {TEMPERATURE} {starter(tmp_path)}")
+        assert listed(course)["tries"] == 1
+        hinted = kernel.run(f"%hint {TEMPERATURE}")
+        assert "Hint 2 of 2" in hinted.stdout
+        assert f"%hint {TEMPERATURE} --again" in hinted.stdout
+        assert "Hint 1 of 2" in kernel.run(f"%hint --again {TEMPERATURE}").stdout
+        for line in ("", "a b", "'a", "--more a"):
+            slip = kernel.run(f"%hint {line}")
+            assert slip.ok
+            assert "Use it as %hint EXERCISE" in slip.stderr
+        assert "Did you mean" in kernel.run("%hint temprature_service").stderr
+        course.progress.write_text("damaged")
+        graded = kernel.run(f"%grade {TEMPERATURE} {starter(tmp_path)}")
+        assert "damaged" in graded.stderr
+        assert "1 of 10 points" in graded.result["text/plain"]

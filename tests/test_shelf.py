@@ -1,0 +1,213 @@
+"""`reset` and `solution` in a copy of the course: the starter comes back, and no work is ever lost."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import shutil
+import subprocess
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import progress, shelf
+from course_kit.dev import starters
+from course_kit.grading import GradingError, exercise
+from tests.course_copy import REPOSITORY, SOLUTION, TEMPERATURE, Course, copy_course
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+PASSED = {"best": 8.0, "tries": 3, "first_passed": "2026-11-21T12:00:00+00:00"}
+MINE = "print('my work')\n"
+
+
+@pytest.fixture(scope="module")
+def pristine(tmp_path_factory: pytest.TempPathFactory) -> Course:
+    return copy_course(tmp_path_factory.mktemp("student"))
+
+
+@pytest.fixture
+def course(pristine: Course, tmp_path: Path) -> Course:
+    """The copy, with its exercises as at the beginning."""
+    shutil.rmtree(pristine.root / "exercises")
+    leave = shutil.ignore_patterns("*.backup-*", ".ipynb_checkpoints")
+    shutil.copytree(REPOSITORY / "exercises", pristine.root / "exercises", ignore=leave)
+    for pristine_file in (shelf.STARTERS / TEMPERATURE).iterdir():
+        target = pristine.root / "exercises" / TEMPERATURE / pristine_file.name.removesuffix(shelf.PRISTINE)
+        target.write_bytes(pristine_file.read_bytes())
+    shutil.rmtree(pristine.root / "solutions", ignore_errors=True)
+    return Course(tmp_path, pristine.root)
+
+
+@pytest.fixture
+def file(course: Course) -> Path:
+    return course.root / "exercises" / TEMPERATURE / f"{TEMPERATURE}.py"
+
+
+def keep(course: Course, **entry: object) -> None:
+    course.progress.write_text(json.dumps({"format_version": 1, "exercises": {TEMPERATURE: entry}}))
+
+
+def answer(course: Course, typed: str, *arguments: str) -> tuple[int, str]:
+    """Run the command on a terminal, type, and return its exit code and what it printed."""
+    keyboard, terminal = pty.openpty()
+    try:
+        os.write(keyboard, typed.encode())
+        done = subprocess.run(
+            course.command(*arguments), cwd=course.root, env=course.environ(), stdin=terminal, capture_output=True,
+            text=True, timeout=60, check=False,
+        )  # fmt: skip
+    finally:
+        os.close(keyboard)
+        os.close(terminal)
+    return done.returncode, done.stdout
+
+
+@pytest.mark.answers
+def test_the_copies_of_the_starters_are_those_of_the_exercises(tmp_path: Path) -> None:
+    """When this fails, an exercise was changed: run `python -m course_kit.dev.starters`."""
+    fresh = {path.relative_to(tmp_path): path.read_bytes() for path in starters.renew(tmp_path)}
+    kept = {path.relative_to(shelf.STARTERS): path.read_bytes() for path in shelf.STARTERS.rglob("*.*")}
+    assert fresh == kept
+
+
+def test_an_untouched_exercise_is_left_alone(course: Course, file: Path) -> None:
+    before = sorted(file.parent.iterdir())
+    done = course.run("reset", TEMPERATURE)
+    assert done.returncode == 0
+    assert "as at the beginning already" in done.stdout
+    assert sorted(file.parent.iterdir()) == before
+
+
+def test_the_starter_comes_back_and_each_version_is_kept_beside_it(course: Course, file: Path) -> None:
+    starter = file.read_bytes()
+    for number in (1, 2):
+        file.write_text(MINE * number)
+        done = course.run("reset", TEMPERATURE, "--yes")
+        assert done.returncode == 0, done.stderr
+        assert f"{TEMPERATURE}.backup-{number}.py" in done.stdout
+        assert file.read_bytes() == starter
+    assert file.with_name(f"{TEMPERATURE}.backup-1.py").read_text() == MINE
+    assert file.with_name(f"{TEMPERATURE}.backup-2.py").read_text() == MINE * 2
+    assert not [path for path in file.parent.iterdir() if path.name.endswith(".ipynb") and "backup" in path.name]
+
+
+def test_a_file_that_was_removed_comes_back(course: Course, file: Path) -> None:
+    notebook = file.with_suffix(".ipynb")
+    starter = notebook.read_bytes()
+    notebook.unlink()
+    assert course.run("reset", TEMPERATURE, "--yes").returncode == 0
+    assert notebook.read_bytes() == starter
+    assert not list(file.parent.glob("*.backup-*"))
+
+
+@pytest.mark.parametrize(("typed", "code", "changed"), [("y\n", 0, True), ("n\n", 1, False), ("\n", 1, False)])
+def test_on_a_terminal_it_asks_first(course: Course, file: Path, typed: str, code: int, changed: bool) -> None:
+    file.write_text(MINE)
+    returned, shown = answer(course, typed, "reset", TEMPERATURE)
+    assert returned == code
+    assert "Go on? [y/N]" in shown
+    assert f"{TEMPERATURE}.backup-1.py" in shown
+    assert (file.read_text() == MINE) is not changed
+
+
+def test_without_a_terminal_and_without_yes_nothing_happens(course: Course, file: Path) -> None:
+    file.write_text(MINE)
+    done = course.run("reset", TEMPERATURE)
+    assert done.returncode == 2
+    assert "--yes" in done.stderr
+    assert file.read_text() == MINE
+
+
+def test_a_backup_that_cannot_be_written_leaves_the_file(
+    course: Course, file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    file.write_text(MINE)
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(GradingError, match="No space left"):
+        shelf.reset(TEMPERATURE, yes=True, forget=False, folder=course.root / "exercises")
+    assert file.read_text() == MINE
+
+
+def test_progress_is_forgotten_only_on_request(course: Course, file: Path) -> None:
+    file.write_text(MINE)
+    keep(course, **PASSED)
+    assert course.run("reset", TEMPERATURE, "--yes").returncode == 0
+    assert TEMPERATURE in course.progress.read_text()
+    done = course.run("reset", TEMPERATURE, "--yes", "--progress")
+    assert done.returncode == 0
+    assert "forgotten" in done.stdout
+    assert json.loads(course.progress.read_text())["exercises"] == {}
+
+
+def test_an_exercise_the_kit_has_no_starter_of_is_left_alone(course: Course, file: Path) -> None:
+    file.write_text(MINE)
+    copy = course.root / "course_kit/starters" / TEMPERATURE / f"{TEMPERATURE}.ipynb{shelf.PRISTINE}"
+    kept = copy.read_bytes()
+    copy.unlink()
+    try:
+        done = course.run("reset", TEMPERATURE, "--yes")
+    finally:
+        copy.write_bytes(kept)
+    assert done.returncode == 2
+    assert "course_kit.dev.starters" in done.stderr
+    assert file.read_text() == MINE
+
+
+def test_a_link_is_replaced_and_what_it_leads_to_stays(course: Course, file: Path, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(MINE)
+    file.unlink()
+    file.symlink_to(tmp_path / "mine.py")
+    assert course.run("reset", TEMPERATURE, "--yes").returncode == 0
+    assert (tmp_path / "mine.py").read_text() == MINE
+    assert not file.is_symlink()
+    assert file.with_name(f"{TEMPERATURE}.backup-1.py").read_text() == MINE
+
+
+def test_the_student_edition_says_that_it_has_no_solutions(course: Course) -> None:
+    keep(course, **PASSED)
+    done = course.run("solution", TEMPERATURE)
+    assert done.returncode == 2
+    assert "without solutions" in done.stderr
+
+
+@pytest.mark.answers
+def test_the_solution_opens_with_a_pass(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    closed = course.run("solution", TEMPERATURE)
+    assert (closed.returncode, closed.stdout) == (1, "")
+    assert "7 of 10 points" in closed.stderr
+    keep(course, best=6.5, tries=2)
+    closed = course.run("solution", TEMPERATURE)
+    assert (closed.returncode, closed.stdout) == (1, "")
+    assert "your best so far is 6.5" in closed.stderr
+    assert course.run("solution", TEMPERATURE, "--show").stdout == SOLUTION.read_text()
+    keep(course, **PASSED)
+    opened = course.run("solution", TEMPERATURE)
+    assert (opened.returncode, opened.stdout) == (0, SOLUTION.read_text())
+
+
+@pytest.mark.answers
+def test_a_copy_of_the_solution_takes_the_place_of_nothing(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    keep(course, **PASSED)
+    assert course.run("solution", TEMPERATURE, "--copy", str(tmp_path)).returncode == 0
+    assert (tmp_path / SOLUTION.name).read_text() == SOLUTION.read_text()
+    (tmp_path / "mine.py").write_text(MINE)
+    refused = course.run("solution", TEMPERATURE, "--copy", str(tmp_path / "mine.py"))
+    assert refused.returncode == 2
+    assert "nothing is overwritten" in refused.stderr
+    assert (tmp_path / "mine.py").read_text() == MINE
+    assert course.run("solution", TEMPERATURE, "--copy", str(tmp_path / "no" / "folder.py")).returncode == 2
+
+
+def test_every_exercise_can_be_reset() -> None:
+    for name in exercise.ids():
+        assert {path.suffix for path in (shelf.STARTERS / name).iterdir()} == {shelf.PRISTINE}
+        shelf.changed(exercise.load(name))
+    assert progress.read() == {}
