@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from course_kit.lab.graph import is_of_every_node
+from course_kit.lab.graph import is_of_every_node, is_of_ros
 from course_kit.lab.messages import type_name
-
-_OF_ROS = frozenset({"/parameter_events", "/rosout", "/clock"})
 
 
 def describe_node(node: Any) -> str:
@@ -71,11 +69,11 @@ def _topics(node: Any) -> set[str]:
     sends = {
         f"publishes {publisher.topic_name} [{type_name(publisher.msg_type)}]"
         for publisher in node.publishers
-        if publisher.topic_name not in _OF_ROS
+        if not is_of_ros(publisher.topic_name)
     }
     takes = {
         f"listens to {subscription.topic_name} [{type_name(subscription.msg_type)}]"
         for subscription in node.subscriptions
-        if subscription.topic_name not in _OF_ROS
+        if not is_of_ros(subscription.topic_name)
     }
     return sends | takes

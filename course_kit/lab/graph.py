@@ -25,6 +25,7 @@ _OF_EVERY_NODE = frozenset(
         "set_parameters_atomically",
     }
 )
+_OF_ROS = frozenset({"/parameter_events", "/rosout", "/clock"})  # topics
 
 
 def served(node: Any, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
@@ -37,7 +38,7 @@ def served(node: Any, except_by: frozenset[str] = frozenset()) -> dict[str, list
         if full_name(name, namespace) in except_by:
             continue
         for service, types in _of_node(node, name, namespace):
-            if not is_of_every_node(service) and "/_" not in service:  # a hidden name, such as an action's
+            if not is_of_every_node(service) and not is_hidden(service):
                 found.setdefault(service, []).extend(kind for kind in types if kind not in found.get(service, []))
     return found
 
@@ -45,6 +46,16 @@ def served(node: Any, except_by: frozenset[str] = frozenset()) -> dict[str, list
 def is_of_every_node(service: str) -> bool:
     """Whether a service is one that each node has, such as /talker/get_parameters."""
     return service.rpartition("/")[2] in _OF_EVERY_NODE
+
+
+def is_of_ros(topic: str) -> bool:
+    """Whether a topic is one that ROS itself keeps, such as /rosout."""
+    return topic in _OF_ROS
+
+
+def is_hidden(name: str) -> bool:
+    """Whether a part of a name begins with an underscore, such as those of an action's own topics."""
+    return "/_" in name
 
 
 def full_name(name: str, namespace: str) -> str:

@@ -6,15 +6,69 @@ again for the same thing replaces the one before; panels end with the lab.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from course_kit.panels.arena_map import RobotMap
     from course_kit.panels.comparison import Comparison
+    from course_kit.panels.form_view import ServiceForm
+    from course_kit.panels.goal_panel import ActionPanel
+    from course_kit.panels.graph_view import GraphView
     from course_kit.panels.quiz_panel import QuizPanel
 
 # A panel's module is never called like its function: importing it would put the module in the function's place.
+__all__ = ["action_panel", "compare", "graph", "quiz", "robot_map", "service_form"]
+
+
+def service_form(service: str, service_type: Any, *, timeout: float = 5.0) -> ServiceForm:
+    """A form that calls a service: a place for each field of the request, then the response or what went wrong.
+
+    Args:
+        service: the service's name, such as "/add_two_ints".
+        service_type: its class; any service type, the learner's own too.
+        timeout: seconds in which the answer must come.
+
+    Raises:
+        FieldError: `service_type` is not a service's class.
+    """
+    from course_kit.panels.form_view import ServiceForm
+
+    return ServiceForm(service, service_type, timeout)
+
+
+def graph() -> GraphView:
+    """A live picture of the ROS graph: nodes, and the services, actions and topics they offer and use."""
+    from course_kit.panels.graph_view import GraphView
+
+    return GraphView()
+
+
+def action_panel(action: str, action_type: Any) -> ActionPanel:
+    """A form that sends goals: a place for each field of the goal, a progress bar, feedback, Cancel, the result.
+
+    Args:
+        action: the action's name, such as "/fibonacci".
+        action_type: its class; any action type, the learner's own too.
+
+    Raises:
+        FieldError: `action_type` is not an action's class.
+    """
+    from course_kit.panels.goal_panel import ActionPanel
+
+    return ActionPanel(action, action_type)
+
+
+def robot_map(action: str = "/move_robot") -> RobotMap:
+    """A map of the 10 m x 10 m arena: a click sends `course_interfaces/action/MoveRobot` goals, feedback draws.
+
+    Args:
+        action: the action's name.
+    """
+    from course_kit.panels.arena_map import RobotMap
+
+    return RobotMap(action)
 
 
 def compare(title: str, values: Mapping[str, float], unit: str) -> Comparison:

@@ -49,9 +49,8 @@ class Panel:
             self._closing.pop()()
 
     def _repr_mimebundle_(self, **options: Any) -> dict[str, Any]:
-        made = self.widget._repr_mimebundle_(**options)
-        # ipywidgets returns the data, anywidget the data and its metadata.
-        bundle: dict[str, Any] = dict((made[0] if isinstance(made, tuple) else made) or {})
+        shown = self.widget._repr_mimebundle_(**options) or {}
+        bundle: dict[str, Any] = dict(shown[0] if isinstance(shown, tuple) else shown)  # anywidget adds metadata
         bundle["text/plain"] = self.describe()
         return bundle
 

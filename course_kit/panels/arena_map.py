@@ -1,0 +1,153 @@
+"""A map of exercise 2's arena: a click sends the robot there, as a real goal, and its feedback draws the way."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import anywidget
+import traitlets
+
+from course_kit.panels import goal_words
+from course_kit.panels.base import Latest, Panel
+from course_kit.panels.goal_sender import GoalSender
+from course_kit.panels.track import Place, Track
+from course_kit.robot import SimulatedRobot
+
+if TYPE_CHECKING:
+    from course_kit.panels.goal_sender import Standing
+
+_HERE = Path(__file__).parent
+
+
+class _MapWidget(anywidget.AnyWidget):
+    """The drawing. Python sends it `view`; it sends {"do": "go", "x", "y"} and {"do": "cancel"}."""
+
+    _esm = (_HERE / "arena_map.js").read_text("utf-8")
+    _css = "\n".join((_HERE / name).read_text("utf-8") for name in ("panels.css", "arena_map.css"))
+    size = traitlets.Float(SimulatedRobot.ARENA_SIZE).tag(sync=True)
+    view = traitlets.Dict().tag(sync=True)
+
+
+class RobotMap(Panel):
+    """The arena of `course_interfaces/action/MoveRobot`, 10 m x 10 m, and what its feedback says about the robot.
+
+    The map knows nothing but what crosses the graph: until the first feedback it does not know where the robot is.
+
+    Args:
+        action: the action's name.
+    """
+
+    def __init__(self, action: str = "/move_robot") -> None:
+        super().__init__(action)
+        from course_interfaces.action import MoveRobot
+
+        self._action, self._type = action, MoveRobot
+        self._track = Track()
+        self._drawing = _MapWidget()
+        self._updates: Latest[Standing] = Latest(self._show)
+        self._sender = GoalSender(action, MoveRobot, self._updates.put, self._take_feedback)
+        self._drawing.on_msg(self._take_wish)
+        self.at_close(self._updates.close)
+        self.at_close(self._sender.close)
+        self._show(self._sender.standing)
+
+    @property
+    def widget(self) -> Any:
+        """The anywidget."""
+        return self._drawing
+
+    def describe(self) -> str:
+        """The panel in words."""
+        return (
+            f"A map of the arena, {SimulatedRobot.ARENA_SIZE:g} m by {SimulatedRobot.ARENA_SIZE:g} m. "
+            f"A click on it sends a goal to {self._action}."
+        )
+
+    def go(self, x: float, y: float) -> None:
+        """Send the robot to (x, y), in metres; returns at once. What a click does."""
+        from geometry_msgs.msg import Point
+
+        self._sender.send(self._type.Goal(target=Point(x=float(x), y=float(y))))
+
+    def cancel(self) -> None:
+        """Ask the server to cancel the goal that is shown; returns at once."""
+        self._sender.cancel()
+
+    def _take_wish(self, widget: Any, wish: Any, buffers: Any) -> None:
+        del widget, buffers
+        if wish.get("do") == "cancel":
+            self.cancel()
+        elif isinstance(wish.get("x"), int | float) and isinstance(wish.get("y"), int | float):
+            self.go(wish["x"], wish["y"])
+        else:
+            self._sender.say("Type a number for x and one for y.")
+
+    def _take_feedback(self, feedback: Any) -> None:
+        self._track.add(Place(feedback.position.x, feedback.position.y))
+
+    def _show(self, standing: Standing) -> None:
+        if standing.result is not None:
+            self._track.add(Place(standing.result.final_position.x, standing.result.final_position.y))
+        self._drawing.view = {
+            "track": [list(corner) for corner in self._track.corners],
+            "target": _drawable(standing),
+            "line": _line(self._action, standing),
+            "said": _said(standing),
+            "running": standing.running,
+            "tone": standing.tone,
+        }
+
+
+def _drawable(standing: Standing) -> list[float]:
+    """Where the cross is drawn: nowhere when there is no goal, or the goal is no place."""
+    if standing.asked is None:
+        return []
+    target = [standing.asked.target.x, standing.asked.target.y]
+    return target if all(map(math.isfinite, target)) else []
+
+
+def _line(action: str, standing: Standing) -> str:
+    """Position, distance left and status, for those who see the map and those who do not."""
+    if standing.asked is None and not standing.note:
+        return f"Click on the map, or type x and y and press Go: that sends a goal to {action}."
+    parts = [_said(standing)]
+    if standing.result is not None:
+        parts.append(f"The robot stands at {_place(standing.result.final_position)}.")
+        if standing.result.message:
+            parts.append(f"Its message: {standing.result.message}.")
+    elif standing.running and standing.feedback is not None:
+        feedback = standing.feedback
+        parts.append(f"Position {_place(feedback.position)}, {feedback.distance_remaining:.2f} m to go.")
+    return " ".join(parts)
+
+
+def _said(standing: Standing) -> str:
+    """The status in words; it changes when something happens, not with each metre."""
+    parts = []
+    if standing.status:
+        parts.append(goal_words.status(standing.status, f"The goal {_place(standing.asked.target)}"))
+    if standing.refused is not None:
+        parts.append(_refusal(standing))
+    if standing.note:
+        parts.append(standing.note)
+    return " ".join(parts)
+
+
+def _refusal(standing: Standing) -> str:
+    """Why a goal may have been rejected; the server's answer is a mere no."""
+    target = standing.refused.target
+    size = SimulatedRobot.ARENA_SIZE
+    begin = goal_words.status("REJECTED", f"The goal {_place(target)}") if standing.running else ""
+    if not (0.0 <= target.x <= size and 0.0 <= target.y <= size):
+        why = f"It lies outside the arena, which goes from 0 to {size:g} m."
+    elif standing.running:
+        why = "The robot is busy: one goal at a time."
+    else:
+        why = "A rejection comes without a reason; perhaps somebody else has sent the robot somewhere."
+    return f"{begin} {why}".strip()
+
+
+def _place(point: Any) -> str:
+    return f"({point.x:.1f}, {point.y:.1f})"

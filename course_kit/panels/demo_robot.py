@@ -1,0 +1,83 @@
+"""A robot to be sent about on the map of lesson 2: how an action is used comes before how one is written.
+
+It is no answer to exercise 2, and not meant to become one: it drives along x first and then along y, cannot climb,
+tells where it is four times a second, and does not measure its way.
+"""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any
+
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.node import Node
+
+from course_kit.panels.track import Place
+from course_kit.robot import SimulatedRobot
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_STEPS = 5  # between two feedback messages
+
+
+class DemoRobot(Node):
+    """Offers `course_interfaces/action/MoveRobot` under /move_robot."""
+
+    def __init__(self) -> None:
+        super().__init__("demo_robot")
+        from course_interfaces.action import MoveRobot
+
+        self._type = MoveRobot
+        self._robot = SimulatedRobot()
+        self._free = threading.Semaphore()
+        self._server = ActionServer(
+            self,
+            MoveRobot,
+            "move_robot",
+            self._execute,
+            goal_callback=self._decide,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
+
+    def _decide(self, goal: Any) -> GoalResponse:
+        size = SimulatedRobot.ARENA_SIZE
+        reachable = 0.0 <= goal.target.x <= size and 0.0 <= goal.target.y <= size and goal.target.z == 0.0
+        return GoalResponse.ACCEPT if reachable and self._free.acquire(blocking=False) else GoalResponse.REJECT
+
+    def _execute(self, goal_handle: Any) -> Any:
+        target = Place(goal_handle.request.target.x, goal_handle.request.target.y)
+        try:
+            for number, way in enumerate(self._ways(target)):
+                if goal_handle.is_cancel_requested:
+                    goal_handle.canceled()
+                    return self._result("stopped on the way")
+                if number % _STEPS == 0:
+                    goal_handle.publish_feedback(self._feedback(target, way))
+            goal_handle.succeed()
+            return self._result("arrived")
+        finally:
+            self._free.release()
+
+    def _ways(self, target: Place) -> Iterator[float]:
+        """Drive, and yield the whole way, in metres, before each step."""
+        begin = self._robot.position
+        way = abs(target.x - begin.x) + abs(target.y - begin.y)
+        for corner in (Place(target.x, begin.y), target):
+            while tuple(self._robot.position) != corner:
+                yield way
+                self._robot.step_towards(*corner)
+
+    def _feedback(self, target: Place, way: float) -> Any:
+        here = self._robot.position
+        left = abs(target.x - here.x) + abs(target.y - here.y)
+        done = 1.0 - left / way if way else 1.0
+        return self._type.Feedback(position=self._point(), distance_remaining=left, progress=done)
+
+    def _result(self, message: str) -> Any:
+        return self._type.Result(final_position=self._point(), message=message)
+
+    def _point(self) -> Any:
+        from geometry_msgs.msg import Point
+
+        return Point(x=self._robot.position.x, y=self._robot.position.y)

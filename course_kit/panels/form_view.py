@@ -1,0 +1,189 @@
+"""A form generated from a service type, that calls the real service."""
+
+from __future__ import annotations
+
+import io
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import anywidget
+import traitlets
+
+from course_kit import lab
+from course_kit.lab.errors import FieldError, LabError
+from course_kit.lab.messages import is_service_type, type_name
+from course_kit.lab.snapshot import snapshot
+from course_kit.panels.base import Panel
+from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_HERE = Path(__file__).parent
+_LINES = 12  # of the exchange; other nodes may talk meanwhile
+
+
+class FormWidget(anywidget.AnyWidget):
+    """The form as the page has it.
+
+    Attributes:
+        title: what is called, and its type.
+        entries: what to draw, see `MessageForm.entries`.
+        values: what the fields hold, by path.
+        outcome: what came of the last request: `state`, `text`, `rows`, `errors`, `printed`, `exchange`.
+        ended: why the form no longer works; "" while it does.
+    """
+
+    _esm = (_HERE / "form_view.js").read_text(encoding="utf-8")
+    _css = (_HERE / "panels.css").read_text(encoding="utf-8")
+    title = traitlets.Dict().tag(sync=True)
+    entries: Any = traitlets.List().tag(sync=True)
+    values = traitlets.Dict().tag(sync=True)
+    outcome = traitlets.Dict().tag(sync=True)
+    ended = traitlets.Unicode().tag(sync=True)
+
+
+class ServiceForm(Panel):
+    """A form for one service.
+
+    Args:
+        service: the service's name.
+        service_type: its class.
+        timeout: seconds in which the answer must come.
+
+    Raises:
+        FieldError: `service_type` is not a service's class.
+    """
+
+    def __init__(self, service: str, service_type: Any, timeout: float) -> None:
+        if not isinstance(service, str) or not is_service_type(service_type):
+            raise FieldError(
+                'A form needs a name and a service type: panels.service_form("/add_two_ints", AddTwoInts).'
+            )
+        super().__init__(service)
+        self.service, self.service_type, self.timeout = service, service_type, timeout
+        self._form = MessageForm(service_type.Request)
+        self._widget = FormWidget(
+            title={"service": service, "type": type_name(service_type)},
+            entries=self._form.entries(),
+            values=self._form.defaults(),
+            outcome={"state": "new"},
+        )
+        self._widget.on_msg(self._asked)
+        self.at_close(self._end)
+
+    @property
+    def widget(self) -> FormWidget:
+        """The form."""
+        return self._widget
+
+    def describe(self) -> str:
+        """What can be asked and what comes back."""
+        return (
+            f"A form that calls {self.service} [{type_name(self.service_type)}].\n"
+            f"Request: {fields_in_words(self.service_type.Request)}.\n"
+            f"Response: {fields_in_words(self.service_type.Response)}."
+        )
+
+    def fill(self, values: Values) -> None:
+        """Type into fields, by path, such as {"target.x": "1.5"}; the others stay."""
+        self._widget.values = {**self._widget.values, **values}
+
+    def send(self) -> Any:
+        """Send what the fields hold, as the button does.
+
+        Returns:
+            the response; None when there is none, and the form says why.
+        """
+        try:
+            request = self._form.read(self._widget.values)
+        except FormError as error:
+            self._show("invalid", str(error), errors=error.fields)
+            return None
+        self._show("waiting", "")
+        before = _arrows()
+        with _printed() as printed:
+            outcome, response = self._call(request)
+        seen = {"printed": printed.getvalue().rstrip(), "exchange": _exchange_since(before)}
+        self._widget.outcome = {**outcome, **seen}
+        return response
+
+    def _call(self, request: Any) -> tuple[dict[str, Any], Any]:
+        """What to show of a call, and the response if there is one."""
+        try:
+            response = lab.call_blocking(self.service, self.service_type, request, timeout=self.timeout)
+        except LabError as error:
+            return {"state": "failed", "text": f"{type(error).__name__}: {error}"}, None
+        except BaseException:
+            self._show("failed", "The call was interrupted.")
+            raise
+        rows = response_rows(snapshot(response))
+        text = "" if rows else "The response has no fields; it says that the server has done its part."
+        return {"state": "answered", "text": text, "rows": rows}, response
+
+    def _asked(self, _: Any, content: dict[str, Any], buffers: Any) -> None:
+        """The page wants something done."""
+        del buffers
+        if self._widget.ended:
+            return
+        known = self._widget.values
+        self._widget.values = {**known, **content.get("values", {})}
+        if content.get("do") == "send":
+            self.send()
+        elif content.get("do") in {"add", "remove"}:
+            self._form.resize(content["path"], 1 if content["do"] == "add" else -1)
+            fresh = self._form.defaults()
+            self._widget.entries = self._form.entries()
+            self._widget.values = {path: self._widget.values.get(path, value) for path, value in fresh.items()}
+
+    def _show(self, state: str, text: str, **more: Any) -> None:
+        self._widget.outcome = {"state": state, "text": text, **more}
+
+    def _end(self) -> None:
+        self._widget.ended = "This form has ended. Run its cell again to use it."
+
+
+@contextmanager
+def _printed() -> Iterator[io.StringIO]:
+    """What nodes print and log meanwhile: outside of a cell there is no place where a notebook would show it."""
+    kept = io.StringIO()
+    with redirect_stdout(kept), redirect_stderr(kept):
+        yield kept
+        lab.current().output.drain()
+
+
+def response_rows(value: Any, path: str = "") -> list[list[str]]:
+    """Path and value of each field of a message's plain copy, messages inside it taken apart."""
+    if not isinstance(value, dict):
+        return [[path, _in_words(value)]]
+    return [row for name, part in value.items() for row in response_rows(part, f"{path}.{name}" if path else str(name))]
+
+
+def _in_words(value: Any) -> str:
+    if isinstance(value, str) and value.startswith("+") and value.endswith(" more"):  # left out by the copy
+        return value
+    if isinstance(value, list):
+        return f"[{', '.join(_in_words(one) for one in value)}]"
+    if isinstance(value, dict):
+        return f"({', '.join(f'{name}={_in_words(part)}' for name, part in value.items())})"
+    return repr(value)
+
+
+def _arrows() -> int:
+    """How many arrows the recorder has; 0 where nothing is recorded."""
+    recorder = lab.current().recorder
+    if recorder is None:
+        return 0
+    drawn: Any = lab.diagram()
+    return len(drawn.arrows) + int(drawn.left_out)
+
+
+def _exchange_since(before: int) -> str:
+    """What the recorder has seen since, as its numbered lines; "" where nothing is recorded."""
+    new = _arrows() - before
+    if new <= 0:
+        return ""
+    drawn: Any = lab.diagram(last=min(new, _LINES))
+    drawn.left_out = max(0, new - _LINES)  # of this exchange; what came before it is nobody's business here
+    return str(drawn)

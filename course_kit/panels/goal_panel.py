@@ -1,0 +1,160 @@
+"""A form for goals of any action type, with a progress bar fed by the server's own feedback."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import anywidget
+import traitlets
+
+from course_kit.lab.errors import FieldError
+from course_kit.lab.messages import is_action_type, type_name
+from course_kit.panels import goal_words
+from course_kit.panels.base import Latest, Panel
+from course_kit.panels.goal_sender import GoalSender
+from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
+
+if TYPE_CHECKING:
+    from course_kit.panels.goal_sender import Standing
+
+_HERE = Path(__file__).parent
+_NOT_SENT = "Not sent: see what is marked above."
+
+
+def _text(*names: str) -> str:
+    return "\n".join((_HERE / name).read_text("utf-8") for name in names)
+
+
+class _ActionWidget(anywidget.AnyWidget):
+    """The panel as the page has it.
+
+    It sends {"do": "send"}, {"do": "cancel"}, and {"do": "add" or "remove", "path"} for lists, each with `values`.
+    """
+
+    _esm = _text("message_form.js", "goal_panel.js")
+    _css = _text("panels.css", "goal_panel.css")
+    title = traitlets.Dict().tag(sync=True)
+    entries: traitlets.List[Any] = traitlets.List().tag(sync=True)
+    values = traitlets.Dict().tag(sync=True)
+    view = traitlets.Dict().tag(sync=True)
+
+
+class ActionPanel(Panel):
+    """A panel for one action.
+
+    Args:
+        action: the action's name.
+        action_type: its class.
+
+    Raises:
+        FieldError: `action_type` is not an action's class.
+    """
+
+    def __init__(self, action: str, action_type: Any) -> None:
+        if not isinstance(action, str) or not is_action_type(action_type):
+            raise FieldError('A panel needs a name and an action type: panels.action_panel("/fibonacci", Fibonacci).')
+        super().__init__(action)
+        self._action, self._type = action, action_type
+        self._form = MessageForm(action_type.Goal)
+        self._errors: dict[str, str] = {}
+        self._ended = False
+        self._widget = _ActionWidget(
+            title={"action": action, "type": type_name(action_type)},
+            entries=self._form.entries(),
+            values=self._form.defaults(),
+        )
+        self._updates: Latest[Standing] = Latest(self._show)
+        self._sender = GoalSender(action, action_type, self._updates.put)
+        self._widget.on_msg(self._take_wish)
+        self.at_close(self._end)
+        self.at_close(self._updates.close)
+        self.at_close(self._sender.close)
+        self._show(self._sender.standing)
+
+    @property
+    def widget(self) -> Any:
+        """The anywidget."""
+        return self._widget
+
+    def describe(self) -> str:
+        """The panel in words."""
+        return (
+            f"A panel that sends goals to {self._action} [{type_name(self._type)}], shows how far they are, and "
+            "cancels them.\n"
+            f"Goal: {fields_in_words(self._type.Goal)}.\n"
+            f"Feedback: {fields_in_words(self._type.Feedback)}.\n"
+            f"Result: {fields_in_words(self._type.Result)}."
+        )
+
+    def fill(self, values: Values) -> None:
+        """Type into fields of the goal, by path, such as {"order": "7"}; the others stay."""
+        self._widget.values = {**self._widget.values, **values}
+
+    def send(self) -> None:
+        """Send what the fields hold, as the button does; returns at once."""
+        try:
+            goal = self._form.read(self._widget.values)
+        except FormError as error:
+            self._errors = error.fields
+            self._updates.put(self._sender.standing)
+            return
+        self._errors = {}
+        self._sender.send(goal)
+
+    def cancel(self) -> None:
+        """Ask the server to cancel the goal that is shown; returns at once."""
+        self._sender.cancel()
+
+    def _take_wish(self, widget: Any, wish: dict[str, Any], buffers: Any) -> None:
+        del widget, buffers
+        if self._ended:
+            return
+        self.fill(wish.get("values", {}))
+        if wish.get("do") == "send":
+            self.send()
+        elif wish.get("do") == "cancel":
+            self.cancel()
+        elif wish.get("do") in {"add", "remove"}:
+            self._form.resize(wish["path"], 1 if wish["do"] == "add" else -1)
+            known = self._widget.values
+            self._widget.entries = self._form.entries()
+            self._widget.values = {path: known.get(path, value) for path, value in self._form.defaults().items()}
+
+    def _show(self, standing: Standing) -> None:
+        progress, errors = standing.progress, self._errors
+        self._widget.view = {
+            "share": progress.share if standing.status else 0.0,
+            "progress": progress.text if standing.status else "",
+            "status": _NOT_SENT if errors else status_line(standing),
+            "tone": "bad" if errors else standing.tone,
+            "rows": _rows(standing),
+            "running": standing.running,
+            "errors": errors,
+            "ended": self._ended,
+        }
+
+    def _end(self) -> None:
+        self._ended = True
+        self._show(self._sender.standing)
+
+
+def status_line(standing: Standing) -> str:
+    """How things stand, in a sentence."""
+    parts = []
+    if standing.status:
+        parts.append(goal_words.status(standing.status))
+    if standing.refused is not None and standing.running:
+        parts.append(goal_words.status("REJECTED", "Another goal"))
+    if standing.note:
+        parts.append(standing.note)
+    return " ".join(parts) or "No goal yet."
+
+
+def _rows(standing: Standing) -> list[list[str]]:
+    rows = []
+    if standing.feedback is not None:
+        rows.append([f"Feedback {standing.count}", goal_words.message(standing.feedback)])
+    if standing.result is not None:
+        rows.append(["Result", goal_words.message(standing.result)])
+    return rows

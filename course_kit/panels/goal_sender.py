@@ -1,0 +1,219 @@
+"""Goals sent on behalf of a panel, and what becomes of them.
+
+Widget events must not wait for a robot, and callbacks of nodes must not wait for a browser. So a goal is sent from a
+thread of its own, and whoever shows it is handed a `Standing`, a picture of the moment, after each change.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from course_kit import lab
+from course_kit.panels import goal_words
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.lab.goals import Goal
+
+RUNNING = frozenset({"ACCEPTED", "EXECUTING", "CANCELING"})
+_ANSWER = 5.0  # seconds a server is given to answer
+_TONES = {"SUCCEEDED": "good", "REJECTED": "bad", "ABORTED": "bad", "CANCELED": "stopped", "UNKNOWN": "bad"}
+_GOODBYE = 1.0  # seconds a cancel request is given when the panel ends
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How things stand with the latest goal.
+
+    Attributes:
+        asked: the goal message; None before the first one.
+        status: "" before the first one, "SENDING" until the server has answered, then as in the lab.
+        note: what else is to be said, such as an error.
+        refused: the goal message that was rejected last, if nothing has come after it.
+        feedback: the latest feedback message.
+        count: feedback messages so far.
+        result: the result message, when it has ended.
+    """
+
+    asked: Any = None
+    status: str = ""
+    note: str = ""
+    refused: Any = None
+    feedback: Any = None
+    count: int = 0
+    result: Any = None
+
+    @property
+    def running(self) -> bool:
+        """Whether it can be cancelled."""
+        return self.status in RUNNING
+
+    @property
+    def tone(self) -> str:
+        """How it goes in a word, for a colour and a mark: "", "running", "good", "bad" or "stopped"."""
+        return "running" if self.running else _TONES.get(self.status, "bad" if self.note else "")
+
+    @property
+    def progress(self) -> goal_words.Progress:
+        """How far it is."""
+        if self.status == "SUCCEEDED":
+            return goal_words.Progress(1.0, "done")
+        return goal_words.progress(self.asked, self.feedback, self.count)
+
+
+@dataclass
+class _Attempt:
+    """One goal on its way to the server and back; of two, the one with the higher number is the later one."""
+
+    number: int
+    asked: Any
+    goal: Goal | None = None
+
+
+class GoalSender:
+    """Sends goals to one action; the latest one that was accepted is the one that is followed.
+
+    Args:
+        action: its name.
+        action_type: its class.
+        changed: told how things stand, on whatever thread; must return at once.
+        on_feedback: told of each feedback message of the goal that is followed, on the lab's thread.
+    """
+
+    def __init__(
+        self,
+        action: str,
+        action_type: Any,
+        changed: Callable[[Standing], None],
+        on_feedback: Callable[[Any], None] = lambda _: None,
+    ) -> None:
+        self._action, self._type = action, action_type
+        self._changed, self._on_feedback = changed, on_feedback
+        self._lock = threading.RLock()
+        self._attempts = 0
+        self._followed: _Attempt | None = None
+        self._standing = Standing()
+        self._closed = False
+
+    @property
+    def standing(self) -> Standing:
+        """How things stand now."""
+        return self._standing
+
+    def send(self, asked: Any) -> threading.Thread:
+        """Send a goal message; returns at once with the thread that does it."""
+        with self._lock:
+            if not self._standing.running:
+                self._put(Standing(asked, "SENDING"))
+            else:
+                self._put(replace(self._standing, note="Another goal is on its way ...", refused=None))
+            self._attempts += 1
+            attempt = _Attempt(self._attempts, asked)
+        return _in_background(lambda: self._send(attempt))
+
+    def cancel(self) -> threading.Thread:
+        """Ask the server to cancel the goal that is followed; returns at once."""
+        return _in_background(self._cancel)
+
+    def say(self, note: str) -> None:
+        """Have something said beside the status."""
+        with self._lock:
+            self._put(replace(self._standing, note=note))
+
+    def close(self) -> None:
+        """Follow nothing any more; a goal that still runs is cancelled, as nobody could do so later."""
+        with self._lock:
+            self._closed = True
+            followed, running = self._followed, self._standing.running
+        if followed is not None and followed.goal is not None and running:
+            with contextlib.suppress(lab.LabError):
+                followed.goal.cancel_blocking(timeout=_GOODBYE)
+
+    def _send(self, attempt: _Attempt) -> None:
+        try:
+            goal = lab.send_goal_blocking(
+                self._action,
+                self._type,
+                attempt.asked,
+                timeout=_ANSWER,
+                on_feedback=lambda feedback: self._take_feedback(attempt, feedback),
+                on_result=lambda goal: _in_background(lambda: self._take_end(attempt, goal)),
+            )
+        except lab.LabError as error:
+            self._fail(attempt, str(error))
+            return
+        if not goal.accepted:
+            self._refuse(attempt)
+            return
+        with self._lock:
+            attempt.goal = goal
+            self._follow(attempt)  # its feedback, or its end, may have come first
+
+    def _cancel(self) -> None:
+        followed = self._followed
+        if followed is None or followed.goal is None or not self._standing.running:
+            return
+        try:
+            accepted = followed.goal.cancel_blocking(timeout=_ANSWER)
+        except lab.LabError as error:
+            self.say(str(error))
+            return
+        if not accepted and self._standing.running:
+            self.say("The server refuses to cancel it.")
+
+    def _follow(self, attempt: _Attempt) -> bool:
+        """Make it the one that is followed, unless a later one is; False then."""
+        followed = self._followed
+        if followed is not attempt and (followed is None or followed.number < attempt.number):
+            self._followed = attempt
+            self._put(Standing(attempt.asked, "EXECUTING"))
+        return self._followed is attempt
+
+    def _refuse(self, attempt: _Attempt) -> None:
+        with self._lock:
+            if self._standing.running:
+                self._put(replace(self._standing, note="", refused=attempt.asked))
+            else:
+                self._put(Standing(attempt.asked, "REJECTED", refused=attempt.asked))
+
+    def _fail(self, attempt: _Attempt, note: str) -> None:
+        with self._lock:
+            if self._standing.running:
+                self._put(replace(self._standing, note=note))
+            else:
+                self._put(Standing(attempt.asked, "", note))
+
+    def _take_feedback(self, attempt: _Attempt, feedback: Any) -> None:
+        with self._lock:
+            if not self._follow(attempt):
+                return
+            self._on_feedback(feedback)
+            self._put(replace(self._standing, feedback=feedback, count=self._standing.count + 1))
+
+    def _take_end(self, attempt: _Attempt, goal: Goal) -> None:
+        """A goal has ended; not on the lab's thread, where nothing may be waited for."""
+        if not goal.accepted:  # the one who has sent it says so
+            return
+        note, result = "", None
+        try:
+            result = goal.result_blocking(timeout=_ANSWER)
+        except lab.LabError as error:
+            note = str(error)
+        with self._lock:
+            if self._follow(attempt):
+                self._put(replace(self._standing, status=goal.status, note=note, refused=None, result=result))
+
+    def _put(self, standing: Standing) -> None:
+        self._standing = standing
+        if not self._closed:
+            self._changed(standing)
+
+
+def _in_background(work: Callable[[], None]) -> threading.Thread:
+    thread = threading.Thread(target=work, name="panel-goal", daemon=True)
+    thread.start()
+    return thread

@@ -1,0 +1,160 @@
+"""A live picture of the ROS graph: who offers what, and who uses it."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import anywidget
+import traitlets
+
+from course_kit import lab
+from course_kit.lab import overview
+from course_kit.lab.describe import display_name
+from course_kit.panels.base import RATE, Panel
+
+if TYPE_CHECKING:
+    from course_kit.lab.overview import Overview, Use
+
+_HERE = Path(__file__).parent
+_PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
+_JOIN = 2.0
+_EMPTY = "No node is on the ROS graph."
+
+
+class GraphWidget(anywidget.AnyWidget):
+    """The picture as the page has it.
+
+    Attributes:
+        nodes: each with its `name` and its `uses`: `verb`, `channel` (an index), `inward`.
+        channels: each with its `kind`, `name`, `types` and `remarks`.
+        text: the same in lines.
+        news: what has come or gone since the last change, for a screen reader.
+        plumbing: whether what ROS itself brings along is shown.
+        ended: whether the picture no longer changes.
+    """
+
+    _esm = (_HERE / "graph_view.js").read_text(encoding="utf-8")
+    _css = (_HERE / "panels.css").read_text(encoding="utf-8") + (_HERE / "graph_view.css").read_text(encoding="utf-8")
+    nodes: Any = traitlets.List().tag(sync=True)
+    channels: Any = traitlets.List().tag(sync=True)
+    text = traitlets.Unicode().tag(sync=True)
+    news = traitlets.Unicode().tag(sync=True)
+    plumbing = traitlets.Bool().tag(sync=True)
+    ended = traitlets.Bool().tag(sync=True)
+
+
+class GraphView(Panel):
+    """The ROS graph, looked at five times a second.
+
+    rclpy has no event for changes of the graph, so a thread compares what it sees with what is shown, and tells the
+    page only when that has changed.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._node = lab.current().engine.node
+        self._lock = threading.Lock()
+        self._shown: Overview | None = None
+        self._ended = threading.Event()
+        self._widget = GraphWidget()
+        self._look()
+        self._widget.observe(lambda _: self._look(), "plumbing")
+        self._thread = threading.Thread(target=self._watch, name="graph-view", daemon=True)
+        self._thread.start()
+        self.at_close(self._end)
+
+    @property
+    def widget(self) -> GraphWidget:
+        """The picture."""
+        return self._widget
+
+    def describe(self) -> str:
+        """The graph in lines: each node, what it does, and what may be amiss."""
+        return in_lines(overview.read(self._node))
+
+    def _watch(self) -> None:
+        while not self._ended.wait(_PAUSE):
+            self._look()
+
+    def _look(self) -> None:
+        with self._lock:  # the page and the thread may ask at the same time
+            seen = overview.read(self._node, plumbing=self._widget.plumbing)
+            if seen == self._shown:
+                return
+            before, self._shown = self._shown, seen
+            with self._widget.hold_sync():
+                self._widget.nodes, self._widget.channels = drawn(seen)
+                self._widget.text = in_lines(seen)
+                self._widget.news = news(before, seen) if before is not None else ""
+
+    def _end(self) -> None:
+        self._ended.set()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(_JOIN)
+        self._widget.ended = True
+
+
+def in_lines(seen: Overview) -> str:
+    """The graph as text: each node and what it does, then what may be amiss."""
+    if not seen.nodes:
+        return _EMPTY
+    lines = []
+    for node in sorted(set(seen.nodes)):
+        lines.append(display_name(node) + _how_many(seen.nodes.count(node)))
+        uses = seen.of(node)
+        lines += [f"    {use.role.verb} {use.channel} [{', '.join(use.types)}]" for use in uses]
+    remarks = [remark for said in seen.remarks().values() for remark in said]
+    return "\n".join(lines + remarks)
+
+
+def drawn(seen: Overview) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Nodes and channels as `GraphWidget` has them."""
+    channels = dict(sorted(seen.channels().items(), key=lambda item: _height(seen, item[1])))
+    places = {key: number for number, key in enumerate(channels)}
+    remarks = seen.remarks()
+    nodes = [
+        {
+            "name": display_name(node),
+            "note": _how_many(seen.nodes.count(node)).strip(),
+            "uses": [
+                {
+                    "verb": use.role.verb,
+                    "channel": places[use.role.kind, use.channel],
+                    "inward": use.role.inward,
+                    "offers": use.role.offers,
+                }
+                for use in seen.of(node)
+            ],
+        }
+        for node in sorted(set(seen.nodes))
+    ]
+    return nodes, [
+        {
+            "kind": kind,
+            "name": name,
+            "types": sorted({one for use in uses for one in use.types}),
+            "remarks": remarks.get((kind, name), []),
+        }
+        for (kind, name), uses in channels.items()
+    ]
+
+
+def _height(seen: Overview, uses: list[Use]) -> float:
+    """How far down its nodes are, so that a channel drawn in this order has them beside it and few lines cross."""
+    rows = [seen.uses.index(use) for use in uses]
+    return sum(rows) / len(rows)
+
+
+def news(before: Overview, now: Overview) -> str:
+    """What has changed, in a sentence for each node that came or left."""
+    came = sorted(set(now.nodes) - set(before.nodes))
+    left = sorted(set(before.nodes) - set(now.nodes))
+    said = [f"{display_name(node)} has joined the graph." for node in came]
+    said += [f"{display_name(node)} has left the graph." for node in left]
+    return " ".join(said) or "The graph has changed."
+
+
+def _how_many(count: int) -> str:
+    return f" ({count} nodes of this name)" if count > 1 else ""

@@ -1,0 +1,236 @@
+"""A message as a form: its fields for a page to draw, and what was typed there as a message again.
+
+Numbers travel between page and kernel as text, since JavaScript's lose digits above 2**53.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from course_kit.interfaces import literals
+from course_kit.interfaces.message_fields import MessageField, message_fields
+
+if TYPE_CHECKING:
+    from course_kit.interfaces.field_types import FieldType
+
+Entry = dict[str, Any]  # one field, as the page draws it
+Values = dict[str, Any]  # path of a field -> the text in it, or whether it is ticked
+
+_ROS_WORDS = {"boolean": "bool", "double": "float64", "float": "float32", "octet": "byte"}
+
+
+class FormError(ValueError):
+    """Some fields hold what they cannot take.
+
+    Attributes:
+        fields: path of each such field, with the reason.
+    """
+
+    def __init__(self, fields: dict[str, str]) -> None:
+        self.fields = fields
+        super().__init__(" ".join(f"{path}: {reason[:1].lower()}{reason[1:]}" for path, reason in fields.items()))
+
+
+class MessageForm:
+    """The form of one message type.
+
+    A field of numbers is one line, lists of numbers too, with commas. Lists of texts or of messages grow and shrink
+    by one element at a time. Constants of the type are offered as choices where they fit.
+
+    Args:
+        message_type: the class, live or compiled; any that ROS has.
+    """
+
+    def __init__(self, message_type: Any) -> None:
+        self._type = message_type
+        self._lengths: dict[str, int] = {}
+
+    def entries(self) -> list[Entry]:
+        """What to draw, from top to bottom."""
+        return self._message(self._type(), "")
+
+    def defaults(self) -> Values:
+        """What the fields hold at first."""
+        return {entry["path"]: entry["default"] for entry in _flat(self.entries()) if "default" in entry}
+
+    def resize(self, path: str, change: int) -> None:
+        """Let a list have `change` elements more, within its bounds."""
+        entry = next((one for one in _flat(self.entries()) if one["path"] == path and one["kind"] == "list"), None)
+        if entry is not None:
+            wanted = max(0, len(entry["fields"]) + change)
+            self._lengths[path] = min(wanted, entry["most"] or wanted)
+
+    def read(self, values: Values) -> Any:
+        """The message these values make; fields without one keep their defaults.
+
+        Raises:
+            FormError: names each field that cannot take what it was given.
+        """
+        wrong: dict[str, str] = {}
+        known = self.defaults()
+        for path in values:
+            if path not in known:
+                wrong[path] = f"There is no such field; there are {', '.join(known) or 'none'}."
+        message = self._read(self._type, "", values, wrong)
+        if wrong:
+            raise FormError(wrong)
+        return message
+
+    def _message(self, message: Any, prefix: str) -> list[Entry]:
+        fields = message_fields(type(message))
+        constants = _constants(type(message))
+        return [
+            self._entry(
+                f"{prefix}{field.name}", field, getattr(message, field.name), _choices(field, fields, constants)
+            )
+            for field in fields
+        ]
+
+    def _entry(self, path: str, field: MessageField, default: Any, choices: list[dict[str, str]]) -> Entry:
+        kind = field.type
+        entry: Entry = {"path": path, "name": path.rpartition(".")[2], "type": ros_word(kind), "choices": choices}
+        if _is_list_of_parts(kind):
+            element = field._replace(type=kind.element)
+            count = self._length(path, kind, default)
+            firsts = [*default[:count], *((field.nested or str)() for _ in range(count - len(default)))]
+            parts = [self._entry(f"{path}[{n}]", element, first, choices) for n, first in enumerate(firsts)]
+            grows = kind.container == "sequence"
+            return {**entry, "kind": "list", "fields": parts, "grows": grows, "most": kind.size, "choices": []}
+        if kind.is_nested:
+            return {**entry, "kind": "group", "fields": self._message(default, f"{path}.")}
+        if kind.base == "boolean" and not kind.container:
+            return {**entry, "kind": "flag", "default": bool(default)}
+        return {**entry, "kind": "line", "hint": _hint(kind), "default": _as_text(default)}
+
+    def _length(self, path: str, kind: FieldType, default: Any) -> int:
+        return kind.size if kind.container == "array" else self._lengths.get(path, len(default))
+
+    def _read(self, message_type: Any, prefix: str, values: Values, wrong: dict[str, str]) -> Any:
+        message = message_type(check_fields=True)
+        for field in message_fields(message_type):
+            path = f"{prefix}{field.name}"
+            try:
+                _set(message, field, self._value(path, field, values, wrong, getattr(message, field.name)))
+            except ValueError as error:
+                wrong[path] = str(error)
+        return message
+
+    def _value(self, path: str, field: MessageField, values: Values, wrong: dict[str, str], now: Any) -> Any:
+        kind = field.type
+        if _is_list_of_parts(kind):
+            element = field._replace(type=kind.element)
+            count = self._length(path, kind, now)
+            parts = [*now[:count], *[""] * (count - len(now))]
+            return [self._value(f"{path}[{n}]", element, values, wrong, part) for n, part in enumerate(parts)]
+        if kind.is_nested:
+            return self._read(field.nested, f"{path}.", values, wrong)
+        return _parsed(kind, values[path]) if path in values else now
+
+
+def ros_word(kind: FieldType) -> str:
+    """A type as a definition spells it, such as "float64[3]"."""
+    value = kind.base.replace("/msg/", "/") if kind.is_nested else _ROS_WORDS.get(kind.base, kind.base)
+    if kind.string_bound:
+        value += f"<={kind.string_bound}"
+    if kind.container == "array":
+        return f"{value}[{kind.size}]"
+    return f"{value}[{f'<={kind.size}' if kind.size else ''}]" if kind.container else value
+
+
+def fields_in_words(message_type: Any) -> str:
+    """The fields of a message in one line: "a (int64), b (int64)"; "none" without any."""
+    return ", ".join(f"{field.name} ({ros_word(field.type)})" for field in message_fields(message_type)) or "none"
+
+
+def _is_list_of_parts(kind: FieldType) -> bool:
+    """Whether each element has a place of its own in the form."""
+    return bool(kind.container) and (kind.is_nested or kind.is_string)
+
+
+def _hint(kind: FieldType) -> str:
+    if kind.container:
+        how_many = f"{kind.size} " if kind.container == "array" else f"up to {kind.size} " if kind.size else ""
+        words = {"boolean": "values true or false", "float": "numbers", "double": "numbers"}
+        return f"{how_many}{words.get(kind.base, 'whole numbers')}, with commas"
+    if kind.is_string:
+        return f"text, up to {kind.string_bound} characters" if kind.string_bound else "text"
+    return "a number" if kind.base in {"float", "double"} else "a whole number"
+
+
+def _parsed(kind: FieldType, value: Any) -> Any:
+    if kind.is_string:
+        text = str(value)
+        if kind.string_bound and len(text) > kind.string_bound:
+            raise ValueError(f"Expected at most {kind.string_bound} characters, not {len(text)}.")
+        return text
+    if isinstance(value, (list, tuple)):
+        value = ", ".join(str(one) for one in value)
+    text = str(value).strip()
+    if not kind.container:
+        if not text:
+            raise ValueError(f"Expected {_hint(kind)}; the field is empty.")
+        parsed = literals.parse_value(kind, text)
+        return bytes([parsed]) if kind.base == "octet" else parsed
+    try:
+        parsed = literals.parse_value(kind, f"[{text.strip('[] ')}]")
+    except literals.LiteralError as error:
+        raise ValueError(str(error).replace(" in the brackets", "")) from None  # the form asks for none
+    return [bytes([one]) for one in parsed] if kind.base == "octet" else parsed
+
+
+def _set(message: Any, field: MessageField, value: Any) -> None:
+    try:
+        setattr(message, field.name, value)
+    except (AssertionError, TypeError, OverflowError):
+        raise ValueError(f"Expected what {ros_word(field.type)} can hold, not {value!r}.") from None
+
+
+def _constants(message_type: Any) -> dict[str, Any]:
+    """The constants of a message class; compiled and live ones keep them in the same way, on the metaclass."""
+    return {
+        name: getattr(message_type, name)
+        for name, value in vars(type(message_type)).items()
+        if isinstance(value, property) and not name.endswith("__DEFAULT")
+    }
+
+
+def _choices(field: MessageField, fields: tuple[MessageField, ...], constants: dict[str, Any]) -> list[dict[str, str]]:
+    """The constants that a field may be meant to have.
+
+    A definition does not say what its constants are for. Offered are those of the field's kind of value, but one
+    that begins with the name of a field belongs to that field alone, as in `MODE_AUTO` for `mode`.
+    """
+    owners = {one.name.upper(): one for one in fields}
+    return [
+        {"name": name, "value": str(value[0] if isinstance(value, bytes) else value)}
+        for name, value in constants.items()
+        if _fits(field.type, value) and _owner(name, owners) in {None, field}
+    ]
+
+
+def _owner(constant: str, owners: dict[str, MessageField]) -> MessageField | None:
+    return next((field for name, field in owners.items() if constant.startswith(f"{name}_")), None)
+
+
+def _fits(kind: FieldType, value: Any) -> bool:
+    if kind.is_string:
+        return isinstance(value, str) and (not kind.string_bound or len(value) <= kind.string_bound)
+    primitive = kind.primitive
+    if primitive is None or kind.container or type(value) is not primitive.python:
+        return False
+    limits = primitive.integer_range
+    return limits is None or value in range(limits[0], limits[1] + 1)
+
+
+def _flat(entries: list[Entry]) -> list[Entry]:
+    return [one for entry in entries for one in (entry, *_flat(entry.get("fields", [])))]
+
+
+def _as_text(value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bytes):
+        return str(value[0])
+    if hasattr(value, "tolist"):  # numpy.ndarray, array.array
+        value = value.tolist()
+    return ", ".join(_as_text(one) for one in value) if isinstance(value, list) else str(value)

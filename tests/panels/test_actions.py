@@ -1,0 +1,213 @@
+"""Goals sent by panels, to real servers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from example_interfaces.action import Fibonacci
+from rclpy.action import get_action_names_and_types
+from std_srvs.srv import Trigger
+
+from course_kit import interfaces, lab, panels
+from course_kit.lab.errors import FieldError
+from course_kit.panels.goal_sender import GoalSender, Standing
+from tests.panels.goal_panels import Gate, fresh_lab, until
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from course_kit.lab.core import Lab
+    from course_kit.panels.goal_panel import ActionPanel
+
+
+@pytest.fixture(autouse=True)
+def own_lab(domain: int) -> Iterator[Lab]:
+    assert domain
+    with fresh_lab() as mine:
+        yield mine
+
+
+@pytest.fixture
+def gate() -> Gate:
+    return lab.start(Gate)
+
+
+class Seen:
+    """Everything a sender has told."""
+
+    def __init__(self, action: str = "/gate") -> None:
+        self.all: list[Standing] = []
+        self.sender = GoalSender(action, Fibonacci, self.all.append)
+
+    @property
+    def last(self) -> Standing:
+        return self.sender.standing
+
+    def send(self, order: int) -> None:
+        self.sender.send(Fibonacci.Goal(order=order)).join()
+
+    def until(self, **wanted: Any) -> Standing:
+        until(lambda: all(getattr(self.last, name) == value for name, value in wanted.items()), lambda: self.last)
+        return self.last
+
+
+def test_a_goal_is_followed_from_its_sending_to_its_result(gate: Gate) -> None:
+    seen = Seen()
+    gate.open.set()
+    seen.send(4)
+    ended = seen.until(status="SUCCEEDED")
+    assert list(ended.result.sequence) == [0, 1, 1, 2, 3]
+    assert ended.count == 3
+    assert ended.progress == (1.0, "done")
+    assert seen.all[0].status == "SENDING"
+    assert [len(one.feedback.sequence) for one in seen.all if one.running and one.feedback][:1] == [3]
+
+
+def test_a_goal_is_cancelled(gate: Gate) -> None:
+    seen = Seen()
+    seen.send(9)
+    seen.until(status="EXECUTING", count=1)
+    assert seen.last.progress == (pytest.approx(2 / 9), "term 2 of 9")
+    seen.sender.cancel().join()
+    assert list(seen.until(status="CANCELED").result.sequence) == [0, 1, 1]
+    assert not gate.open.is_set()
+
+
+def test_a_server_that_does_not_agree_to_cancel_is_quoted(gate: Gate) -> None:
+    gate.agrees = False
+    seen = Seen()
+    seen.send(3)
+    seen.until(count=1)
+    seen.sender.cancel().join()
+    assert seen.last.note == "The server refuses to cancel it."
+    assert seen.last.running
+    gate.open.set()
+    assert seen.until(status="SUCCEEDED").note == ""
+
+
+@pytest.mark.usefixtures("gate")
+def test_a_rejected_goal_is_no_error() -> None:
+    seen = Seen()
+    seen.send(-1)
+    assert (seen.last.status, seen.last.running, seen.last.refused.order) == ("REJECTED", False, -1)
+
+
+@pytest.mark.usefixtures("gate")
+def test_a_second_goal_that_is_rejected_does_not_end_the_first() -> None:
+    seen = Seen()
+    seen.send(9)
+    seen.until(count=1)
+    seen.send(5)
+    assert (seen.last.running, seen.last.asked.order, seen.last.refused.order) == (True, 9, 5)
+    seen.sender.cancel().join()
+    assert seen.until(status="CANCELED").refused is None
+
+
+def test_where_there_is_no_server_the_nearest_name_is_told(gate: Gate) -> None:
+    seen = Seen("/gates")
+    seen.send(3)
+    assert seen.last.status == ""
+    assert seen.last.tone == "bad"
+    assert "/gate" in seen.last.note
+    assert gate is not None
+
+
+def test_a_server_that_goes_away_ends_its_goal(gate: Gate) -> None:
+    seen = Seen()
+    seen.send(9)
+    seen.until(count=1)
+    lab.stop(gate)
+    until(lambda: not seen.last.running, lambda: seen.last)
+    assert seen.last.tone == "bad"
+
+
+def test_an_end_cancels_what_still_runs_and_tells_no_more(gate: Gate) -> None:
+    seen = Seen()
+    seen.send(9)
+    seen.until(count=1)
+    seen.sender.close()
+    told = len(seen.all)
+    assert gate.free.acquire(timeout=10)  # its execute callback has ended
+    assert len(seen.all) == told
+
+
+def view(panel: ActionPanel) -> dict[str, Any]:
+    return dict(panel.widget.view)
+
+
+def page_says(panel: ActionPanel, **wish: Any) -> None:
+    panel.widget._handle_custom_msg({"values": dict(panel.widget.values), **wish}, [])
+
+
+def test_a_panel_shows_a_goal_from_form_to_result(gate: Gate) -> None:
+    panel = panels.action_panel("/gate", Fibonacci)
+    assert view(panel)["status"] == "No goal yet."
+    panel.fill({"order": "4"})
+    page_says(panel, do="send")
+    until(lambda: view(panel)["running"] and view(panel)["rows"], lambda: view(panel))
+    shown = view(panel)
+    assert shown["status"] == "The goal is running (EXECUTING)."
+    assert (shown["share"], shown["progress"]) == (0.5, "term 2 of 4")
+    assert shown["rows"] == [["Feedback 1", "sequence: 0, 1, 1"]]
+    gate.open.set()
+    until(lambda: view(panel)["tone"] == "good", lambda: view(panel))
+    assert view(panel)["status"] == "The goal has succeeded (SUCCEEDED)."
+    assert view(panel)["rows"][-1] == ["Result", "sequence: 0, 1, 1, 2, 3"]
+
+
+@pytest.mark.usefixtures("gate")
+def test_a_panel_cancels() -> None:
+    panel = panels.action_panel("/gate", Fibonacci)
+    page_says(panel, do="send", values={"order": "9"})
+    until(lambda: view(panel)["running"], lambda: view(panel))
+    page_says(panel, do="cancel")
+    until(lambda: view(panel)["status"] == "The goal was cancelled (CANCELED).", lambda: view(panel))
+    assert view(panel)["tone"] == "stopped"
+
+
+@pytest.mark.usefixtures("gate")
+def test_what_is_no_number_is_not_sent() -> None:
+    panel = panels.action_panel("/gate", Fibonacci)
+    page_says(panel, do="send", values={"order": "three"})
+    until(lambda: view(panel)["errors"], lambda: view(panel))
+    assert list(view(panel)["errors"]) == ["order"]
+    assert view(panel)["status"].startswith("Not sent")
+    page_says(panel, do="send", values={"order": "-3"})
+    until(lambda: "REJECTED" in view(panel)["status"], lambda: view(panel))
+    assert view(panel)["errors"] == {}
+
+
+def test_a_panel_takes_any_action_type() -> None:
+    tour = interfaces.define(
+        "panel_test_interfaces/action/Tour",
+        "geometry_msgs/Point[] stops\nbool back\n---\nfloat64 length\n---\nuint8 stop\n",
+    )
+    panel = panels.action_panel("/tour", tour)
+    page_says(panel, do="add", path="stops")
+    assert set(panel.widget.values) == {"stops[0].x", "stops[0].y", "stops[0].z", "back"}
+    assert "Goal: stops (geometry_msgs/Point[]), back (bool)." in panel.describe()
+
+
+def test_a_panel_again_ends_the_one_before_and_its_goal(gate: Gate) -> None:
+    first = panels.action_panel("/gate", Fibonacci)
+    page_says(first, do="send", values={"order": "9"})
+    until(lambda: view(first)["running"], lambda: view(first))
+    second = panels.action_panel("/gate", Fibonacci)
+    assert gate.free.acquire(timeout=10)
+    gate.free.release()
+    assert view(first)["ended"]
+    assert not view(second)["ended"]
+    page_says(first, do="send")
+    assert view(second)["status"] == "No goal yet."
+
+
+def test_panels_leave_no_action_on_the_graph(own_lab: Lab) -> None:
+    panel = panels.action_panel("/nowhere", Fibonacci)
+    panel.close()
+    assert get_action_names_and_types(own_lab.engine.node) == []
+
+
+def test_a_service_type_is_refused_in_words() -> None:
+    with pytest.raises(FieldError, match="action type"):
+        panels.action_panel("/gate", Trigger)

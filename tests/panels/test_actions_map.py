@@ -1,0 +1,133 @@
+"""The map of the arena, with real goals for the robot of lesson 2."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from course_interfaces.action import MoveRobot
+
+from course_kit import lab, panels
+from course_kit.panels.demo_robot import DemoRobot
+from tests.panels.goal_panels import fresh_lab, until
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from course_kit.lab.core import Lab
+    from course_kit.panels.arena_map import RobotMap
+
+
+@pytest.fixture(autouse=True)
+def own_lab(domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Lab]:
+    assert domain
+    monkeypatch.setenv("COURSE_KIT_TIME_SCALE", "0.05")
+    with fresh_lab() as mine:
+        yield mine
+
+
+@pytest.fixture
+def robot() -> DemoRobot:
+    return lab.start(DemoRobot)
+
+
+def view(drawn: RobotMap) -> dict[str, Any]:
+    return dict(drawn.widget.view)
+
+
+def wish(drawn: RobotMap, **content: Any) -> None:
+    drawn.widget._handle_custom_msg(content, [])
+
+
+def expect(drawn: RobotMap, words: str) -> dict[str, Any]:
+    until(lambda: words in view(drawn)["line"], lambda: view(drawn))
+    return view(drawn)
+
+
+def test_it_knows_nothing_before_the_first_feedback(robot: DemoRobot) -> None:
+    shown = view(panels.robot_map())
+    assert (shown["track"], shown["target"], shown["running"]) == ([], [], False)
+    assert "Click on the map" in shown["line"]
+    assert robot.get_name() == "demo_robot"
+
+
+def test_a_click_drives_the_robot_and_draws_its_way(robot: DemoRobot) -> None:
+    drawn = panels.robot_map()
+    wish(drawn, do="go", x=2.0, y=1.5)
+    shown = expect(drawn, "SUCCEEDED")
+    assert shown["track"][0] == [0.0, 0.0]
+    assert shown["track"][-1] == [2.0, 1.5] == list(robot._robot.position)
+    assert len(shown["track"]) > 2  # around the corner
+    assert shown["tone"] == "good"
+    assert "The robot stands at (2.0, 1.5). Its message: arrived." in shown["line"]
+    wish(drawn, do="go", x=1, y=1.5)
+    until(lambda: view(drawn)["track"][-1] == [1.0, 1.5], lambda: view(drawn))
+
+
+@pytest.mark.usefixtures("robot")
+def test_it_tells_on_the_way_where_the_robot_is_and_how_far_it_has_to_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COURSE_KIT_TIME_SCALE", "1")
+    lab.start(DemoRobot)
+    drawn = panels.robot_map()
+    wish(drawn, do="go", x=9.0, y=9.0)
+    shown = expect(drawn, "m to go")
+    assert shown["running"]
+    assert shown["target"] == [9.0, 9.0]
+    assert shown["line"].startswith("The goal (9.0, 9.0) is running (EXECUTING). Position (")
+    assert shown["said"] == "The goal (9.0, 9.0) is running (EXECUTING)."  # for a screen reader: no metres
+    wish(drawn, do="go", x=1.0, y=1.0)
+    shown = expect(drawn, "REJECTED")
+    assert "The goal (1.0, 1.0) was rejected by the server (REJECTED). The robot is busy" in shown["said"]
+    assert (shown["running"], shown["target"]) == (True, [9.0, 9.0])
+    wish(drawn, do="cancel")
+    shown = expect(drawn, "CANCELED")
+    assert "stopped on the way" in shown["line"]
+    assert 0.0 < shown["track"][-1][0] < 9.0
+
+
+@pytest.mark.usefixtures("robot")
+@pytest.mark.parametrize(("x", "y"), [(12.0, 3.0), (3.0, -0.5)])
+def test_a_goal_outside_is_rejected_by_the_server_and_the_reason_is_said(x: float, y: float) -> None:
+    drawn = panels.robot_map()
+    wish(drawn, do="go", x=x, y=y)
+    shown = expect(drawn, "REJECTED")
+    assert "It lies outside the arena, which goes from 0 to 10 m." in shown["line"]
+    assert (shown["tone"], shown["track"]) == ("bad", [])
+
+
+@pytest.mark.usefixtures("robot")
+def test_a_rejection_of_a_goal_that_seems_fine_is_no_riddle() -> None:
+    goal = lab.send_goal_blocking("/move_robot", MoveRobot, target={"x": 9.0, "y": 9.0})
+    drawn = panels.robot_map()
+    wish(drawn, do="go", x=1.0, y=1.0)
+    assert "somebody else" in expect(drawn, "REJECTED")["line"]
+    assert goal.cancel_blocking()
+
+
+def test_without_numbers_nothing_is_sent() -> None:
+    drawn = panels.robot_map()
+    wish(drawn, do="go", x=None, y=3.0)
+    assert "Type a number" in expect(drawn, "Type")["line"]
+    assert view(drawn)["target"] == []
+
+
+def test_without_a_server_it_says_so() -> None:
+    drawn = panels.robot_map()
+    wish(drawn, do="go", x=1.0, y=1.0)
+    assert expect(drawn, "/move_robot")["tone"] in {"", "bad"}
+    until(lambda: view(drawn)["tone"] == "bad", lambda: view(drawn))
+
+
+def test_a_map_again_ends_the_one_before(robot: DemoRobot) -> None:
+    first = panels.robot_map()
+    wish(first, do="go", x=9.0, y=9.0)
+    until(lambda: view(first)["running"], lambda: view(first))
+    panels.robot_map()
+    assert robot._free.acquire(timeout=30)  # the first one's goal is cancelled
+    assert robot._robot.position != (9.0, 9.0)
+
+
+def test_in_words_it_says_what_it_is() -> None:
+    assert panels.robot_map("/taxi").describe() == (
+        "A map of the arena, 10 m by 10 m. A click on it sends a goal to /taxi."
+    )

@@ -1,0 +1,100 @@
+"""What a panel says of goals and draws of ways, without a graph."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from course_interfaces.action import MoveRobot
+from example_interfaces.action import Fibonacci
+from geometry_msgs.msg import Point
+from hypothesis import given
+from hypothesis import strategies as st
+from std_srvs.srv import Trigger
+
+from course_kit.panels import goal_words, track
+from course_kit.panels.track import Place, Track
+
+
+def way(*places: tuple[float, float]) -> list[Place]:
+    drawn = Track()
+    for place in places:
+        drawn.add(Place(*place))
+    return drawn.corners
+
+
+def test_a_straight_way_is_two_points_however_often_it_is_told() -> None:
+    assert way(*[(0.05 * step, 0.1 * step) for step in range(100)]) == [(0.0, 0.0), (0.05 * 99, 0.1 * 99)]
+
+
+def test_corners_and_ways_back_are_kept() -> None:
+    assert way((0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (2, 0.5)) == [(0, 0), (2, 0), (2, 2), (2, 0.5)]
+
+
+def test_standing_still_and_places_that_are_none_add_nothing() -> None:
+    assert way((1, 1), (1, 1), (math.nan, 1), (1, math.inf), (2, 2)) == [(1, 1), (2, 2)]
+
+
+@given(st.lists(st.tuples(st.floats(0, 10), st.floats(0, 10)), min_size=1, max_size=60))
+def test_no_place_is_farther_from_the_line_than_can_be_seen(places: list[tuple[float, float]]) -> None:
+    corners = way(*places)
+    assert corners[0] == places[0]
+    assert corners[-1] == places[-1]
+    pairs = list(zip(corners, corners[1:] or corners, strict=False))
+    for place in places:
+        assert min(track._beside(*pair, Place(*place)) for pair in pairs) <= track.STRAIGHT + 1e-9
+
+
+def test_a_bend_too_slight_to_see_at_each_step_is_not_lost() -> None:
+    bend = [(math.cos(angle / 500), math.sin(angle / 500)) for angle in range(786)]  # a quarter of a circle, 1 m
+    assert 5 < len(way(*bend)) < 50
+
+
+def test_a_long_way_forgets_its_beginning() -> None:
+    zigzag = way(*[(step, step % 2) for step in range(3 * track.LONGEST)])
+    assert len(zigzag) == track.LONGEST
+    assert zigzag[-1] == (3 * track.LONGEST - 1, 1)
+
+
+@pytest.mark.parametrize(
+    ("goal", "feedback", "expected"),
+    [
+        (Fibonacci.Goal(order=10), None, (0.0, "no feedback yet")),
+        (Fibonacci.Goal(order=10), Fibonacci.Feedback(sequence=[0, 1, 1]), (0.2, "term 2 of 10")),
+        (Fibonacci.Goal(order=2), Fibonacci.Feedback(sequence=[0, 1, 1, 2, 3]), (1.0, "term 4 of 2")),
+        (Fibonacci.Goal(order=0), Fibonacci.Feedback(sequence=[0, 1]), (None, "7 feedback messages")),
+        (MoveRobot.Goal(), MoveRobot.Feedback(progress=0.25), (0.25, "25%")),
+        (MoveRobot.Goal(), MoveRobot.Feedback(progress=1.5), (1.0, "150%")),
+        (MoveRobot.Goal(), MoveRobot.Feedback(progress=math.nan), (None, "the feedback's progress is nan")),
+    ],
+)
+def test_progress_is_what_the_feedback_says(goal: object, feedback: object, expected: object) -> None:
+    assert goal_words.progress(goal, feedback, 7) == expected
+
+
+def test_one_feedback_message_is_not_many() -> None:
+    assert goal_words.progress(Trigger.Request(), Trigger.Request(), 1).text == "1 feedback message"
+
+
+@pytest.mark.parametrize(
+    ("message", "expected"),
+    [
+        (Fibonacci.Result(sequence=[0, 1, 1]), "sequence: 0, 1, 1"),
+        (Fibonacci.Result(), "sequence: none"),
+        (Fibonacci.Result(sequence=range(40)), "sequence: ..., 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39"),
+        (
+            MoveRobot.Result(final_position=Point(x=1.0, y=2.346), message="<b>arrived</b>"),
+            "final_position: (x: 1.00; y: 2.35; z: 0.00); distance_travelled: 0.00; message: <b>arrived</b>",
+        ),
+        (Trigger.Response(success=True, message="long " * 100), "success: True; message: 'long long"),
+    ],
+)
+def test_a_message_is_one_short_line(message: object, expected: str) -> None:
+    shown = goal_words.message(message)
+    assert shown.startswith(expected)
+    assert len(shown) < 150
+
+
+def test_a_status_is_a_sentence_with_the_name_ros_has_for_it() -> None:
+    assert goal_words.status("CANCELED") == "The goal was cancelled (CANCELED)."
+    assert goal_words.status("REJECTED", "Another goal") == "Another goal was rejected by the server (REJECTED)."

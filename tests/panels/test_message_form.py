@@ -1,0 +1,172 @@
+"""Any message as a form, and what was typed there as a message again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from geometry_msgs.msg import Pose, PoseArray
+from sensor_msgs.msg import NavSatStatus
+
+from course_kit import interfaces
+from course_kit.panels.message_form import FormError, MessageForm, fields_in_words
+
+EVERYTHING = """
+string CELSIUS=celsius
+string FAHRENHEIT=fahrenheit
+uint8 MODE_SLOW=1
+uint8 MODE_FAST=2
+float64 value 1.5
+string unit celsius
+uint8 mode
+uint8 other
+bool loud true
+string<=5 code
+float64[3] offset
+int32[<=4] numbers
+byte raw
+string[<=2] words
+geometry_msgs/Point[] points
+geometry_msgs/Pose pose
+"""
+
+
+@pytest.fixture(scope="module")
+def everything() -> Any:
+    return interfaces.define("form_interfaces/msg/Everything", EVERYTHING)
+
+
+def entry(form: MessageForm, path: str) -> dict[str, Any]:
+    found, entries = None, form.entries()
+    for name in path.split("."):
+        found = next(one for one in entries if one["name"] == name)
+        entries = found.get("fields", [])
+    assert found
+    return found
+
+
+def refused(form: MessageForm, path: str, value: object) -> str:
+    with pytest.raises(FormError) as caught:
+        form.read({path: value})
+    assert list(caught.value.fields) == [path]
+    return caught.value.fields[path]
+
+
+def test_untouched_it_gives_the_message_with_its_defaults(everything: Any) -> None:
+    form = MessageForm(everything)
+    assert form.read(form.defaults()) == everything()
+    assert form.read({}) == everything()
+    assert form.defaults()["value"] == "1.5"
+    assert form.defaults()["loud"] is True
+
+
+def test_what_is_typed_arrives_in_the_message_wherever_it_is(everything: Any) -> None:
+    form = MessageForm(everything)
+    form.resize("words", 1)
+    form.resize("points", 2)
+    message = form.read(
+        {
+            "value": " -2e3 ",
+            "unit": " as typed ",
+            "mode": "0x10",
+            "loud": False,
+            "offset": "[1, 2.5, 3]",
+            "numbers": "4, -5",
+            "raw": "7",
+            "words[0]": "hello, you",
+            "points[1].y": "2",
+            "pose.orientation.w": "0.5",
+        }
+    )
+    assert (message.value, message.unit, message.mode, message.loud) == (-2000.0, " as typed ", 16, False)
+    assert list(message.offset) == [1.0, 2.5, 3.0]
+    assert list(message.numbers) == [4, -5]
+    assert (message.raw, message.words) == (b"\x07", ["hello, you"])
+    assert [point.y for point in message.points] == [0.0, 2.0]
+    assert (message.pose.orientation.w, message.pose.position.x) == (0.5, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "expected"),
+    [
+        ("mode", "256", "Expected a whole number from 0 to 255, not '256'."),
+        ("mode", "1.5", "Expected a whole number from 0 to 255, not '1.5'."),
+        ("value", "much", "Expected a number such as 1.5, not 'much'."),
+        ("value", "", "Expected a number; the field is empty."),
+        ("code", "sixsix", "Expected at most 5 characters, not 6."),
+        ("offset", "1, 2", "Expected exactly 3 values, not 2."),
+        ("numbers", "1, 2, 3, 4, 5", "Expected at most 4 values, not 5."),
+        ("numbers", "1,", "Expected a whole number from -2147483648 to 2147483647, not ''."),
+        ("pose.position.x", "left", "Expected a number such as 1.5, not 'left'."),
+    ],
+)
+def test_what_a_field_cannot_take_is_refused_with_its_name_and_the_reason(
+    everything: Any, path: str, value: str, expected: str
+) -> None:
+    assert refused(MessageForm(everything), path, value) == expected
+
+
+def test_all_wrong_fields_are_named_at_once(everything: Any) -> None:
+    with pytest.raises(FormError) as caught:
+        MessageForm(everything).read({"mode": "-1", "value": "x", "speed": "1"})
+    assert set(caught.value.fields) == {"mode", "value", "speed"}
+    assert "mode: expected a whole number" in str(caught.value)
+    assert caught.value.fields["speed"].startswith("There is no such field; there are value, unit, mode, ")
+
+
+def test_a_number_too_large_for_float32_is_refused() -> None:
+    small = interfaces.define("form_interfaces/msg/Small", "float32 value")
+    assert refused(MessageForm(small), "value", "1e300") == "Expected what float32 can hold, not 1e+300."
+
+
+def test_constants_are_offered_where_they_fit(everything: Any) -> None:
+    form = MessageForm(everything)
+    names = {path: [one["name"] for one in entry(form, path)["choices"]] for path in ("unit", "code", "mode", "other")}
+    # "celsius" is too long for the code; MODE_SLOW is the mode's alone.
+    assert names == {"unit": ["CELSIUS", "FAHRENHEIT"], "code": [], "mode": ["MODE_SLOW", "MODE_FAST"], "other": []}
+    assert entry(form, "value")["choices"] == []
+
+
+def test_constants_of_a_compiled_type_are_offered_too() -> None:
+    choices = entry(MessageForm(NavSatStatus), "status")["choices"]
+    assert {"name": "STATUS_NO_FIX", "value": "-1"} in choices
+    assert not any(one["name"].startswith("SERVICE_") for one in choices)
+
+
+def test_lists_of_texts_and_messages_grow_and_shrink_within_their_bounds(everything: Any) -> None:
+    form = MessageForm(everything)
+    for _ in range(3):
+        form.resize("words", 1)
+    assert len(form.read({}).words) == 2
+    form.resize("words", -1)
+    form.resize("points", -1)
+    assert (len(form.read({}).words), len(form.read({}).points)) == (1, 0)
+
+
+def test_a_list_in_a_list_element_and_a_fixed_list_of_messages() -> None:
+    path = interfaces.define("form_interfaces/msg/Path", "string name\ngeometry_msgs/Point[2] ends\nstring[] tags")
+    paths = interfaces.define("form_interfaces/msg/Paths", "form_interfaces/Path[] paths")
+    form = MessageForm(paths)
+    form.resize("paths", 1)
+    form.resize("paths[0].tags", 1)
+    message = form.read({"paths[0].tags[0]": "fast", "paths[0].ends[1].x": "4", "paths[0].name": "way"})
+    assert message == paths(
+        paths=[path(name="way", tags=["fast"], ends=[*path().ends[:1], type(path().ends[1])(x=4.0)])]
+    )
+
+
+def test_compiled_types_work_the_same_way() -> None:
+    form = MessageForm(PoseArray)
+    form.resize("poses", 1)
+    message = form.read({"header.frame_id": "map", "poses[0].position.x": "1"})
+    assert (message.header.frame_id, message.poses[0].position.x) == ("map", 1.0)
+    assert message.poses[0].orientation == Pose().orientation
+
+
+def test_fields_in_words_are_spelled_as_in_a_definition(everything: Any) -> None:
+    words = fields_in_words(everything)
+    assert words.startswith(
+        "value (float64), unit (string), mode (uint8), other (uint8), loud (bool), code (string<=5)"
+    )
+    assert "numbers (int32[<=4]), raw (byte), words (string[<=2]), points (geometry_msgs/Point[])" in words
+    assert fields_in_words(interfaces.define("form_interfaces/msg/Nothing", "")) == "none"

@@ -1,0 +1,161 @@
+"""A form that calls the real service, driven as the page drives it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from example_interfaces.srv import AddTwoInts
+from rclpy.node import Node
+from std_srvs.srv import Empty
+
+from course_kit import interfaces, lab, panels
+from course_kit.lab.errors import FieldError
+from course_kit.panels.form_view import ServiceForm, response_rows
+
+pytestmark = pytest.mark.usefixtures("live_lab")
+
+
+class Adder(Node):
+    def __init__(self) -> None:
+        super().__init__("adder")
+        self.create_service(AddTwoInts, "add_two_ints", self.add)
+        self.create_service(AddTwoInts, "divide", self.divide)
+        self.create_service(Empty, "rest", lambda _, response: response)
+
+    def add(self, request: Any, response: Any) -> Any:
+        response.sum = request.a + request.b
+        print("added")  # noqa: T201 - as learners do
+        return response
+
+    def divide(self, request: Any, response: Any) -> Any:
+        response.sum = request.a // request.b
+        return response
+
+
+def type_and_send(form: ServiceForm, **values: object) -> dict[str, Any]:
+    """What the page does on Enter."""
+    form.widget._handle_custom_msg({"do": "send", "values": values}, [])
+    return dict(form.widget.outcome)
+
+
+def test_it_calls_the_service_and_shows_the_response_and_the_exchange() -> None:
+    lab.start(Adder)
+    shown = type_and_send(panels.service_form("/add_two_ints", AddTwoInts), a="20", b="22")
+    assert (shown["state"], shown["rows"]) == ("answered", [["sum", "42"]])
+    assert shown["exchange"] == (
+        "1. lab -> adder  /add_two_ints request: a=20, b=22\n2. adder -> lab  /add_two_ints response: sum=42"
+    )
+
+
+def test_what_the_callback_prints_is_shown_in_the_form(capsys: pytest.CaptureFixture[str]) -> None:
+    lab.start(Adder)
+    assert type_and_send(panels.service_form("/add_two_ints", AddTwoInts))["printed"] == "added"
+    assert capsys.readouterr().out == ""
+
+
+def test_only_the_last_exchange_is_shown() -> None:
+    lab.start(Adder)
+    form = panels.service_form("/add_two_ints", AddTwoInts)
+    type_and_send(form, a="1", b="2")
+    assert type_and_send(form, a="9")["exchange"].splitlines()[0].endswith("request: a=9, b=2")
+
+
+def test_numbers_beyond_what_javascript_can_count_arrive_whole() -> None:
+    lab.start(Adder)
+    shown = type_and_send(panels.service_form("/add_two_ints", AddTwoInts), a=str(2**62), b="1")
+    assert shown["rows"] == [["sum", str(2**62 + 1)]]
+
+
+def test_a_field_error_names_the_field_and_sends_nothing() -> None:
+    lab.start(Adder)
+    form = panels.service_form("/add_two_ints", AddTwoInts)
+    shown = type_and_send(form, a="1", b="1.5")
+    assert shown["state"] == "invalid"
+    assert shown["errors"]["b"].startswith("Expected a whole number from ")
+    assert shown["text"].startswith("b: expected a whole number")
+    assert len(lab.diagram().arrows) == 0
+    assert form.widget.values["b"] == "1.5"  # to be repaired, not typed again
+
+
+def test_a_callback_that_fails_is_told_in_words() -> None:
+    lab.start(Adder)
+    shown = type_and_send(panels.service_form("/divide", AddTwoInts), a="1", b="0")
+    assert shown["state"] == "failed"
+    assert "adder sent no response" in shown["text"]
+    assert "ZeroDivisionError" in shown["text"]
+    assert "no answer" in shown["exchange"]
+
+
+def test_a_service_that_is_not_there_is_told_in_words() -> None:
+    lab.start(Adder)
+    shown = type_and_send(panels.service_form("/add_two_integers", AddTwoInts))
+    assert shown["state"] == "failed"
+    assert "No node serves /add_two_integers" in shown["text"]
+    assert "/add_two_ints" in shown["text"]
+
+
+def test_a_service_without_any_field() -> None:
+    lab.start(Adder)
+    form = panels.service_form("/rest", Empty)
+    assert form.widget.entries == []
+    shown = type_and_send(form)
+    assert (shown["state"], shown["rows"]) == ("answered", [])
+    assert "no fields" in shown["text"]
+
+
+def test_lists_grow_on_the_page_and_what_was_typed_stays() -> None:
+    tour = interfaces.define(
+        "form_interfaces/srv/Tour", "string name\ngeometry_msgs/Point[] points\n---\nfloat64 length"
+    )
+    form = panels.service_form("/tour", tour)
+    form.widget._handle_custom_msg({"do": "add", "path": "points", "values": {"name": "round"}}, [])
+    assert [entry["path"] for entry in form.widget.entries[1]["fields"]] == ["points[0]"]
+    assert form.widget.values == {"name": "round", "points[0].x": "0.0", "points[0].y": "0.0", "points[0].z": "0.0"}
+    form.widget._handle_custom_msg({"do": "remove", "path": "points", "values": {"points[0].x": "7"}}, [])
+    assert form.widget.values == {"name": "round"}
+
+
+def test_a_form_that_was_replaced_says_so_and_sends_nothing() -> None:
+    lab.start(Adder)
+    first = panels.service_form("/add_two_ints", AddTwoInts)
+    again = panels.service_form("/add_two_ints", AddTwoInts)
+    assert "ended" in first.widget.ended
+    assert type_and_send(first, a="1") == {"state": "new"}
+    assert type_and_send(again, a="1")["state"] == "answered"
+
+
+def test_it_is_described_in_words_the_same_each_time() -> None:
+    form = panels.service_form("/add_two_ints", AddTwoInts)
+    assert form.describe() == (
+        "A form that calls /add_two_ints [example_interfaces/srv/AddTwoInts].\n"
+        "Request: a (int64), b (int64).\nResponse: sum (int64)."
+    )
+    bundle = form._repr_mimebundle_()
+    assert bundle["text/plain"] == form.describe()
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+
+
+def test_what_is_no_service_type_is_refused_in_words() -> None:
+    with pytest.raises(FieldError, match=r"panels\.service_form"):
+        panels.service_form("/add_two_ints", AddTwoInts.Request)
+    with pytest.raises(FieldError):
+        panels.service_form(AddTwoInts, "/add_two_ints")
+
+
+def test_a_response_is_shown_field_by_field() -> None:
+    copied = {"ok": True, "at": {"x": 1.0, "y": -2.0}, "names": ["a", "+3 more"], "none": []}
+    assert response_rows(copied) == [
+        ["ok", "True"],
+        ["at.x", "1.0"],
+        ["at.y", "-2.0"],
+        ["names", "['a', +3 more]"],
+        ["none", "[]"],
+    ]
+
+
+def test_values_can_be_typed_from_a_program_too() -> None:
+    lab.start(Adder)
+    form = panels.service_form("/add_two_ints", AddTwoInts)
+    form.fill({"a": "40", "b": "2"})
+    assert form.send() == AddTwoInts.Response(sum=42)
