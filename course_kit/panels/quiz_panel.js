@@ -7,6 +7,8 @@ let panels = 0;
 
 function made(tag, properties = {}, ...children) {
   const element = document.createElement(tag);
+  // Or the notebook takes the arrow keys and Enter; it asks the element that has the focus, so each one has to say so.
+  element.setAttribute("data-lm-suppress-shortcuts", "true");
   for (const [name, value] of Object.entries(properties)) {
     if (name.includes("-") || name === "role") element.setAttribute(name, value);
     else element[name] = value;
@@ -162,7 +164,6 @@ function render({ model, el }) {
       {
         className: "course-kit-quiz-panel",
         "aria-label": "Quiz: which communication pattern fits?",
-        "data-lm-suppress-shortcuts": "true", // or the notebook would take the arrow keys of the radio buttons
       },
       progress,
       bar,
