@@ -7,6 +7,7 @@ Python that imports rclpy and ends.
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -25,6 +26,7 @@ def grade(exercise: str, path: Path) -> dict[str, object]:
 
 
 def main() -> None:
+    os.environ["COURSE_KIT_PROGRESS"] = "off"  # a measurement is no try of whoever takes it
     sides: dict[str, object] = {
         "import rclpy": lambda: subprocess.run([sys.executable, "-c", "import rclpy"], check=True)
     }

@@ -18,6 +18,10 @@ _INTERFACE_USAGE = (
     "Write %%interface PACKAGE/srv/NAME (or msg, or action) in the first line and the definition below it, "
     "such as: %%interface my_interfaces/srv/PersonInfo."
 )
+_LAUNCH_USAGE = (
+    "Write %%ros_launch NAME [argument:=value] in the first line and the launch file below it, "
+    "such as: %%ros_launch robot."
+)
 _MODES = {"--wait": "wait", "--background": "background"}
 
 
@@ -29,6 +33,7 @@ def register(shell: InteractiveShell) -> None:
     """Make the magics known to an IPython shell."""
     shell.register_magic_function(interface_magic(shell), "cell", "interface")
     shell.register_magic_function(ros_script, "cell", "ros_script")
+    shell.register_magic_function(ros_launch, "cell", "ros_launch")
     shell.register_magic_function(ros_stop, "line", "ros_stop")
 
 
@@ -79,6 +84,23 @@ def ros_script(line: str, cell: str) -> None:
     if not words:
         raise MagicError(_SCRIPT_USAGE)
     lab.script(words[0], cell, *words[1:], mode=mode)
+
+
+def ros_launch(line: str, cell: str) -> None:
+    """Run the cell as a launch file: `%%ros_launch robot speed:=2.0`, as `ros2 launch robot.launch.py speed:=2.0`.
+
+    What it starts goes on in the background until `%ros_stop robot.launch`. A program of a `%%ros_script` cell is
+    found by its name, whatever the package.
+    """
+    __tracebackhide__ = True
+    from course_kit import lab
+    from course_kit.ros2 import launching
+
+    words = shlex.split(line)
+    if not words or words[0].startswith("-"):
+        raise MagicError(_LAUNCH_USAGE)
+    name = f"{words[0].removesuffix('.py').removesuffix('.launch')}.launch"
+    lab.current().scripts.run(name, cell, tuple(words[1:]), "background", launching.MODULE)
 
 
 def ros_stop(line: str) -> None:

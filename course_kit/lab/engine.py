@@ -14,13 +14,13 @@ import rclpy.utilities
 from rclpy.action import ActionServer
 
 from course_kit.lab import actions, bridge, graph, guards, why
+from course_kit.lab.action_tapping import ActionTapping
 from course_kit.lab.clients import Clients, OtherTypeError
 from course_kit.lab.describe import actions_of
 from course_kit.lab.errors import ActionNotFoundError, DeadlockError, ServiceNotFoundError
 from course_kit.lab.execution import Executions, abort_goals, turn_of
 from course_kit.lab.executor import Turn
 from course_kit.lab.failures import Failures
-from course_kit.lab.goal_client import full_name
 from course_kit.lab.live_nodes import Nodes
 from course_kit.lab.messages import type_name
 from course_kit.lab.patches import Patches
@@ -79,6 +79,7 @@ class Engine:
 
     def _install(self) -> None:
         guards.install(self._patches, self)
+        ActionTapping(self._tapping, self._patches)  # before the sending of goals is held back
         actions.install(self._patches, self.executions, self._failures.callback_crashed)
         self.nodes.watch(self._patches)
         self._tapping.tap_sending(self._patches)
@@ -146,7 +147,7 @@ class Engine:
         try:
             return self.clients.goal_client(action_type, action)
         except OtherTypeError:
-            full = full_name(self.node, action)
+            full = graph.full_action_name(self.node, action)
             raise ActionNotFoundError(graph.no_action(self.node, full, type_name(action_type), 0.0)) from None
 
     def do(self, function: Callable[[], None]) -> None:

@@ -21,6 +21,18 @@ Kind = Literal[
     "callback_failed",
     "published",
     "received",
+    "goal_sent",
+    "goal_received",
+    "goal_answered",
+    "goal_answer_received",
+    "feedback_sent",
+    "feedback_received",
+    "cancel_sent",
+    "cancel_received",
+    "cancel_answered",
+    "cancel_answer_received",
+    "result_sent",
+    "result_received",
 ]
 KINDS: frozenset[str] = frozenset(get_args(Kind))
 
@@ -31,10 +43,11 @@ class Event(NamedTuple):
     Attributes:
         kind: what happened.
         node: fully qualified name of the node it happened in, "lab" for the lab's own calls.
-        channel: full name of the service or topic.
+        channel: full name of the service, topic or action.
         type_name: e.g. "std_srvs/srv/Trigger".
-        value: a plain copy of the message (see `snapshot`), or text for failures.
-        sequence: the client's number of the request; 0 for topics.
+        value: a plain copy of the message (see `snapshot`), or text for failures; for the answer to a goal and to a
+            cancel request whether it was "accepted", for a result its "status" and the "result".
+        sequence: the client's number of the request; a goal's identifier as a number; 0 for topics.
         at: CLOCK_MONOTONIC in nanoseconds, comparable between the processes of one machine.
     """
 

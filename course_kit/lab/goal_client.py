@@ -17,6 +17,8 @@ from rclpy.action import ActionClient
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.qos import QoSProfile
 
+from course_kit.lab.graph import full_action_name
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -30,12 +32,6 @@ _STATUS = {
     GoalStatus.STATUS_ABORTED: "ABORTED",
 }
 _ORDER = ("ACCEPTED", "EXECUTING", "CANCELING")  # a status message may be older than what is known already
-
-
-def full_name(node: Any, action: str) -> str:
-    """An action's full name, as a node sees it; its services are renamed with it."""
-    goals = "/_action/send_goal"
-    return str(node.resolve_service_name(action + goals)).removesuffix(goals)
 
 
 class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type information
@@ -59,7 +55,7 @@ class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type inform
             callback_group=ReentrantCallbackGroup(),
             feedback_sub_qos_profile=QoSProfile(depth=_DEPTH),
         )
-        self.action_name = full_name(node, action)
+        self.action_name = full_action_name(node, action)
         self.busy: dict[bytes, Pursuit] = {}
         self._ended: weakref.WeakValueDictionary[bytes, Pursuit] = weakref.WeakValueDictionary()
 
@@ -83,6 +79,7 @@ class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type inform
         if "goal" in taken_data:
             await super().execute({"goal": taken_data.pop("goal")})
         for message in taken_data.pop("all_feedback"):
+            await super().execute({"feedback": message})  # for whoever records; it has no callback of rclpy's
             self.deliver(message)
         for status in getattr(taken_data.pop("status", None), "status_list", ()):
             pursuit = self._find(status.goal_info.goal_id)

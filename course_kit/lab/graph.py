@@ -63,6 +63,12 @@ def full_name(name: str, namespace: str) -> str:
     return f"{namespace.rstrip('/')}/{name}"
 
 
+def full_action_name(node: Any, action: str) -> str:
+    """An action's full name, as a node sees it; its services are renamed with it."""
+    goals = "/_action/send_goal"
+    return str(node.resolve_service_name(action + goals)).removesuffix(goals)
+
+
 def nearest(wanted: str, names: Iterable[str]) -> str | None:
     """The name most like the wanted one: the same last part in another namespace, or a spelling near it."""
     candidates = sorted(names)

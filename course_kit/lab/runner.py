@@ -71,6 +71,7 @@ def tap(reports: Reports) -> None:
     from rclpy.executors import Executor
     from rclpy.node import Node
 
+    from course_kit.lab.action_tapping import ActionTapping
     from course_kit.lab.patches import Patches
     from course_kit.lab.tapping import Tapping
 
@@ -79,6 +80,7 @@ def tap(reports: Reports) -> None:
     tapping = Tapping(taps)
     patches = Patches()
     tapping.tap_sending(patches)
+    ActionTapping(tapping, patches)
 
     def take_client(executor: Any, client: Any) -> Any:  # a function, so that it becomes a method
         return tapping.take_client(executor, client)
@@ -176,11 +178,16 @@ def _exit_code(code: object) -> int:
     return 1
 
 
+def end_with_parent(parent: int) -> bool:
+    """Have this process ended when its parent dies; False if it has died already."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    return os.getppid() == parent
+
+
 def main() -> int:
     """Become the program given on the command line."""
     name, parent, descriptor, path, *arguments = sys.argv[1:]
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-    if os.getppid() != int(parent):  # it died before the line above
+    if not end_with_parent(int(parent)):
         return INTERRUPTED
     interrupts = _Interrupts()
     for stream in (sys.stdout, sys.stderr):

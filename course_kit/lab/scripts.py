@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 Mode = Literal["auto", "wait", "background"]
 LOG_FORMAT = "[{severity}] [{name}]: {message}"
+_RUNNER = "course_kit.lab.runner"
 _UP = 10.0  # seconds until a program that neither ends nor spins is left to itself
 _CLIENT = 60.0  # the same for one that has asked something
 _WAIT = 600.0  # the same in mode "wait"
@@ -51,13 +52,16 @@ class Scripts:
         self._reader = threading.Thread(target=self._read, name="ros-scripts", daemon=True)
         self._reader.start()
 
-    def run(self, name: str, source: str, arguments: tuple[str, ...], mode: str) -> Script:
-        """Start a program in place of the one of this name; returns as `mode` says (see `course_kit.lab.script`)."""
+    def run(self, name: str, source: str, arguments: tuple[str, ...], mode: str, runner: str = _RUNNER) -> Script:
+        """Start a program in place of the one of this name; returns as `mode` says (see `course_kit.lab.script`).
+
+        `runner` is the module that becomes the program; see `course_kit.lab.runner` for what it is told.
+        """
         name = checked_name(name)
         if mode not in get_args(Mode):
             raise ScriptError(f"The mode is one of {', '.join(get_args(Mode))}, not {mode!r}.")
         self._end(name)
-        script = self._start(name, source, arguments)
+        script = self._start(name, source, arguments, runner)
         try:
             self._wait(script, cast("Mode", mode))
         except KeyboardInterrupt:
@@ -104,12 +108,12 @@ class Scripts:
             for line in self._lines(self._text):
                 self._output.put(line.decode(errors="replace") + "\n")
 
-    def _start(self, name: str, source: str, arguments: tuple[str, ...]) -> Script:
+    def _start(self, name: str, source: str, arguments: tuple[str, ...], runner: str) -> Script:
         folder = environment.run_dir() / "scripts"
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"{name}.py"
         path.write_text(source, encoding="utf-8")
-        command = [sys.executable, "-m", "course_kit.lab.runner", name, str(os.getpid()), str(self._reports_end)]
+        command = [sys.executable, "-m", runner, name, str(os.getpid()), str(self._reports_end)]
         process = subprocess.Popen(
             [*command, str(path), *arguments],
             stdin=subprocess.DEVNULL,

@@ -42,16 +42,25 @@ def wait_for_subscriptions(node: Any, publisher: Any) -> None:
 
     At most one second: a subscription of another type or quality of service never connects.
     """
+    _wait_while(lambda: publisher.get_subscription_count() < node.count_subscribers(publisher.topic_name))
+
+
+def _wait_while(condition: Callable[[], bool]) -> None:
     deadline = time.monotonic() + _MATCHING
     pause = threading.Event()  # the graph has no event to wait for in rclpy: look often, with a deadline
-    while publisher.get_subscription_count() < node.count_subscribers(publisher.topic_name):
-        if time.monotonic() > deadline:
-            return
+    while condition() and time.monotonic() < deadline:
         pause.wait(_POLL)
 
 
 class Subscriber(Protocol):
     """What a subscription needs to know about the lab."""
+
+    @property
+    def node(self) -> Any:
+        """The lab's own node."""
+
+    def in_callback(self) -> bool:
+        """Whether the caller is inside a callback of the lab."""
 
     def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
         """A new subscription of the lab's node."""
@@ -62,6 +71,9 @@ class Subscriber(Protocol):
 
 class Subscription:
     """A function that is called with each message of a topic, until `close`.
+
+    Making one waits until it is connected to the publishers that are there, one second at most, so that what they
+    publish next is not missed.
 
     Attributes:
         topic: the topic's full name.
@@ -75,6 +87,9 @@ class Subscription:
         self._open = True
         self._subscription = lab.subscription(message_type, topic, callback, qos or _as_offered(_DEPTH))
         self.topic: str = self._subscription.topic_name
+        if not lab.in_callback():
+            node, new = lab.node, self._subscription
+            _wait_while(lambda: new.get_publisher_count() < node.count_publishers(self.topic))
 
     def close(self) -> None:
         """End it: the callback is not called again. Safe to call twice, and after the lab has ended."""

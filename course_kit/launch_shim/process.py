@@ -29,13 +29,21 @@ class Child:
         environ: its environment.
         show_stdout: whether its stdout belongs on the screen; stderr always does.
         temporary: files that are its own.
+        inherits: file descriptors it gets, and with them our own stdout and stderr, which it writes to directly.
 
     Attributes:
         stop_step: how many of `STEPS` have been taken.
     """
 
-    def __init__(
-        self, command: list[str], label: str, environ: dict[str, str], *, show_stdout: bool, temporary: list[Path]
+    def __init__(  # noqa: PLR0913 - a process is described by that much
+        self,
+        command: list[str],
+        label: str,
+        environ: dict[str, str],
+        *,
+        show_stdout: bool,
+        temporary: list[Path],
+        inherits: tuple[int, ...] | None = None,
     ) -> None:
         self.label, self._temporary = label, temporary
         self.command = shlex.join(command)
@@ -51,8 +59,9 @@ class Child:
         self._process = subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            stdout=subprocess.PIPE if inherits is None else None if show_stdout else subprocess.DEVNULL,
+            stderr=subprocess.PIPE if inherits is None else None,
+            pass_fds=inherits or (),
             env=environ,
             start_new_session=True,  # a Ctrl-C reaches launch alone, which passes it on once
             preexec_fn=die_with_launch,  # noqa: PLW1509 - launch has one thread

@@ -69,15 +69,17 @@ class LaunchService:
         """Start a process."""
         self._started += 1
         try:
-            child = Child(
-                command, f"{label}-{self._started}", self._environ, show_stdout=show_stdout, temporary=temporary
-            )
+            child = self.make_child(command, f"{label}-{self._started}", show_stdout=show_stdout, temporary=temporary)
         except OSError as error:
             raise LaunchError(f"{command[0]} cannot be started: {error.strerror}.") from error
         self._children.append(child)
         for stream in child.streams:
             self._selector.register(stream, selectors.EVENT_READ, child)
         self.say(f"[INFO] [{child.label}]: process started with pid [{child.process_id}]")
+
+    def make_child(self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]) -> Child:
+        """Start a process whose output comes through us."""
+        return Child(command, label, self._environ, show_stdout=show_stdout, temporary=temporary)
 
     def later(self, seconds: float, actions: list[Any], context: LaunchContext) -> None:
         """Run actions after a while."""

@@ -16,10 +16,12 @@ if TYPE_CHECKING:
     from course_kit.panels.form_view import ServiceForm
     from course_kit.panels.goal_panel import ActionPanel
     from course_kit.panels.graph_view import GraphView
+    from course_kit.panels.plotting import Plot
     from course_kit.panels.quiz_panel import QuizPanel
+    from course_kit.panels.sliders import ParameterSliders
 
 # A panel's module is never called like its function: importing it would put the module in the function's place.
-__all__ = ["action_panel", "compare", "graph", "quiz", "robot_map", "service_form"]
+__all__ = ["action_panel", "compare", "graph", "parameter_sliders", "plot", "quiz", "robot_map", "service_form"]
 
 
 def service_form(service: str, service_type: Any, *, timeout: float = 5.0) -> ServiceForm:
@@ -85,6 +87,37 @@ def compare(title: str, values: Mapping[str, float], unit: str) -> Comparison:
     from course_kit.panels.comparison import Comparison
 
     return Comparison(title, values, unit)
+
+
+def parameter_sliders(node: Any) -> ParameterSliders:
+    """Sliders, boxes and texts that set the parameters of a node, made from its own descriptors.
+
+    Args:
+        node: the node's name, such as "/parameter_node", or a node of the lab.
+
+    Raises:
+        NodeNotFoundError: no such node has parameters.
+    """
+    from course_kit.panels.sliders import ParameterSliders
+
+    return ParameterSliders(node)
+
+
+def plot(topic: str, message_type: Any, field: str, *, seconds: float = 20.0) -> Plot:
+    """A number of a topic against time, drawn while it arrives: `panels.plot("/cmd_vel", Twist, "linear.x")`.
+
+    Args:
+        topic: the topic's name.
+        message_type: its type.
+        field: which number of a message, such as "data", "linear.x" or "ranges[0]".
+        seconds: how many of the last seconds are shown.
+
+    Raises:
+        FieldError: there is no such field, or it is no number.
+    """
+    from course_kit.panels.plotting import Plot
+
+    return Plot(topic, message_type, field, seconds)
 
 
 def quiz(seed: int = 1) -> QuizPanel:

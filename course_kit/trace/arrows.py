@@ -1,40 +1,23 @@
 """From events to arrows: who said what to whom.
 
 Each side reports what it saw by itself. A request is known again by its service, its number and its values; the
-number alone is not enough, because every client counts from 1.
+number alone is not enough, because every client counts from 1. Goals are drawn by `goal_arrows`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING
 
+from course_kit.trace.arrow import NOBODY, UNSEEN, Arrow
+from course_kit.trace.goal_arrows import goal_arrows
 from course_kit.trace.wording import in_words
 
 if TYPE_CHECKING:
     from course_kit.lab.events import Event
+    from course_kit.trace.arrow import Timed
 
-Style = Literal["request", "response", "message", "failure"]
-UNSEEN = "another program"  # takes part, and nobody has told us its name
-NOBODY = "nobody"
-
-
-class Arrow(NamedTuple):
-    """One line of a sequence diagram.
-
-    Attributes:
-        sender: a node's name.
-        receiver: a node's name.
-        channel: the service or topic.
-        style: what it is.
-        text: the values, or what went wrong.
-    """
-
-    sender: str
-    receiver: str
-    channel: str
-    style: Style
-    text: str
+__all__ = ["NOBODY", "UNSEEN", "Arrow", "arrows_of"]
 
 
 @dataclass
@@ -85,6 +68,7 @@ def arrows_of(events: list[Event]) -> list[Arrow]:
         elif event.kind == "received":
             _note_message(event, messages)
     timed = [pair for exchange in exchanges for pair in _draw_exchange(exchange)]
+    timed += goal_arrows(events)
     timed += [pair for message in messages for pair in _draw_message(message)]
     return [arrow for _, arrow in sorted(timed, key=lambda pair: pair[0])]
 
@@ -125,7 +109,7 @@ def _note_message(event: Event, messages: list[_Message]) -> None:
     messages.append(_Message(event, UNSEEN, [event.node]))
 
 
-def _draw_exchange(exchange: _Exchange) -> list[tuple[tuple[int, int], Arrow]]:
+def _draw_exchange(exchange: _Exchange) -> list[Timed]:
     request, client = exchange.request, exchange.client
     drawn = []
     for leg in exchange.legs or [_Leg(UNSEEN)]:
@@ -143,7 +127,7 @@ def _draw_exchange(exchange: _Exchange) -> list[tuple[tuple[int, int], Arrow]]:
     return drawn
 
 
-def _draw_message(message: _Message) -> list[tuple[tuple[int, int], Arrow]]:
+def _draw_message(message: _Message) -> list[Timed]:
     event = message.event
     return [
         ((event.at, number), Arrow(message.sender, receiver, event.channel, "message", in_words(event.value)))

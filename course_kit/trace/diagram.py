@@ -20,7 +20,19 @@ if TYPE_CHECKING:
 MERMAID = "text/vnd.mermaid"
 WIDTH = 80
 _EMPTY = "Nothing has been recorded yet: call a service, then draw again."
-_LINES = {"request": "->>", "response": "-->>", "message": "-)", "failure": "--x"}
+_LINES = {
+    "request": "->>",
+    "response": "-->>",
+    "message": "-)",
+    "failure": "--x",
+    "goal": "->>",
+    "goal response": "-->>",
+    "feedback": "-)",
+    "cancel request": "->>",
+    "cancel response": "-->>",
+    "result": "-->>",
+}
+_UNNAMED = frozenset({"message", "failure"})  # a topic has nothing else; a failure says itself what it is
 # What Mermaid reads as text and nothing else. Letters of all scripts and emoji are; # and ; and { are not.
 _UNSAFE = re.compile(r"[^\w /=.,:()'\[\]+*!?\"\U0001F000-\U0001FAFF-]")
 # "end" closes a block wherever it stands as a word.
@@ -90,8 +102,9 @@ class Diagram:
 
 
 def _label(arrow: Arrow) -> str:
-    kind = f"{arrow.style}: " if arrow.style in {"request", "response"} else ""
-    return f"{arrow.channel} {kind}{arrow.text}"
+    if arrow.style in _UNNAMED:
+        return f"{arrow.channel} {arrow.text}"
+    return f"{arrow.channel} {arrow.style}" + (f": {arrow.text}" if arrow.text else "")
 
 
 def _pointer(arrow: Arrow) -> str:

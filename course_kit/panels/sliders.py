@@ -1,0 +1,180 @@
+"""Sliders, boxes and texts for the parameters of a node, made from what the node itself says about them."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import anywidget
+import traitlets
+
+from course_kit import lab
+from course_kit.lab.errors import LabError
+from course_kit.lab.parameter_values import from_message, is_of_every_node
+from course_kit.lab.parameters import full_name
+from course_kit.panels.base import Latest, Panel
+from course_kit.panels.parameter_entry import EntryError, entry, shown, typed
+
+if TYPE_CHECKING:
+    from course_kit.lab.parameter_values import Descriptor
+
+_HERE = Path(__file__).parent
+_EVENTS = "/parameter_events"
+_ENDED = "These sliders have ended. Run their cell again to use them."
+
+
+class SlidersWidget(anywidget.AnyWidget):
+    """The parameters as the page has them.
+
+    Attributes:
+        node: whose they are.
+        entries: what to draw, see `parameter_entry.entry`.
+        values: the values in force, by name, see `parameter_entry.shown`.
+        outcomes: what came of the last change, by name: `state` ("set", "refused", "elsewhere"), `text`, and `token`,
+            by which the page knows which of its wishes was answered.
+        ended: why they no longer work; "" while they do.
+    """
+
+    _esm = (_HERE / "sliders.js").read_text(encoding="utf-8")
+    _css = (_HERE / "sliders.css").read_text(encoding="utf-8")
+    node = traitlets.Unicode().tag(sync=True)
+    entries: traitlets.List[Any] = traitlets.List().tag(sync=True)
+    values = traitlets.Dict().tag(sync=True)
+    outcomes = traitlets.Dict().tag(sync=True)
+    ended = traitlets.Unicode().tag(sync=True)
+
+
+class ParameterSliders(Panel):
+    """One widget for each parameter the author of a node has declared.
+
+    Each sets the real parameter through the node's service, and shows what the node says: a refusal stands beside
+    the widget, which goes back to the value in force. Changes made elsewhere are heard on /parameter_events.
+    Parameters that ROS 2 declares in every node are left out.
+
+    Args:
+        node: the node's name, or a node of this lab.
+
+    Raises:
+        NodeNotFoundError: no such node has parameters.
+    """
+
+    def __init__(self, node: Any) -> None:
+        self.node = full_name(node)
+        descriptors, values = self._ask()
+        super().__init__(self.node)
+        self._lock = threading.RLock()  # the lab's thread, the page's and the one that shows meet here
+        self._descriptors, self._values = descriptors, values
+        self._outcomes: dict[str, dict[str, Any]] = {}
+        self._heard: dict[str, int] = {}  # how often a change was heard of, by name
+        self._outdated = False
+        self._widget = SlidersWidget(node=self.node)
+        self._widget.on_msg(self._wished)
+        self.at_close(self._end)
+        self._updates = Latest(self._update)
+        self.at_close(self._updates.close)
+        self._listen()
+        self._values = self._ask()[1]  # once more: something may have changed before we listened
+        self._show()
+
+    @property
+    def widget(self) -> SlidersWidget:
+        """The sliders."""
+        return self._widget
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The values in force, as far as they are known here."""
+        with self._lock:
+            return dict(self._values)
+
+    def describe(self) -> str:
+        """The parameters, their values and what is allowed."""
+        lines = [f"Sliders and boxes that set the parameters of {self.node}:"]
+        for name, value in self.values.items():
+            facts = repr(self._descriptors[name]).splitlines()[0].partition(": ")[2]
+            lines.append(f"  {name} = {value!r} ({facts})")
+        return "\n".join(lines)
+
+    def set(self, name: str, text: Any, token: int = 0) -> bool:
+        """Set a parameter to what was typed, as the page does.
+
+        Args:
+            name: of the parameter.
+            text: what was typed, or a bool.
+            token: comes back with the outcome.
+
+        Returns:
+            whether the node took it.
+        """
+        with self._lock:
+            heard, kind = self._heard.get(name, 0), self._descriptors[name].type
+        try:
+            value = typed(kind, text)
+            outcome = lab.set_parameters_blocking(self.node, {name: value})
+            reason = outcome.reasons.get(name, "")
+        except (EntryError, LabError) as error:
+            reason = str(error)
+        with self._lock:
+            if not reason and self._heard.get(name, 0) == heard:  # otherwise the node has told its value already
+                self._values[name] = value
+            state = "refused" if reason else "set"
+            self._outcomes[name] = {"state": state, "text": reason, "token": token}
+        self._show()
+        return not reason
+
+    def _listen(self) -> None:
+        from rcl_interfaces.msg import ParameterEvent
+        from rclpy.qos import qos_profile_parameter_events
+
+        subscription = lab.subscribe(_EVENTS, ParameterEvent, self._happened, qos=qos_profile_parameter_events)
+        self.at_close(subscription.close)
+
+    def _happened(self, event: Any) -> None:
+        """A parameter of some node has changed; on the lab's thread."""
+        if event.node != self.node:
+            return
+        with self._lock:
+            self._outdated |= bool(event.new_parameters or event.deleted_parameters)
+            for parameter in event.changed_parameters:
+                name, value = parameter.name, from_message(parameter.value)
+                self._heard[name] = self._heard.get(name, 0) + 1
+                if name in self._values and self._values[name] != value:
+                    self._values[name] = value
+                    token = self._outcomes.get(name, {}).get("token", 0)
+                    self._outcomes[name] = {"state": "elsewhere", "text": "", "token": token}
+        self._updates.put(None)
+
+    def _update(self, _: None) -> None:
+        with self._lock:
+            outdated, self._outdated = self._outdated, False
+        if outdated:  # the node was started again, or has declared one more
+            try:
+                descriptors, values = self._ask()
+            except LabError:  # it has gone; whoever sets something is told so
+                return
+            with self._lock:
+                self._descriptors, self._values, self._outcomes = descriptors, values, {}
+        self._show()
+
+    def _ask(self) -> tuple[dict[str, Descriptor], dict[str, Any]]:
+        """What the node says about its own parameters, and their values."""
+        described = lab.describe_parameters_blocking(self.node)
+        own = {one.name: one for one in described if not is_of_every_node(one.name)}
+        return own, dict(lab.get_parameters_blocking(self.node, *own)) if own else {}
+
+    def _wished(self, _: Any, content: dict[str, Any], buffers: Any) -> None:
+        """Somebody has moved or typed something on the page."""
+        del buffers
+        if not self._widget.ended and content.get("name") in self._descriptors:
+            self.set(content["name"], content.get("value"), content.get("token", 0))
+
+    def _show(self) -> None:
+        # The lock is held while it is sent, so that an older state never comes after a newer one.
+        with self._lock, self._widget.hold_sync():
+            self._widget.entries = [entry(self._descriptors[name]) for name in self._values]
+            self._widget.values = {name: shown(value) for name, value in self._values.items()}
+            self._widget.outcomes = dict(self._outcomes)
+
+    def _end(self) -> None:
+        self._widget.ended = _ENDED

@@ -1,0 +1,91 @@
+"""`%%ros_launch`: a launch file in the background of a lab."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+
+from course_kit import lab, trace
+from course_kit.lab.core import Lab
+from course_kit.magics import MagicError, ros_launch, ros_stop
+
+from .commands import SEED, is_alive, wait_until
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+LAUNCH = (SEED / "parameter_node.launch.py").read_text()
+ARGUMENT = """
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, LogInfo
+from launch.substitutions import LaunchConfiguration
+
+def generate_launch_description():
+    return LaunchDescription([DeclareLaunchArgument("who"), LogInfo(msg=["hello ", LaunchConfiguration("who")])])
+"""
+
+
+@pytest.fixture(autouse=True)
+def own_lab(domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Lab]:
+    """A lab whose folder of scripts has the chapter's node."""
+    assert domain
+    monkeypatch.setattr("course_kit.environment.run_dir", lambda: tmp_path)
+    monkeypatch.setenv("COURSE_KIT_PACKAGE_PATH", str(SEED))
+    own = Lab()
+    before = lab.use(own)
+    yield own
+    own.close()
+    lab.use(before)
+
+
+def test_the_chapters_launch_file_runs_in_the_background_until_it_is_stopped(
+    own_lab: Lab, capfd: pytest.CaptureFixture[str]
+) -> None:
+    trace.attach(own_lab)
+    ros_launch("parameter_node", LAUNCH)
+    shown = capfd.readouterr().out.splitlines()
+    assert shown[0].startswith("[INFO] [parameter_node-1]: process started with pid [")
+    assert shown[1:] == [
+        "[parameter_node-1] [INFO] [parameter_node]: Robot: turtlebot4",
+        "[parameter_node-1] [INFO] [parameter_node]: Max velocity: 2.0",
+        "[parameter_node-1] [INFO] [parameter_node]: Wheel diameter: 0.15",
+        "parameter_node.launch is running in the background (node parameter_node).",
+    ]
+    children = psutil.Process(own_lab.scripts._running["parameter_node.launch"].process.pid).children()
+    assert len(children) == 1
+    assert lab.get_parameters_blocking("/parameter_node", "max_velocity") == {"max_velocity": 2.0}
+    assert "parameter_node -> lab" in str(lab.diagram())  # what its nodes exchange is recorded
+    ros_stop("parameter_node.launch")
+    assert capfd.readouterr().out == "parameter_node.launch is stopped.\n"
+    wait_until(lambda: not is_alive(children[0].pid), "the end of the node")
+
+
+def test_arguments_reach_the_launch_file(capfd: pytest.CaptureFixture[str]) -> None:
+    ros_launch("hello who:=you", ARGUMENT)
+    assert "hello you" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("line", "text", "expected"),
+    [
+        ("broken", "1 / 0", "broken.launch.py, line 1: ZeroDivisionError: division by zero"),
+        ("hello you", ARGUMENT, "'you' is no argument of a launch file: write name:=value."),
+        ("robot", LAUNCH.replace("'parameter_node'", "'parameter_nod'"), "nor a script parameter_nod.py"),
+    ],
+)
+def test_what_is_wrong_with_it_is_one_line(
+    line: str, text: str, expected: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    ros_launch(line, text)
+    shown = capfd.readouterr().out
+    assert expected in shown
+    assert "Traceback" not in shown
+
+
+@pytest.mark.parametrize("line", ["", "--background robot"])
+def test_without_a_name_it_says_how_it_is_written(line: str) -> None:
+    with pytest.raises(MagicError, match="Write %%ros_launch NAME"):
+        ros_launch(line, LAUNCH)
