@@ -92,7 +92,9 @@ def test_every_picture_has_a_text_and_every_link_leads_somewhere(path: Path) -> 
             target = path.parent / file
             assert target.exists(), link
             if heading and target.suffix == ".ipynb":
-                assert re.search(rf"^#+ +{re.escape(heading.replace('-', ' '))} *$", text_of(target), re.MULTILINE), link
+                assert re.search(rf"^#+ +{re.escape(heading.replace('-', ' '))} *$", text_of(target), re.MULTILINE), (
+                    link
+                )
 
 
 def test_lesson_one_runs_the_programs_of_the_chapter_word_for_word() -> None:
