@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import pytest
 from nbgrader.api import Gradebook as RealGradebook
 from nbgrader.plugins.export import CsvExportPlugin
 
@@ -14,10 +14,8 @@ from course_kit.grading import exports
 from tests.exports import rules
 from tests.exports.books import SERVICE, bad, book, good
 
-if TYPE_CHECKING:
-    import pytest
 
-
+@pytest.mark.filterwarnings("ignore::sqlalchemy.exc.SAWarning")  # nbgrader's own way with its database
 def test_nbgrader_itself_writes_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # It sets up its database with the command of a library, which it looks for like a shell.
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
