@@ -206,6 +206,7 @@ class ClassRun:
             layout=self.intake.layout,
             seed=self.seed,
             complete=len(self._done) == len(self.intake.entries),
+            root=self.intake.root,
         )
 
 
