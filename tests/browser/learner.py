@@ -100,8 +100,8 @@ class JupyterLab:
 
 
 @contextmanager
-def served(folder: Path) -> Iterator[tuple[str, str]]:
-    """Start `./course lab`; yields its address and token, and ends it with the Ctrl-C a learner would use."""
+def served(folder: Path, verb: str = "lab") -> Iterator[tuple[str, str]]:
+    """Start `./course lab`, or `present`; yields its address and token, and ends it as closing the terminal does."""
     for name, values in SETTINGS.items():
         (folder / "settings" / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / "settings" / name).write_text(json.dumps(values))
@@ -113,7 +113,7 @@ def served(folder: Path) -> Iterator[tuple[str, str]]:
         process = subprocess.Popen(
             [
                 REPOSITORY / "course",
-                "lab",
+                verb,
                 "--no-browser",
                 f"--port={port}",
                 f"--IdentityProvider.token={token}",
@@ -124,6 +124,7 @@ def served(folder: Path) -> Iterator[tuple[str, str]]:
                 JUPYTERLAB_SETTINGS_DIR=str(folder / "settings"),
                 JUPYTERLAB_WORKSPACES_DIR=str(folder / "workspaces"),
                 JUPYTER_RUNTIME_DIR=str(folder / "runtime"),
+                XDG_STATE_HOME=str(folder / "state"),
             ),
             stdin=subprocess.DEVNULL,
             stdout=log,

@@ -1,0 +1,62 @@
+"""Lesson 6 and the demos in the browser; and that no notebook of the course is left out of these tests."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.browser.learner import REPOSITORY, JupyterLab, page, served
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
+
+ERRORS = ".jp-OutputArea-output[data-mime-type='application/vnd.jupyter.error']"
+DEMOS = sorted(path.name for path in (REPOSITORY / "notebooks/demos").glob("*.ipynb"))
+
+
+def test_lesson_six_runs_and_its_guards_hold_against_the_mouse(lab: JupyterLab) -> None:
+    lab.open("notebooks/06_best_practices.ipynb")
+    lab.run_all()
+    assert lab.page.locator(ERRORS).count() == 0
+    sliders = lab.scroll_to(lab.page.locator(".ck-sliders"))
+    highest = sliders.get_by_label("max_velocity", exact=True).first
+    highest.focus()
+    highest.press("Home")
+    expect(sliders).to_contain_text("min_velocity would be above max_velocity")
+    expect(sliders.get_by_label("wheel_diameter", exact=True).first).to_be_disabled()
+    lab.picture("lesson_six_refusal")
+
+
+def test_every_demo_shows_its_failure(lab: JupyterLab) -> None:
+    for name in DEMOS:
+        lab.open(f"notebooks/demos/{name}")
+        lab.run_all()
+        lab.scroll_to(lab.page.get_by_text("It fails:").first)
+        assert lab.page.locator(ERRORS).count() == 0
+        lab.picture(f"demo_{name.partition('_')[0]}")
+
+
+@pytest.mark.answers
+def test_a_class_sees_it_large_with_the_answer_folded_and_nothing_from_before(tmp_path: Path) -> None:
+    with served(tmp_path, "present") as (address, token), page() as opened:
+        shown = JupyterLab(opened, address, token)
+        shown.open("notebooks/demos/02_lost_cancel.ipynb")
+        expect(opened.locator(".jp-CodeCell .cm-content").first).to_have_css("font-size", "20px")
+        assert opened.locator(".jp-OutputArea-output").count() == 0
+        expect(opened.locator(".jp-CodeCell .jp-Placeholder")).to_have_count(1)
+        assert not opened.get_by_text("def repaired_counter").is_visible()
+        shown.picture("presenter")
+        opened.locator(".jp-CodeCell .jp-Placeholder").click()
+        expect(opened.get_by_text("def repaired_counter")).to_be_visible()
+
+
+def test_every_notebook_of_the_course_is_opened_in_the_browser() -> None:
+    tests = "".join(path.read_text() for path in (REPOSITORY / "tests/browser").glob("test_*.py"))
+    lessons = [path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "notebooks").glob("*.ipynb")]
+    assert lessons
+    assert not [name for name in lessons if name not in tests]
+    assert DEMOS
