@@ -14,6 +14,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
+_ON_LIMITS = (
+    "A submission runs behind walls; --exec leaves two doors open and --attach has no walls. What holds and what does "
+    "not: course_kit/grading/LIMITS.md"
+)
+
+
 def build_parser() -> argparse.ArgumentParser:
     """The command line as argparse sees it."""
     parser = argparse.ArgumentParser(
@@ -24,7 +30,7 @@ def build_parser() -> argparse.ArgumentParser:
     lab = verbs.add_parser("lab", help="open the course in JupyterLab", epilog="Other options go to `jupyter lab`.")
     lab.set_defaults(run=_lab, others=[])
 
-    grade = verbs.add_parser("grade", help="grade a solution of an exercise")
+    grade = verbs.add_parser("grade", help="grade a solution of an exercise", epilog=_ON_LIMITS)
     grade.add_argument("exercise", help="the exercise's id, e.g. temperature_service")
     grade.add_argument("path", nargs="?", help="your .py or .ipynb file")
     grade.add_argument("--format", choices=("text", "json"), default="text")
@@ -45,6 +51,13 @@ def build_parser() -> argparse.ArgumentParser:
     release.set_defaults(run=_release)
 
     class_cli.add_to(verbs)
+
+    present = verbs.add_parser(
+        "present",
+        help="open the demos for a class: enlarged, answers folded, fresh",
+        epilog="Other options go to `jupyter lab`.",
+    )
+    present.set_defaults(run=_present, others=[])
 
     doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
     doctor.set_defaults(run=_doctor)
@@ -125,6 +138,12 @@ def _dev(options: argparse.Namespace) -> int:
     from course_kit.dev import check
 
     return check.main(options.rest)
+
+
+def _present(options: argparse.Namespace) -> int:
+    from course_kit import present
+
+    return present.run(options.others)
 
 
 def _release(options: argparse.Namespace) -> int:

@@ -248,4 +248,5 @@ def isolation() -> Finding:
     from course_kit.grading import isolation as walls
 
     found = walls.status()
-    return Finding("grader isolation", found.describe(), "note" if found.reason else "ok")
+    advice = "What holds and what does not: course_kit/grading/LIMITS.md"
+    return Finding("grader isolation", found.describe(), "note" if found.reason else "ok", advice)

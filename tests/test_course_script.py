@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from course_kit.cli import build_parser
+
 REPOSITORY = Path(__file__).resolve().parent.parent
 BASE_PYTHON = Path(sys.executable).resolve()  # without the packages of the kit
 
@@ -241,3 +243,12 @@ def test_without_a_command_it_shows_what_there_is(clone: Clone) -> None:
     assert shown.returncode == 0
     assert "./course COMMAND" in shown.stdout
     assert not (clone.root / ".venv").exists()
+
+
+def test_the_commands_it_shows_are_those_there_are(clone: Clone) -> None:
+    block = clone.course("help").stdout.split("\n\n")[1].splitlines()
+    shown = {line.split()[0] for line in block if line.startswith("  ")}
+    assert len(shown) == len(block)
+    known = build_parser().format_help().split()
+    assert [name for name in shown - {"test"} if name not in known] == []
+    assert {"list", "grade", "watch", "hint", "solution", "reset", "doctor"} <= shown

@@ -15,15 +15,14 @@ from course_kit.grading import exercise
 
 def renew(target: Path, folder: Path | None = None) -> list[Path]:
     """Copy the starters of all exercises to `target`, and return what was written; nothing else stays there."""
-    shutil.rmtree(target, ignore_errors=True)
-    written = []
-    for name in exercise.ids(folder):
-        task = exercise.load(name, folder)
-        (target / name).mkdir(parents=True)
-        for file in (task.starter, task.notebook):
-            written.append(target / name / f"{file}{shelf.PRISTINE}")
-            written[-1].write_bytes((task.folder / file).read_bytes())
-    return written
+    tasks = [exercise.load(name, folder) for name in exercise.ids(folder)]
+    files = [task.folder / name for task in tasks for name in (task.starter, task.notebook)]
+    contents = {target / file.parent.name / f"{file.name}{shelf.PRISTINE}": file.read_bytes() for file in files}
+    shutil.rmtree(target, ignore_errors=True)  # only now, when all could be read
+    for path, content in contents.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    return list(contents)
 
 
 def main() -> int:

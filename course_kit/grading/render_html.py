@@ -28,6 +28,8 @@ _STATES = {
     "skipped": ("○", "not run"),
     "error": ("!", "grader's error"),
 }
+# JupyterLab would take Enter on a line that unfolds for its own command to edit the cell.
+_KEYS_ARE_OURS = 'data-lm-suppress-shortcuts="true"'
 _BAR_EM = 6.0  # length of the bar of the check that is worth most
 
 
@@ -46,7 +48,8 @@ def render_html(report: Report, base: Path | None = None) -> str:
     listed = f'<ol class="ck-checks">{checks}</ol>' if checks else ""
     walls = f'<p class="ck-walls">Isolation: {escaped(report.isolation)}.</p>' if report.isolation else ""
     return (
-        f'<style>{STYLE}</style><section class="course-kit-report" aria-label="Grade: {escaped(report.title)}">'
+        f'<style>{STYLE}</style><section class="course-kit-report" {_KEYS_ARE_OURS} '
+        f'aria-label="Grade: {escaped(report.title)}">'
         f"<h3>{escaped(report.title)}</h3>{_score(report)}{problem}{listed}{output}{walls}</section>"
     )
 

@@ -8,10 +8,9 @@ and runs the learner's code (see `runner`). When the guard ends, the kernel ends
 Where there are no namespaces the same three run without them: every kept descendant is adopted
 (PR_SET_CHILD_SUBREAPER) and killed at the end, however often it has forked or called setsid.
 
-What this is not: a boundary against kernel bugs; nor, without namespaces, against a program that signals,
-traces or talks to other processes of the same user. With namespaces a submission can still read every file its
-user can read (but for hidden folders), connect to sockets that are files, and use up processor time within
-its limits. Grade what you do not trust on a machine, or in a container, that holds nothing else.
+What this is not is said in LIMITS.md, the page for users: a boundary against kernel bugs; nor, without namespaces,
+against a program that signals, traces or talks to other processes of the same user. With namespaces a submission can
+still read every file its user can read (but for hidden folders) and connect to sockets that are files.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ from course_kit.grading import guard, namespaces, processes
 from course_kit.grading.isolation import enter_processes
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Container, Mapping
 
     from course_kit.grading.isolation import Isolation
     from course_kit.grading.limits import Limits
@@ -98,7 +97,7 @@ class Sandbox:
         with suppress(OSError):  # it has ended; so its stream says
             os.write(self.streams.control, what)
 
-    def end(self, keep: set[int]) -> None:
+    def end(self, keep: Container[int]) -> None:
         """Kill all that was started; returns when it is dead and its scratch directory gone.
 
         Args:

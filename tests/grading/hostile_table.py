@@ -20,11 +20,11 @@ class Table:
     walls: Isolation
     rows: dict[str, tuple[str, str, str]] = field(default_factory=dict)
 
-    def add(self, attack: str, report: Report, held: str = "") -> None:
+    def add(self, attack: str, report: Report, held: str) -> None:
         """Take the row of an attack whose test has passed so far."""
         first = report.checks[0]
         points = f"{report.score:g} of {report.max_score:g}"
-        self.rows[attack] = (points, first.diagnosis or first.status, held or first.message.partition(". ")[0])
+        self.rows[attack] = (points, first.diagnosis or first.status, held)
 
     def write(self, expected: set[str]) -> None:
         """Write the table if no attack of `expected` is missing."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import fcntl
+import os
 import socket
 import subprocess
 import sys
+import sysconfig
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -108,18 +110,21 @@ for folder in (sysconfig.get_path("purelib"), os.path.dirname(os.__file__), "/tm
 }
 ENDED_BY = {"floods_its_output": "limit.output", "eats_memory": "limit.memory", "loops_at_import": "limit.time"}
 TRIES = {
-    "prints_a_report": "prints a report with full marks",
-    "writes_into_every_descriptor": "forges a report on every open descriptor",
-    "sends_strange_notes": "writes nonsense where the runner leaves its notes",
-    "leaves_at_once": "exits early, with status 0",
-    "kills_its_parents": "kills its parent, process 1 and everything it can name",
-    "traces_its_parent": "traces the process above it and opens its memory",
-    "patches_rclpy": "patches rclpy and the grader's own modules",
-    "reaches_out": "connects to another machine and to a server on this one",
-    "plants_a_file": "drops a .pth and a sitecustomize file where Python looks for them",
-    "loops_at_import": "loops for ever at import",
-    "floods_its_output": "floods its output",
-    "eats_memory": "eats memory",
+    "prints_a_report": ("prints a report with full marks", "output is shown in the report and never read"),
+    "writes_into_every_descriptor": (
+        "forges a report on every open descriptor",
+        "it holds no line to the grader but its output and its notes, which earn nothing",
+    ),
+    "sends_strange_notes": ("writes nonsense where the runner leaves its notes", "notes of another shape are dropped"),
+    "leaves_at_once": ("exits early, with status 0", "only what is seen on the ROS graph counts"),
+    "kills_its_parents": ("kills its parent, process 1 and all it can name", "it has no right to, and sees no others"),
+    "traces_its_parent": ("traces its parent and opens its memory", "the kernel refuses both"),
+    "patches_rclpy": ("patches rclpy and the grader's modules", "the grader is another process"),
+    "reaches_out": ("connects to another machine and to this one's servers", "its network is an empty loopback"),
+    "plants_a_file": ("drops .pth and sitecustomize files where Python looks for them", "files are read-only to it"),
+    "loops_at_import": ("loops for ever at import", "the limit on computing"),
+    "floods_its_output": ("floods its output", "the limit on output; 8 kB of each stream are kept"),
+    "eats_memory": ("eats memory", "the limit on memory"),
 }
 DAEMON = """
 import fcntl, os, signal, time
@@ -165,7 +170,7 @@ def table(worker: grading.Worker) -> Iterator[Table]:
     """Takes a row for each attack, and is written when none of them is missing."""
     written = Table(isolation.Isolation.from_mapping(worker.ready()))
     yield written
-    written.write(set(TRIES.values()) | set(OTHER_TRIES))
+    written.write({attack for attack, _ in TRIES.values()} | set(OTHER_TRIES))
 
 
 @pytest.mark.parametrize("attack", ATTACKS)
@@ -180,17 +185,16 @@ def test_attack_earns_nothing(attack: str, grade_source: Grade, strict_exercises
         assert word not in report.stdout
     if attack in ENDED_BY:
         assert report.checks[0].diagnosis == ENDED_BY[attack]
-    table.add(TRIES[attack], report)
+    table.add(TRIES[attack][0], report, TRIES[attack][1])
 
 
-def test_nothing_is_planted(grade_source: Grade, solution: str) -> None:
-    import os
-    import sysconfig
-    from pathlib import Path
-
+def test_nothing_is_planted(grade_source: Grade, solution: str, table: Table) -> None:
     grade_source(ATTACKS["plants_a_file"])
-    places = (sysconfig.get_path("purelib"), os.path.dirname(os.__file__), "/tmp", "/var/tmp", "/dev/shm")  # noqa: PTH120, S108
-    assert [path for place in places for path in Path(place).glob("*_planted.*")] == []
+    places = (sysconfig.get_path("purelib"), Path(os.__file__).parent, "/tmp", "/var/tmp", "/dev/shm")  # noqa: S108
+    planted = [path for place in places for path in Path(place).glob("*_planted.*")]
+    for path in planted:
+        path.unlink()
+    assert (planted == []) == table.walls.files
     assert "PLANTED" not in grade_source(solution).stdout
 
 
@@ -271,8 +275,10 @@ def test_submission_does_not_see_foreign_variables(
 
 
 DROP = """
-import os, sys, site
-for folder in (os.getcwd(), os.environ["HOME"], site.getusersitepackages(), *sys.path):
+import os, sys
+home = os.environ["HOME"]
+version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+for folder in (os.getcwd(), f"{home}/.local/lib/{version}/site-packages", os.environ["TMPDIR"] + "/more"):
     try:
         os.makedirs(folder, exist_ok=True)
         for name in ("sitecustomize.py", "usercustomize.py", "course_kit_dropped.pth"):
