@@ -173,4 +173,4 @@ def page() -> Iterator[Page]:
         opened.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
         yield opened
         chromium.close()
-    assert not errors
+    assert not errors, "\n".join(errors)
