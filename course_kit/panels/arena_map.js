@@ -73,16 +73,22 @@ function render({ model, el }) {
   const form = html("form", { className: "ck-buttons" }, box);
   const x = coordinateInput(form, "x");
   const y = coordinateInput(form, "y");
-  html("button", { type: "submit", textContent: "Go", className: "ck-main" }, form);
+  const go = html("button", { type: "submit", textContent: "Go", className: "ck-main" }, form);
   const cancel = html("button", { type: "button", textContent: "Cancel goal" }, form);
   const outcome = html("p", { className: "ck-outcome" }, box);
   const said = html("p", { className: "ck-said" }, box); // for screen readers: not ten times a second
   said.setAttribute("role", "status");
 
-  const go = (toX, toY) => model.send({ do: "go", x: toX, y: toY });
+  const drive = (toX, toY) => model.send({ do: "go", x: toX, y: toY });
   form.addEventListener("submit", (event) => {
     event.preventDefault();
-    go(x.valueAsNumber, y.valueAsNumber);
+    drive(x.valueAsNumber, y.valueAsNumber);
+  });
+  // A notebook keeps Enter from submitting a form, which a browser would do by itself.
+  form.addEventListener("keydown", (event) => {
+    if (event.key !== "Enter" || event.target.tagName !== "INPUT") return;
+    event.preventDefault();
+    form.requestSubmit();
   });
   cancel.addEventListener("click", () => model.send({ do: "cancel" }));
   picture.addEventListener("click", (event) => {
@@ -91,7 +97,7 @@ function render({ model, el }) {
     const [toX, toY] = [point.x, size - point.y].map((value) => Math.round(value * 10) / 10);
     x.value = toX;
     y.value = toY;
-    go(toX, toY);
+    drive(toX, toY);
   });
   const update = () => {
     const view = model.get("view");
@@ -103,6 +109,7 @@ function render({ model, el }) {
     if (said.textContent !== view.said) said.textContent = view.said;
     picture.setAttribute("aria-label", `Map of the arena. ${view.said}`);
     cancel.disabled = !view.running;
+    go.disabled = x.disabled = y.disabled = view.ended;
     outcome.dataset.tone = view.tone;
   };
   model.on("change:view", update);

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from course_kit.panels.goal_sender import Standing
 
 _HERE = Path(__file__).parent
+_ENDED = "This map has ended. Run its cell again to use it."
 
 
 class _MapWidget(anywidget.AnyWidget):
@@ -49,6 +50,8 @@ class RobotMap(Panel):
         self._updates: Latest[Standing] = Latest(self._show)
         self._sender = GoalSender(action, MoveRobot, self._updates.put, self._take_feedback)
         self._drawing.on_msg(self._take_wish)
+        self._ended = False
+        self.at_close(self._end)
         self.at_close(self._updates.close)
         self.at_close(self._sender.close)
         self._show(self._sender.standing)
@@ -77,6 +80,8 @@ class RobotMap(Panel):
 
     def _take_wish(self, widget: Any, wish: Any, buffers: Any) -> None:
         del widget, buffers
+        if self._ended:
+            return
         if wish.get("do") == "cancel":
             self.cancel()
         elif isinstance(wish.get("x"), int | float) and isinstance(wish.get("y"), int | float):
@@ -93,11 +98,16 @@ class RobotMap(Panel):
         self._drawing.view = {
             "track": [list(corner) for corner in self._track.corners],
             "target": _drawable(standing),
-            "line": _line(self._action, standing),
+            "line": _ENDED if self._ended else _line(self._action, standing),
             "said": _said(standing),
-            "running": standing.running,
+            "running": standing.running and not self._ended,
             "tone": standing.tone,
+            "ended": self._ended,
         }
+
+    def _end(self) -> None:
+        self._ended = True
+        self._show(self._sender.standing)
 
 
 def _drawable(standing: Standing) -> list[float]:

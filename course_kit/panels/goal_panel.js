@@ -30,6 +30,7 @@ function render({ model, el }) {
   box.setAttribute("data-lm-suppress-shortcuts", "true");
   el.replaceChildren(box);
 
+  let shownErrors = "";
   function update() {
     const view = model.get("view");
     if (view.share === null) bar.removeAttribute("value");
@@ -43,7 +44,9 @@ function render({ model, el }) {
     if (!view.running && cancel === document.activeElement) send.focus();
     cancel.disabled = !view.running;
     send.disabled = form.fields.disabled = view.ended;
-    form.showErrors(view.errors);
+    const wrong = Object.keys(view.errors).join();
+    if (wrong || shownErrors) form.showErrors(view.errors, wrong !== shownErrors && box.contains(document.activeElement));
+    shownErrors = wrong;
   }
 
   box.addEventListener("submit", (event) => {

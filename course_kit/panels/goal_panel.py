@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from course_kit.panels.goal_sender import Standing
 
 _HERE = Path(__file__).parent
+_ENDED = "This panel has ended. Run its cell again to use it."
 _NOT_SENT = "Not sent: see what is marked above."
 
 
@@ -126,7 +127,7 @@ class ActionPanel(Panel):
         self._widget.view = {
             "share": progress.share if standing.status else 0.0,
             "progress": progress.text if standing.status else "",
-            "status": _NOT_SENT if errors else status_line(standing),
+            "status": _ENDED if self._ended else _NOT_SENT if errors else status_line(standing),
             "tone": "bad" if errors else standing.tone,
             "rows": _rows(standing),
             "running": standing.running,

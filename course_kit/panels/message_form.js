@@ -12,8 +12,17 @@ function make(tag, attributes = {}, ...children) {
   return element;
 }
 
+// A notebook keeps Enter from submitting a form, which a browser would do by itself.
+function submitOnEnter(fields) {
+  fields.addEventListener("keydown", (event) => {
+    if (event.key !== "Enter" || event.target.tagName !== "INPUT" || event.isComposing) return;
+    event.preventDefault();
+    event.target.form.requestSubmit();
+  });
+}
+
 // A fieldset that follows the model's `entries` and `values`; `ask` sends what a list's buttons want.
-function messageForm(model, legend, ask) {
+function messageForm(model, title, ask) {
   const id = `ck-message-${++messageForms}`;
   const idOf = (path) => `${id}-${path}`;
   const fields = make("fieldset", { class: "ck-fields" });
@@ -43,47 +52,52 @@ function messageForm(model, legend, ask) {
 
   function line(entry) {
     const hint = entry.kind === "flag" ? entry.type : `${entry.type}: ${entry.hint}`;
-    return make(
+    const value = make(
       "div",
-      { class: "ck-row" },
-      make("label", { for: idOf(entry.path) }, entry.name),
-      make(
-        "div",
-        { class: "ck-value" },
-        input(entry),
-        make("span", { class: "ck-quiet", id: `${idOf(entry.path)}-hint` }, hint),
-        ...entry.choices.map((one) => choice(entry, one)),
-        make("span", { class: "ck-error", id: `${idOf(entry.path)}-error` }),
-      ),
+      { class: "ck-value" },
+      input(entry),
+      make("span", { class: "ck-quiet", id: `${idOf(entry.path)}-hint` }, hint),
     );
+    if (entry.choices.length) value.append(choices(entry));
+    value.append(make("span", { class: "ck-error", id: `${idOf(entry.path)}-error` }));
+    return make("div", { class: "ck-row" }, make("label", { for: idOf(entry.path) }, entry.name), value);
   }
 
-  function choice({ path }, { name, value }) {
-    const button = make("button", { type: "button", class: "ck-choice" }, `${name} = ${value}`);
-    button.addEventListener("click", () => put(path, value));
-    return button;
+  function choices(entry) {
+    const group = make("div", { class: "ck-choices", role: "group", "aria-label": `Constants for ${entry.name}` });
+    for (const { name, value } of entry.choices) {
+      const attributes = { type: "button", class: "ck-choice", "data-for": entry.path, "data-value": value };
+      const button = make("button", attributes, `${name} = ${value}`);
+      button.addEventListener("click", () => put(entry.path, value));
+      group.append(button);
+    }
+    return group;
   }
 
   function group(entry) {
-    const title = make("legend", {}, entry.name, make("span", { class: "ck-quiet" }, ` ${entry.type}`));
-    const box = make("fieldset", {}, title, ...entry.fields.map(draw));
+    const legend = make("legend", {}, entry.name, make("span", { class: "ck-quiet" }, ` ${entry.type}`));
+    const box = make("fieldset", {}, legend, ...entry.fields.map(draw));
     if (entry.kind === "list" && entry.grows) box.append(growing(entry));
     return box;
   }
 
   function growing(entry) {
     const count = entry.fields.length;
-    const button = (what, words, disabled) => {
-      const made = make("button", { type: "button", disabled, "data-list": `${what} ${entry.path}` }, words);
-      made.setAttribute("aria-label", `${words} ${entry.name}`);
+    const button = (what, short, words, disabled) => {
+      const name = `${words} ${entry.name}`;
+      const made = make(
+        "button",
+        { type: "button", disabled, "data-list": `${what} ${entry.path}`, "aria-label": name },
+        short,
+      );
       made.addEventListener("click", () => ask({ do: what, path: entry.path }));
       return made;
     };
     return make(
       "div",
       { class: "ck-buttons" },
-      button("add", "Add one to", Boolean(entry.most) && count >= entry.most),
-      button("remove", "Remove the last of", count === 0),
+      button("add", "Add", "Add one to", Boolean(entry.most) && count >= entry.most),
+      button("remove", "Remove last", "Remove the last of", count === 0),
       make("span", { class: "ck-quiet" }, count === 0 ? "no element yet" : `${count} in the list`),
     );
   }
@@ -95,9 +109,16 @@ function messageForm(model, legend, ask) {
   function drawAll() {
     const entries = model.get("entries");
     const focused = document.activeElement?.getAttribute("data-list");
-    const drawn = entries.length ? entries.map(draw) : [make("p", { class: "ck-quiet" }, "It has no fields.")];
-    fields.replaceChildren(make("legend", {}, legend), ...drawn);
+    const nothing = make("p", { class: "ck-quiet" }, `This ${title.toLowerCase()} has no fields.`);
+    fields.replaceChildren(make("legend", {}, title), ...(entries.length ? entries.map(draw) : [nothing]));
+    markChoices();
     if (focused) fields.querySelector(`[data-list="${CSS.escape(focused)}"]`)?.focus();
+  }
+
+  function markChoices() {
+    for (const button of fields.querySelectorAll(".ck-choice")) {
+      button.setAttribute("aria-pressed", String(values()[button.dataset.for] === button.dataset.value));
+    }
   }
 
   function takeValues() {
@@ -106,20 +127,23 @@ function messageForm(model, legend, ask) {
       if (place.type === "checkbox") place.checked = Boolean(value);
       else if (value !== undefined && place.value !== String(value)) place.value = value;
     }
+    markChoices();
   }
 
-  function showErrors(errors) {
+  // Puts the reasons beside their fields; `move` takes the focus to the first.
+  function showErrors(errors, move) {
     let first = null;
     for (const place of fields.querySelectorAll("[data-path]")) {
       const reason = errors[place.dataset.path] ?? "";
-      fields.querySelector(`#${CSS.escape(place.id)}-error`).textContent = reason && `✖ ${reason}`;
+      document.getElementById(`${place.id}-error`).textContent = reason && `✖ ${reason}`;
       if (reason) place.setAttribute("aria-invalid", "true");
       else place.removeAttribute("aria-invalid");
       if (reason && !first) first = place;
     }
-    if (first && fields.closest("form")?.contains(document.activeElement)) first.focus();
+    if (move) first?.focus();
   }
 
+  submitOnEnter(fields);
   model.on("change:entries", drawAll);
   model.on("change:values", takeValues);
   drawAll();
