@@ -100,7 +100,9 @@ def test_marking_waits_until_the_end_if_one_wants_it(lab: JupyterLab) -> None:
     expect(measured).to_contain_text(re.compile(r"by_service\s*[\d.]+ ms"))
     measured.scroll_into_view_if_needed()
     lab.picture("lesson_four_measured")
-    lab.page.locator(".jp-RenderedMermaid img").first.scroll_into_view_if_needed()
+    arrows = lab.page.locator(".jp-RenderedMermaid img").first
+    arrows.scroll_into_view_if_needed()
+    expect(arrows).to_be_in_viewport()
     lab.picture("lesson_four_arrows")
     panel = lab.page.locator(".course-kit-quiz-panel")
     panel.get_by_role("button", name="Start again").click()
