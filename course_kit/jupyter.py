@@ -12,7 +12,7 @@ from course_kit import environment
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-FIRST_LESSON = "notebooks/01_services.ipynb"
+FIRST_LESSON = "notebooks/00_welcome.ipynb"
 TERMINAL = Path(__file__).with_name("terminal.bash")
 
 

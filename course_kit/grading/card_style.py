@@ -34,11 +34,13 @@ background:repeating-linear-gradient(135deg,transparent 0 3px,var(--jp-border-co
 .course-kit-report .ck-bar.ck-total{width:14em;height:.8em;margin-left:.4em}
 .course-kit-report .ck-bar>span{display:block;height:100%;background:var(--ck-good)}
 .course-kit-report dl{display:grid;grid-template-columns:max-content minmax(0,1fr);gap:.15em .9em;margin:.35em 0 .5em}
+.course-kit-report dt,.course-kit-report dd{float:none;width:auto;padding:0;margin:0}
 .course-kit-report dt{font-weight:600}
-.course-kit-report dd{margin:0;overflow-wrap:anywhere}
+.course-kit-report dd{overflow-wrap:anywhere}
 .course-kit-report code{background:var(--jp-layout-color2,#eee);color:inherit;padding:0 .25em;border-radius:2px;
 overflow-wrap:anywhere}
-.course-kit-report a{color:var(--jp-content-link-color,#0b57d0);text-decoration:underline}
+.course-kit-report a:link,.course-kit-report a:visited{color:var(--jp-content-link-color,#0b57d0);
+text-decoration:underline}
 .course-kit-report pre{white-space:pre-wrap;overflow-wrap:anywhere;max-height:14em;overflow:auto;margin:.3em 0}
 .course-kit-report .ck-exchange{margin:.4em 0}
 .course-kit-report .ck-exchange ol{margin:.2em 0;padding-left:2em}

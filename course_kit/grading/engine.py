@@ -106,7 +106,10 @@ def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadab
 def _grade(task: Exercise, job: Job, shown: str, worker: Worker) -> Report:
     began = time.monotonic()
     walls = _walls(Isolation.from_mapping(worker.ready()), job.mode)
-    return _report(task, shown, worker.grade(job), walls, began)
+    waited_s = time.monotonic() - began
+    outcome = worker.grade(job)
+    outcome["timings"]["worker_s"] = waited_s
+    return _report(task, shown, outcome, walls, began)
 
 
 def _domain() -> int:

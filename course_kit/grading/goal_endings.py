@@ -80,11 +80,12 @@ def of_silence(bench: Bench, over: str, seconds: float, life: Life) -> Cause:
     if over:
         cause = of_exception(life, bench.job)
         return cause or (None, f"The goal has ended as {over}, but its result was never sent.")
-    seen = next((seen for seen in (silence.doing(bench) for _ in range(_LOOKS)) if seen.callback), None)
-    if seen is None or seen.callback is None:
+    looks = [silence.doing(bench) for _ in range(_LOOKS)]
+    at_work = [seen.callback for seen in looks if seen.callback is not None]
+    if not at_work:
         return None, f"The goal was accepted, and {seconds:.1f} s later it has not ended. No callback is at work on it."
-    where = endings.source_line(bench.job, seen.callback.line)
-    if seen.waits_for_ros:
+    where = endings.source_line(bench.job, at_work[0].line)
+    if all(seen.waits_for_ros for seen in looks if seen.callback is not None):
         return "service.deadlock", f"Your execute callback has stopped in {where}: it waits there for ROS."
     return "limit.time", f"After {seconds:.1f} s your execute callback is still at work, in {where}."
 

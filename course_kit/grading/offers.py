@@ -62,7 +62,7 @@ def await_offer(bench: Bench, wanted: Wanted, ready: Callable[[], bool], offers:
         return ready() or other_type() or settled()
 
     try:
-        bench.wait_until(decided, bench.job.limits.start_s)
+        bench.wait_for_start(decided)
     except SubmissionEndedError as ended:
         diagnosis, message = endings.of_start(ended.life, bench.job)
         raise Failed(Evidence("", expected, "a program that has ended"), message, diagnosis) from None
@@ -95,7 +95,7 @@ def start_again(
     """
     bench.launch(variables=variables)
     try:
-        if bench.wait_until(ready, bench.job.limits.start_s):
+        if bench.wait_for_start(ready):
             return
     except SubmissionEndedError:
         pass

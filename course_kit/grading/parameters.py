@@ -129,7 +129,7 @@ def expect_served(bench: Bench, node: str) -> Evidence:
         return clock.past(_SETTLED_S) and bool(bench.tester.nodes()) and silence.spins(bench)
 
     try:
-        bench.wait_until(lambda: remote.ready() or settled(), bench.job.limits.start_s)
+        bench.wait_for_start(lambda: remote.ready() or settled())
         if not remote.ready():
             raise _not_served(bench, node, expected)
         asked = bench.tester.client(ListParameters, f"{node}/list_parameters").call_async(ListParameters.Request())

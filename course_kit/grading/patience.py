@@ -5,12 +5,28 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from course_kit.grading import processes
-
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+_RECENT_S = 0.1
 _MOST = 0.8  # however busy the machine: after five times the patience a wait is over
+
+
+class Recent:
+    """A count that may be some moments old, where asking anew costs more than most waits last."""
+
+    def __init__(self, count: Callable[[], float]) -> None:
+        self._count = count
+        self._value, self._at = 0.0, -_RECENT_S
+
+    def __call__(self) -> float:
+        """The count of now."""
+        self._value, self._at = self._count(), time.monotonic()
+        return self._value
+
+    def lately(self) -> float:
+        """The count of now or of a moment ago."""
+        return self._value if time.monotonic() - self._at < _RECENT_S else self()
 
 
 class FairClock:
@@ -20,15 +36,18 @@ class FairClock:
     submission on a machine with many other programs thus gets the same patience as on an idle one.
     """
 
-    def __init__(self, waited_by_submission: Callable[[], float]) -> None:
+    def __init__(self, of_submission: Recent, own: Recent, most: float = _MOST) -> None:
         """Start the clock.
 
         Args:
-            waited_by_submission: seconds its threads have waited for a processor so far; asked as rarely as possible.
+            of_submission: seconds its threads have waited for a processor so far; as rarely asked as possible.
+            own: the same of the grader's.
+            most: the largest part of the time that is taken for lost.
         """
-        self._of_submission = waited_by_submission
+        self._most = most
+        self._of_submission, self._own = of_submission, own
         self._began = time.monotonic()
-        self._waited = (waited_by_submission(), processes.own_waiting())
+        self._waited = (of_submission.lately(), own.lately())
 
     def wall(self) -> float:
         """Seconds on the wall."""
@@ -41,5 +60,5 @@ class FairClock:
     def fair(self) -> float:
         """Seconds, fairly counted."""
         wall = self.wall()
-        lost = max(self._of_submission() - self._waited[0], processes.own_waiting() - self._waited[1])
-        return wall - min(max(lost, 0.0), _MOST * wall)
+        lost = max(self._of_submission() - self._waited[0], self._own() - self._waited[1])
+        return wall - min(max(lost, 0.0), self._most * wall)

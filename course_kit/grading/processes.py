@@ -52,6 +52,11 @@ def descendants(root: int) -> list[int]:
     return found
 
 
+def count() -> int:
+    """How many processes /proc shows, this one included."""
+    return sum(name.isdecimal() for name in os.listdir("/proc"))  # noqa: PTH208 - hot
+
+
 def this_process() -> int:
     """The number of this process as /proc knows it."""
     return int(Path("/proc/self").readlink().name)
@@ -104,10 +109,15 @@ def tasks_of_user(user: int) -> int:
     return tasks
 
 
-def own_waiting() -> float:
-    """Seconds the thread of this process that suffered most was ready to run and got no processor."""
+def own_waiting(*, helpers_only: bool = False) -> float:
+    """Seconds the thread of this process that suffered most was ready to run and got no processor.
+
+    Args:
+        helpers_only: leave the main thread out, which has the number of the process.
+    """
     with suppress(OSError, ValueError, IndexError):
-        return _waited(this_process())
+        own = this_process()
+        return _waited(own, but=own if helpers_only else 0)
     return 0.0
 
 
@@ -118,11 +128,15 @@ def end_descendants(keep: Container[int] = ()) -> None:
     so that a program which forks while it is being killed does not escape.
     """
     own = this_process()
+    listed = _listed_children
     while True:
-        doomed = [child for child in _children(own) if child not in keep]
+        doomed = [child for child in listed(own) if child not in keep]
         if not doomed:
-            return
-        for process_id in (*doomed, *(below for child in doomed for below in descendants(child))):
+            if listed is _all_children or (not keep and _childless()):
+                return
+            listed = _all_children  # the kernel's list may lack a child when another ends just then
+            continue
+        for process_id in (*doomed, *(below for child in doomed for below in _below(child))):
             with suppress(ProcessLookupError):
                 os.kill(process_id, signal.SIGKILL)
         for child in doomed:
@@ -130,7 +144,39 @@ def end_descendants(keep: Container[int] = ()) -> None:
                 os.waitpid(child, 0)
 
 
-def _children(parent: int) -> list[int]:
+def _childless() -> bool:
+    """Whether this process has no child, living or unreaped."""
+    try:
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+    except ChildProcessError:
+        return True
+    return False
+
+
+def _below(process_id: int) -> list[int]:
+    found, pending = [], [process_id]
+    while pending:
+        below = _listed_children(pending.pop())
+        found.extend(below)
+        pending.extend(below)
+    return found
+
+
+def _listed_children(parent: int) -> list[int]:
+    """The children by the kernel's own list, without a look at every process of the machine."""
+    found: list[int] = []
+    try:
+        for thread in os.listdir(f"/proc/{parent}/task"):  # noqa: PTH208 - hot
+            with open(f"/proc/{parent}/task/{thread}/children", encoding="ascii") as file:  # noqa: PTH123 - hot
+                found += map(int, file.read().split())
+    except FileNotFoundError:  # it has ended, or this kernel keeps no such lists (CONFIG_PROC_CHILDREN)
+        return _all_children(parent)
+    except OSError:
+        return found
+    return found
+
+
+def _all_children(parent: int) -> list[int]:
     found = []
     for name in os.listdir("/proc"):  # noqa: PTH208 - hot
         if name.isdecimal():
@@ -146,10 +192,12 @@ def _stat(process_id: int) -> list[str]:
         return file.read().rpartition(")")[2].split()
 
 
-def _waited(process_id: int) -> float:
+def _waited(process_id: int, but: int = 0) -> float:
     longest = 0
     folder = f"/proc/{process_id}/task"
     for thread in os.listdir(folder):  # noqa: PTH208 - hot
+        if but and thread == str(but):
+            continue
         with suppress(OSError, ValueError, IndexError), open(f"{folder}/{thread}/schedstat", encoding="utf-8") as file:  # noqa: PTH123
             longest = max(longest, int(file.read().split()[1]))
     return longest / 1e9

@@ -59,7 +59,9 @@ class Report:
         stderr: the same of its errors; ROS 2 logs go there.
         problem: why there is no grade, when the status is unreadable or error.
         isolation: which walls stood around the submission, in one line.
-        timings: where the time went, in seconds.
+        timings: where the time went, in seconds: worker_s until a worker was ready, start_s for making the sandbox and
+            the grader's node, discovery_s until the program was found on the graph, checks_s, teardown_s, total_s (but
+            the worker's); checks has for each check when it was done.
     """
 
     exercise: str

@@ -27,7 +27,7 @@ from course_kit.grading import guard, namespaces, processes
 from course_kit.grading.isolation import enter_processes
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Container, Mapping
 
     from course_kit.grading.isolation import Isolation
     from course_kit.grading.limits import Limits
@@ -97,7 +97,7 @@ class Sandbox:
         with suppress(OSError):  # it has ended; so its stream says
             os.write(self.streams.control, what)
 
-    def end(self, keep: set[int]) -> None:
+    def end(self, keep: Container[int]) -> None:
         """Kill all that was started; returns when it is dead and its scratch directory gone.
 
         Args:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+_HANDING_OVER = ("publish", "publish_feedback", "call_async", "send_goal_async", "log")
 _HEADER = "Traceback (most recent call last):"
 _FILE_LINE = re.compile(r'^\s+File "(?P<file>[^"]*)", line (?P<line>\d+)(?:,)? in (?P<function>.+)$')
 _EXCEPTION = re.compile(r"^(?P<type>[A-Za-z_][\w.]*)(?:: (?P<text>.*))?$")
@@ -94,8 +95,14 @@ def activity(dump: str, program: str) -> Activity:
         anywhere = anywhere or stack[own[0]]
         if executor and executor[-1] > own[0] and _below_handler(stack, own[0]):
             callback = stack[own[0]]
-            waits = any("rclpy/" in frame.file for frame in stack[: own[0]])
+            waits = _waits_in_rclpy(stack[: own[0]])
     return Activity(spinning, callback, waits, callback or anywhere)
+
+
+def _waits_in_rclpy(called: list[Frame]) -> bool:
+    """Whether the frames that the learner's line has called wait in rclpy, and are not just handing something over."""
+    within = [frame for frame in called if "rclpy/" in frame.file]
+    return bool(within) and not any(frame.function in _HANDING_OVER for frame in within)
 
 
 def _below_handler(stack: list[Frame], place: int) -> bool:

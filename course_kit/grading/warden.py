@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 from course_kit.grading import guard, namespaces, processes
+from course_kit.grading.bench import PHASES
 from course_kit.grading.isolation import enter_network
 from course_kit.grading.life import Life
 from course_kit.grading.output import Output
@@ -56,16 +57,24 @@ class Warden:
         probe_end = self._start_probe()
         problem = self._serve(probe_end)
         stopping = time.monotonic()
-        self._stop()
+        self._stop(with_probe=True)
         processes.end_descendants()
-        now = time.monotonic()
         return {
             "results": self._results,
             "stdout": self._totals[0].text(),
             "stderr": self._totals[1].text(),
             "problem": problem,
-            "timings": {**self._extra, "teardown_s": now - stopping, "total_s": now - self._began},
+            "timings": self._timings(stopping),
         }
+
+    def _timings(self, stopping: float) -> dict[str, Any]:
+        """Where the time went, in seconds; what came before the probe ran counts as start."""
+        now = time.monotonic()
+        probing = sum(self._extra.get(f"{phase}_s", 0.0) for phase in (*PHASES, "checks"))
+        times = {"teardown_s": now - stopping, "total_s": now - self._began}
+        if "start_s" in self._extra:
+            self._extra["start_s"] += stopping - self._began - probing
+        return {**self._extra, **times}
 
     def _start_probe(self) -> Channel:
         ours, theirs = Channel.pair()
@@ -214,18 +223,18 @@ class Warden:
             self._life.stopped_by_us(limit)
         self._kill()
 
-    def _kill(self) -> None:
+    def _kill(self, *, with_probe: bool = False) -> None:
         if self._sandbox is None or self._life is None:
             return
-        self._sandbox.end(keep={self._probe_id})
+        self._sandbox.end(keep=() if with_probe else {self._probe_id})
         # All writers are dead: the streams end, and reading them cannot block.
         while streams := self._life.open_streams():
             for name in streams.values():
                 self._life.take(name)
         self._sandbox.streams.close()
 
-    def _stop(self) -> None:
-        self._kill()
+    def _stop(self, *, with_probe: bool = False) -> None:
+        self._kill(with_probe=with_probe)
         if self._arguments and self._life is not None and self._life.facts()["stderr"]:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.
             self._totals[1].add(f"[The lines above are of a start with: {' '.join(self._arguments)}]\n".encode())

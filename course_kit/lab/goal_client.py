@@ -22,6 +22,7 @@ from course_kit.lab.graph import full_action_name
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+_LOOK = 0.5  # seconds between looks at whether the servers of goals are still there
 _DEPTH = 1000  # feedback messages that may wait while a callback keeps the lab's thread
 _STATUS = {
     GoalStatus.STATUS_ACCEPTED: "ACCEPTED",
@@ -57,6 +58,7 @@ class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type inform
         )
         self.action_name = full_action_name(node, action)
         self.busy: dict[bytes, Pursuit] = {}
+        self._watch: Any = None
         self._ended: weakref.WeakValueDictionary[bytes, Pursuit] = weakref.WeakValueDictionary()
 
     def add_future(self, future: Any) -> None:
@@ -81,7 +83,7 @@ class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type inform
         for message in taken_data.pop("all_feedback"):
             await super().execute({"feedback": message})  # for whoever records; it has no callback of rclpy's
             self.deliver(message)
-        for status in getattr(taken_data.pop("status", None), "status_list", ()):
+        for status in getattr(taken_data.get("status"), "status_list", ()):
             pursuit = self._find(status.goal_info.goal_id)
             if pursuit is not None:
                 pursuit.note_status(_STATUS.get(status.status, ""))
@@ -97,6 +99,8 @@ class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type inform
         """Send a goal; returns the future of rclpy's goal handle."""
         identifier = self._generate_random_uuid()
         self.busy[bytes(identifier.uuid)] = pursuit
+        if self._watch is None:
+            self._watch = self._node.create_timer(_LOOK, self._look_for_servers, callback_group=self.callback_group)
         return self.send_goal_async(goal, goal_uuid=identifier)
 
     def end(self, pursuit: Pursuit) -> None:
@@ -104,6 +108,30 @@ class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type inform
         for identifier, one in list(self.busy.items()):
             if one is pursuit:
                 self._ended[identifier] = self.busy.pop(identifier)
+
+    def servers(self) -> frozenset[bytes]:
+        """What identifies the action's servers that are on the graph; one that was started again is another."""
+        found = self._node.get_publishers_info_by_topic(f"{self.action_name}/_action/feedback")
+        return frozenset(bytes(one.endpoint_gid) for one in found)
+
+    def destroy(self) -> None:
+        """Destroy it, and the timer that belongs to it."""
+        self._stop_watching()
+        super().destroy()
+
+    def _look_for_servers(self) -> None:
+        """Tell of goals whose server has gone: of itself no result would ever come."""
+        if self.busy:
+            servers = self.servers()
+            for pursuit in list(self.busy.values()):
+                pursuit.note_servers(servers)
+        else:
+            self._stop_watching()
+
+    def _stop_watching(self) -> None:
+        if self._watch is not None:
+            self._node.destroy_timer(self._watch)
+            self._watch = None
 
     def _find(self, goal_id: Any) -> Pursuit | None:
         identifier = bytes(goal_id.uuid)
@@ -142,6 +170,8 @@ class Pursuit:
         self.listeners: list[Callable[[], None]] = []
         self.unwanted = False
         self._goal = goal
+        self._servers: frozenset[bytes] = frozenset()
+        self._missed = 0
         self._call = call
         self._handle: Any = None
 
@@ -180,6 +210,13 @@ class Pursuit:
             self._call(lambda: on_feedback(message))
         self._changed()
 
+    def note_servers(self, servers: frozenset[bytes]) -> None:
+        """Which servers of its action are there now; without its own it is lost, at the second look."""
+        if self.accepted:
+            self._missed = 0 if servers & self._servers else self._missed + 1
+            if self._missed > 1:
+                self.lose()
+
     def lose(self) -> None:
         """Its server has gone: there will be no result."""
         self._end("UNKNOWN", None)
@@ -191,6 +228,7 @@ class Pursuit:
             self._end("REJECTED", None)
             return
         self.accepted = True
+        self._servers = self.client.servers()
         self.status = self.status or "ACCEPTED"
         self._handle.get_result_async().add_done_callback(self._finished)
         if self.unwanted:
@@ -206,7 +244,7 @@ class Pursuit:
             return
         self.status, self.result, self.ended = status, result, True
         self.client.end(self)
-        if self.on_result is not None:
+        if self.on_result is not None and self.accepted is not None:
             self._call(self.on_result)
         self._changed()
 

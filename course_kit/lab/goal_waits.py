@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from course_kit.lab.goal_client import GoalClient, Pursuit
 
 _CHECK = 0.2  # seconds between looks at whether the server is still there
+_MISSED = 2  # such looks in a row without it
 
 
 class Surroundings(Protocol):
@@ -123,11 +124,11 @@ class Wait:
             why = self._lab.why_no_result(self._pursuit.client.action_name)
             raise NoAnswerError(f"{self._awaited.lacking} within {self._timeout:g} s. {why}")
         self._missing = 0 if is_there(self._pursuit.client) else self._missing + 1
-        if self._missing > 1:  # what it sent at the very end may be on its way
+        if self._missing == _MISSED:  # before that, what it sent at the very end may be on its way
             self._lab.before_blaming()
-            if not self._awaited.arrived():
-                self._lab.do(self._pursuit.lose)
-                raise NoAnswerError(gone(self._pursuit.client.action_name))
+            self._lab.do(self._pursuit.lose)
+        elif self._missing > _MISSED:
+            raise NoAnswerError(gone(self._pursuit.client.action_name))
 
     def result(self) -> Any:
         """What was waited for."""

@@ -151,6 +151,7 @@ class Goal:
 
     def _result_of(self, _: object) -> Any:
         if self._pursuit.result is None:
+            self._lab.before_blaming()
             raise NoAnswerError(gone(self.action))
         return self._pursuit.result
 

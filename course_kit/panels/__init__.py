@@ -9,7 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from course_kit.panels.arena_map import RobotMap
+    from course_kit.panels.comparison import Comparison
     from course_kit.panels.form_view import ServiceForm
     from course_kit.panels.goal_panel import ActionPanel
     from course_kit.panels.graph_view import GraphView
@@ -18,7 +21,7 @@ if TYPE_CHECKING:
     from course_kit.panels.sliders import ParameterSliders
 
 # A panel's module is never called like its function: importing it would put the module in the function's place.
-__all__ = ["action_panel", "graph", "parameter_sliders", "plot", "quiz", "robot_map", "service_form"]
+__all__ = ["action_panel", "compare", "graph", "parameter_sliders", "plot", "quiz", "robot_map", "service_form"]
 
 
 def service_form(service: str, service_type: Any, *, timeout: float = 5.0) -> ServiceForm:
@@ -68,6 +71,22 @@ def robot_map(action: str = "/move_robot") -> RobotMap:
     from course_kit.panels.arena_map import RobotMap
 
     return RobotMap(action)
+
+
+def compare(title: str, values: Mapping[str, float], unit: str) -> Comparison:
+    """Measured numbers as bars: `panels.compare("How long it took", {"topic": 81.0, "service": 1.2}, "ms")`.
+
+    Args:
+        title: what was measured.
+        values: the numbers by what they belong to; finite, none below zero.
+        unit: of the numbers.
+
+    Raises:
+        ValueError: there is no number, or one that cannot be drawn.
+    """
+    from course_kit.panels.comparison import Comparison
+
+    return Comparison(title, values, unit)
 
 
 def parameter_sliders(node: Any) -> ParameterSliders:

@@ -7,6 +7,8 @@ let panels = 0;
 
 function made(tag, properties = {}, ...children) {
   const element = document.createElement(tag);
+  // Or the notebook takes the arrow keys and Enter; it asks the element that has the focus, so each one has to say so.
+  element.setAttribute("data-lm-suppress-shortcuts", "true");
   for (const [name, value] of Object.entries(properties)) {
     if (name.includes("-") || name === "role") element.setAttribute(name, value);
     else element[name] = value;
@@ -84,7 +86,7 @@ function render({ model, el }) {
   const back = button("Previous", () => go(place - 1));
   const next = button("Next", () => go(place + 1));
   const mark = button("Mark my answers", () => model.send({ do: "mark" }));
-  const again = button("Start again", () => model.send({ do: "reset" }));
+  const again = button("Start again", () => model.send({ do: model.get("cleared") ? "undo" : "reset" }));
   const whenever = ["at once", "at the end"].map((when) => {
     const radio = made("input", { type: "radio", name: `${prefix}-marking`, value: when });
     radio.addEventListener("change", () => {
@@ -147,6 +149,7 @@ function render({ model, el }) {
     marks.replaceChildren(...marksOf(model.get("marks")[questions[place].id]));
     for (const radio of whenever) radio.checked = radio.value === model.get("marking");
     mark.hidden = model.get("marking") === "at once";
+    again.textContent = model.get("cleared") ? "Bring my choices back" : "Start again";
     if (name !== document.activeElement) name.value = model.get("file_name");
     if (said.textContent !== model.get("said")) said.textContent = model.get("said");
   }
@@ -162,7 +165,6 @@ function render({ model, el }) {
       {
         className: "course-kit-quiz-panel",
         "aria-label": "Quiz: which communication pattern fits?",
-        "data-lm-suppress-shortcuts": "true", // or the notebook would take the arrow keys of the radio buttons
       },
       progress,
       bar,
@@ -177,7 +179,7 @@ function render({ model, el }) {
   );
   drawCard();
   refresh();
-  for (const trait of ["choices", "marks", "summary", "marking", "file_name", "said"]) {
+  for (const trait of ["choices", "marks", "summary", "marking", "file_name", "said", "cleared"]) {
     model.on(`change:${trait}`, changed);
   }
   return () => model.off(null, changed);

@@ -40,6 +40,7 @@ class QuizForm(anywidget.AnyWidget):
     summary = traitlets.Unicode().tag(sync=True)
     file_name = traitlets.Unicode(FILE_NAME).tag(sync=True)
     said = traitlets.Unicode().tag(sync=True)
+    cleared = traitlets.Bool().tag(sync=True)  # so that it can be taken back
 
 
 class QuizPanel(Panel):
@@ -59,6 +60,7 @@ class QuizPanel(Panel):
         self._one_at_a_time = threading.RLock()
         self._kept = quiz_answers.Kept(seed)
         self._marked: set[str] = set()
+        self._cleared: quiz_answers.Answers = {}
         self._form = QuizForm(
             patterns=list(quiz.PATTERNS),
             questions=[_question(scenario, seed) for scenario in self._questions.scenarios],
@@ -110,12 +112,20 @@ class QuizPanel(Panel):
             return self._form.said
 
     def reset(self) -> None:
-        """Forget all choices and marks. A file that was written stays."""
+        """Clear all choices and marks; `undo` brings them back. A file that was written stays."""
         with self._one_at_a_time:
+            cleared = self.answers
             self._form.choices = {}
             self._marked.clear()
             self._show_marks()
             self._form.said = "All choices are cleared."
+            self._cleared, self._form.cleared = cleared, bool(cleared)
+
+    def undo(self) -> None:
+        """Bring back the choices that were cleared, as long as nothing has been chosen since."""
+        with self._one_at_a_time:
+            if self._form.cleared:
+                self._form.choices = self._cleared
 
     def _questions_answered(self) -> Mapping[str, tuple[str, str]]:
         return {scenario.id: self.answers.get(scenario.id, ("", "")) for scenario in self._questions.scenarios}
@@ -130,6 +140,7 @@ class QuizPanel(Panel):
                 self._marked -= {name for name in self._marked if old.get(name) != new.get(name)}
             self._show_marks()
             self._form.said = ""
+            self._form.cleared = False
 
     def _when_changed(self, _change: object = None) -> None:
         with self._one_at_a_time:
@@ -143,6 +154,8 @@ class QuizPanel(Panel):
             self.mark()
         elif do == "reset":
             self.reset()
+        elif do == "undo":
+            self.undo()
         elif do == "write":
             self.write(str(content.get("name", "")))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import secrets
 import signal
 import socket
@@ -14,7 +15,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from playwright.sync_api import Page, expect, sync_playwright
+from playwright.sync_api import Locator, Page, expect, sync_playwright
 
 from course_kit import environment
 from course_kit.dev import browser
@@ -65,6 +66,24 @@ class JupyterLab:
                 return ran > 0 && idle && !prompts.some(p => p.includes('*'));
             }"""
         )
+
+    def scroll_to(self, wanted: Locator) -> Locator:
+        """Roll the wheel from the top until it is there: JupyterLab draws outputs only when they come near."""
+        notebook = self.page.locator(".jp-Notebook .jp-WindowedPanel-outer").first
+        notebook.evaluate("panel => panel.scrollTo(0, 0)")
+        deadline = time.monotonic() + PATIENCE_MS / 1000
+        while not wanted.count():
+            assert time.monotonic() < deadline, f"{wanted} is nowhere in the notebook"
+            notebook.evaluate("panel => panel.scrollBy(0, 300)")
+            self.page.wait_for_timeout(50)
+        wanted.first.scroll_into_view_if_needed()
+        return wanted.first
+
+    def run_cell_that_begins(self, start: str) -> None:
+        cell = self.scroll_to(self.page.locator(".jp-CodeCell", has_text=start))
+        cell.locator(".cm-content").click()
+        self.page.keyboard.press("Control+Enter")
+        expect(cell.locator(".jp-InputPrompt").first).to_have_text(re.compile(r"\[\d+\]"))
 
     def replace_cell_that_begins(self, start: str, text: str) -> None:
         cell = self.page.locator(".jp-CodeCell", has_text=start).first
@@ -150,6 +169,7 @@ def page() -> Iterator[Page]:
         opened.set_default_timeout(PATIENCE_MS)
         expect.set_options(timeout=PATIENCE_MS)
         opened.on("pageerror", lambda error: errors.append(str(error)))
+        opened.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
         yield opened
         chromium.close()
     assert not errors

@@ -9,6 +9,7 @@ import sys
 import threading
 from typing import TYPE_CHECKING, Any
 
+import psutil
 import pytest
 import rclpy
 from example_interfaces.action import Fibonacci
@@ -279,9 +280,9 @@ class Chatty(Node):
 
     def execute(self, goal):
         for number in range(goal.request.order):
-            print("printed", number, end="")
-            print()
+            print("printed", end=" ")  # a line is not torn apart by another one
             self.get_logger().info(f"logged {number}")
+            print(number)
         if goal.request.order == 2:
             raise ValueError("two")
         goal.succeed()
@@ -293,7 +294,7 @@ lab.start(Chatty)
 def test_what_execute_callbacks_print_lands_in_the_cell_that_waits(kernel: Kernel) -> None:
     assert kernel.run(SERVER).ok
     shown = kernel.run("goal = await lab.send_goal('/chat', Fibonacci, order=3)\n_ = await goal.result()")
-    lines = [f"printed {number}\n[INFO] [chatty]: logged {number}\n" for number in range(3)]
+    lines = [f"[INFO] [chatty]: logged {number}\nprinted {number}\n" for number in range(3)]
     assert shown.stdout == "".join(lines)
     assert shown.stderr == ""
     shown = kernel.run("goal = await lab.send_goal('/chat', Fibonacci, order=2)\n_ = await goal.result()\ngoal")
@@ -303,3 +304,47 @@ def test_what_execute_callbacks_print_lands_in_the_cell_that_waits(kernel: Kerne
         r"  The node lives on, and so do the others\.\n",
         shown.stderr,
     )
+
+
+LONG = """
+import time
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.node import Node
+
+class Long(Node):
+    def __init__(self):
+        super().__init__("long")
+        ActionServer(self, Fibonacci, "long", self.execute, cancel_callback=lambda _: CancelResponse.ACCEPT)
+
+    def execute(self, goal):
+        while not goal.is_cancel_requested:
+            goal.publish_feedback(Fibonacci.Feedback(sequence=[1]))
+            time.sleep(0.02)
+        goal.canceled()
+        return Fibonacci.Result(sequence=[2])
+lab.start(Long)
+"""
+
+
+def test_interrupting_a_cell_that_waits_for_a_goal(kernel: Kernel) -> None:
+    assert kernel.run(LONG).ok
+    assert kernel.run("goal = await lab.send_goal('/long', Fibonacci, order=1)").ok
+    for code in ("await goal.result()", "goal.result_blocking()", "async for feedback in goal:\n    pass"):
+        message = kernel.send("print('begun', flush=True)\n" + code)
+        kernel.finish(message, until="begun")
+        kernel.manager.interrupt_kernel()
+        assert re.search("KeyboardInterrupt|CancelledError", kernel.finish(message).error), code
+    shown = kernel.run(
+        "assert len(goal.feedback) > 1\nprint(await goal.cancel(), (await goal.result()).sequence)\ngoal"
+    )
+    assert (shown.ok, shown.stdout) == (True, "True array('i', [2])\n"), shown
+    assert shown.result["text/plain"] == "Goal(order=1) for /long: CANCELED"
+
+
+def test_a_kernel_ends_cleanly_while_a_goal_is_being_executed(fresh_kernel: Kernel) -> None:
+    fresh_kernel.run(LONG)
+    assert fresh_kernel.run("goal = await lab.send_goal('/long', Fibonacci, order=1)").ok
+    process = psutil.Process(fresh_kernel.pid)
+    fresh_kernel.client.shutdown(restart=False)
+    assert process.wait(timeout=20) in {0, None}

@@ -126,3 +126,55 @@ def test_a_goal_inside_a_callback_is_refused() -> None:
     lab.start(Fibonaccis)
     lab.start(Asking)
     assert "send_goal_async() there" in lab.call_blocking("/switch", SetBool, data=True).message
+
+
+def test_feedback_that_comes_at_once_and_with_the_result_is_not_lost() -> None:
+    class Hurried(Fibonaccis):
+        def execute(self, goal: Any) -> Any:
+            for number in range(goal.request.order):
+                goal.publish_feedback(Fibonacci.Feedback(sequence=[number]))
+            goal.succeed()
+            return Fibonacci.Result()
+
+    lab.start(Hurried)
+    for _ in range(5):
+        goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=40)
+        goal.result_blocking()
+        assert [one.sequence[0] for one in goal.feedback] == list(range(40))
+
+
+def test_what_a_feedback_function_raises_is_told_and_harms_nobody(capsys: pytest.CaptureFixture[str]) -> None:
+    def fail(_: Any) -> None:
+        message = "no such bar"
+        raise ValueError(message)
+
+    lab.start(Fibonaccis)
+    goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=2, on_feedback=fail, on_result=fail)
+    assert list(goal.result_blocking().sequence) == [0, 1, 1]
+    shown = capsys.readouterr().err
+    assert shown.count("fail raised ValueError: no such bar") == 2
+    assert "Traceback" not in shown
+
+
+SERVER = """
+import os, rclpy
+from tests.lab.action_nodes import Waiting
+rclpy.init()
+rclpy.spin(Waiting(), executor=rclpy.executors.MultiThreadedExecutor(2))
+"""
+
+
+def test_a_server_that_dies_or_is_started_again_has_lost_its_goals() -> None:
+    told: list[Any] = []
+    server = lab.script("server", SERVER, mode="background")
+    goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=9, timeout=20, on_result=told.append)
+    server.process.kill()
+    with pytest.raises(lab.NoAnswerError, match="The server of /fibonacci went away before the goal ended"):
+        goal.result_blocking()
+    assert (goal.status, told) == ("UNKNOWN", [goal])
+    lab.script("server", SERVER, mode="background")
+    lost = lab.send_goal_blocking("/fibonacci", Fibonacci, order=9, timeout=20)
+    lab.script("server", SERVER, mode="background")
+    with pytest.raises(lab.NoAnswerError, match="The server of /fibonacci went away before the goal ended"):
+        lost.result_blocking()
+    assert lost.done

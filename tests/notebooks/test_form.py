@@ -24,6 +24,10 @@ def cells(path: Path, kind: str) -> list[Any]:
     return [cell for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == kind]
 
 
+def text_of(path: Path) -> str:
+    return "\n\n".join(cell.source for cell in cells(path, "markdown"))
+
+
 def without_magic(source: str) -> str:
     first, _, rest = source.partition("\n")
     return rest.strip() if first.startswith("%%") else source.strip()
@@ -84,7 +88,13 @@ def test_every_picture_has_a_text_and_every_link_leads_somewhere(path: Path) -> 
     for cell in cells(path, "markdown"):
         assert "![](" not in cell.source
         for link in re.findall(r"\]\(((?!https?:|#)[^)\s]+)\)", cell.source):
-            assert (path.parent / link).exists(), link
+            file, _, heading = link.partition("#")
+            target = path.parent / file
+            assert target.exists(), link
+            if heading and target.suffix == ".ipynb":
+                assert re.search(rf"^#+ +{re.escape(heading.replace('-', ' '))} *$", text_of(target), re.MULTILINE), (
+                    link
+                )
 
 
 def test_lesson_one_runs_the_programs_of_the_chapter_word_for_word() -> None:

@@ -137,6 +137,21 @@ def test_running_the_cell_again_keeps_the_choices_and_each_seed_has_its_own() ->
     assert panels.quiz(seed=SEED).answers == {}
 
 
+def test_what_was_cleared_by_mistake_comes_back_until_something_is_chosen() -> None:
+    panel = answered(mixed)
+    before, marks = panel.answers, panel.widget.marks
+    said_by(panel, "undo")  # nothing was cleared: nothing happens
+    said_by(panel, "reset")
+    assert (panel.answers, panel.widget.cleared) == ({}, True)
+    said_by(panel, "undo")
+    assert (panel.answers, panel.widget.marks, panel.widget.cleared) == (before, marks, False)
+    said_by(panel, "reset")
+    scenario = quiz.draw(SEED)[0]
+    panel.answer(scenario.id, *right(scenario))
+    said_by(panel, "undo")
+    assert panel.answers == {scenario.id: right(scenario)}
+
+
 @pytest.mark.parametrize("kept", ["", "[1]", '{"weld_seam": 3}', "{"])
 def test_a_broken_store_is_no_reason_to_fail(kept: str, tmp_path: Path) -> None:
     (tmp_path / "quiz").mkdir()
@@ -187,6 +202,12 @@ def test_a_closed_panel_hears_nothing() -> None:
     panel.close()
     panel.widget.choices = {quiz.draw(SEED)[0].id: list(right(quiz.draw(SEED)[0]))}
     assert panel.widget.marks == {}
+
+
+def test_a_notebook_shows_the_form_and_stores_its_words() -> None:
+    bundle = panels.quiz(SEED)._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+    assert bundle["text/plain"] == repr(panels.quiz(SEED))
 
 
 def test_its_words_are_the_same_whatever_is_chosen() -> None:

@@ -1,0 +1,122 @@
+"""Lessons 0 and 1 in the browser: the graph that follows, the form that calls."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from playwright.sync_api import expect
+
+if TYPE_CHECKING:
+    from tests.browser.learner import JupyterLab
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
+
+ERRORS = ".jp-OutputArea-output[data-mime-type='application/vnd.jupyter.error']"
+
+
+def test_lesson_zero_shows_nodes_come_and_go(lab: JupyterLab) -> None:
+    lab.open("notebooks/00_welcome.ipynb")
+    lab.run_cell_that_begins("%load_ext course_kit")
+    lab.run_cell_that_begins("graph = panels.graph()")
+    graph = lab.page.locator(".ck-graph")
+    expect(graph).to_contain_text("No node is on the graph.")
+    lab.run_cell_that_begins("from rclpy.node import Node")
+    lab.scroll_to(graph)
+    expect(graph.locator("[data-node=battery]")).to_contain_text("publishes")
+    expect(graph.locator("[data-channel='/battery_voltage']")).to_contain_text("No node listens to /battery_voltage.")
+    expect(graph.get_by_role("status")).to_have_text("battery has joined the graph.")
+    lab.picture("lesson_zero_one_node")
+
+    lab.run_cell_that_begins("class Dashboard(Node)")
+    lab.scroll_to(graph)
+    expect(graph.locator("[data-channel='/battery_voltage']")).not_to_contain_text("No node listens")
+    assert graph.locator("svg .ck-line").count() == 2
+    graph.locator("[data-node=dashboard]").focus()
+    assert graph.locator("svg .ck-line.ck-on").count() == 1
+    graph.get_by_text("The same as text").click()
+    expect(graph.get_by_label("The graph as text")).to_contain_text(
+        "listens to /battery_voltage [std_msgs/msg/Float64]"
+    )
+    lab.picture("lesson_zero_two_nodes")
+
+    graph.get_by_label("Show ROS's own plumbing too").check()
+    expect(graph.locator("[data-channel='/rosout']")).to_be_visible()
+    graph.get_by_label("Show ROS's own plumbing too").uncheck()
+    expect(graph.locator("[data-channel='/rosout']")).to_have_count(0)
+
+
+def test_lesson_one_answers_the_form_and_draws(lab: JupyterLab) -> None:
+    page = lab.page
+    lab.open("notebooks/01_services.ipynb")
+    lab.run_all()
+    assert page.locator(ERRORS).count() == 0
+    diagram = lab.scroll_to(page.locator(".jp-RenderedMermaid img"))
+    expect(diagram).to_be_visible()
+    assert diagram.evaluate("image => image.naturalWidth") > 100
+    lab.picture("lesson_one_diagram")
+
+    # The lesson ends with lab.stop(); its cells can be run again one by one.
+    lab.run_cell_that_begins("class MinimalService(Node)")
+    form = lab.scroll_to(page.locator(".ck-form[aria-label='Call /add_two_ints']"))
+    form.get_by_label("a", exact=True).fill("20")
+    form.get_by_label("b", exact=True).fill("1.5")
+    page.keyboard.press("Enter")
+    outcome = form.get_by_role("status")
+    expect(outcome).to_contain_text("b: expected a whole number")
+    expect(form.get_by_label("b", exact=True)).to_be_focused()
+    expect(form.get_by_label("b", exact=True)).to_have_attribute("aria-invalid", "true")
+    lab.picture("lesson_one_form_refuses")
+    page.keyboard.press("Control+A")
+    page.keyboard.type("22")
+    page.keyboard.press("Enter")
+    expect(outcome.get_by_role("row", name="sum")).to_contain_text("42")
+    expect(outcome).to_contain_text("1. lab -> minimal_service /add_two_ints request: a=20, b=22")
+    expect(outcome).to_contain_text("[INFO] [minimal_service]: Incoming request")
+    expect(form.get_by_label("b", exact=True)).not_to_have_attribute("aria-invalid", "true")
+    lab.picture("lesson_one_form_answers")
+
+
+def test_a_form_for_any_type_is_filled_in_by_keyboard(lab: JupyterLab) -> None:
+    page = lab.page
+    lab.open("notebooks/01_services.ipynb")
+    lab.run_cell_that_begins("%load_ext course_kit")
+    lab.replace_cell_that_begins("from course_kit.interfaces import text_of", TOUR)
+    lab.run_cell_that_begins("from course_kit import interfaces")
+    form = lab.scroll_to(page.locator(".ck-form[aria-label='Call /tour']"))
+    form.get_by_role("button", name="MODE_FAST = 2").click()
+    expect(form.get_by_label("mode")).to_have_value("2")
+    form.get_by_label("guided").focus()
+    page.keyboard.press("Space")
+    form.get_by_role("button", name="Add one to stops").focus()
+    page.keyboard.press("Enter")
+    form.get_by_label("x", exact=True).fill("3.5")
+    page.keyboard.press("Enter")
+    outcome = form.get_by_role("status")
+    expect(outcome.get_by_role("row", name="message")).to_contain_text("mode 2, guided True, stop at 3.5")
+    outcome.scroll_into_view_if_needed()
+    lab.picture("form_for_any_type")
+
+
+TOUR = """from course_kit import interfaces
+from rclpy.node import Node
+
+Tour = interfaces.define(
+    "my_interfaces/srv/Tour",
+    "uint8 MODE_SLOW=1\\nuint8 MODE_FAST=2\\nuint8 mode\\nbool guided\\ngeometry_msgs/Point[] stops"
+    "\\n---\\nstring message",
+)
+
+
+class Guide(Node):
+    def __init__(self):
+        super().__init__("guide")
+        self.create_service(Tour, "tour", self.lead)
+
+    def lead(self, request, response):
+        response.message = f"mode {request.mode}, guided {request.guided}, stop at {request.stops[0].x}"
+        return response
+
+
+lab.start(Guide)
+panels.service_form("/tour", Tour)"""

@@ -1,0 +1,127 @@
+"""What a loaded machine takes away is not counted; what a slow program takes is."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.grading import load, patience, processes
+from course_kit.grading.patience import FairClock, Recent
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+class Time:
+    """A clock to be set."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Time:
+    made = Time()
+    monkeypatch.setattr(patience, "time", made)
+    monkeypatch.setattr(load, "time", made)
+    return made
+
+
+def counter(values: list[float]) -> Callable[[], float]:
+    return lambda: values[-1]
+
+
+def test_waiting_for_a_processor_is_not_counted(clock: Time) -> None:
+    theirs, ours = [2.0], [5.0]
+    fair = FairClock(Recent(counter(theirs)), Recent(counter(ours)))
+    clock.now += 4.0
+    assert fair.fair() == 4.0
+    theirs.append(3.0)
+    assert fair.fair() == 3.0
+    ours.append(6.5)
+    assert fair.fair() == 2.5
+    assert not fair.past(2.6)
+    assert fair.past(2.4)
+
+
+def test_however_busy_the_machine_a_wait_is_over_at_five_times_the_patience(clock: Time) -> None:
+    theirs = [0.0]
+    fair = FairClock(Recent(counter(theirs)), Recent(lambda: 0.0))
+    theirs.append(1e6)
+    clock.now += 10.0
+    assert fair.fair() == pytest.approx(2.0)
+
+
+def test_a_count_is_made_anew_only_when_it_is_old(clock: Time) -> None:
+    made: list[float] = []
+    recent = Recent(lambda: made.append(0.0) or float(len(made)))  # type: ignore[func-returns-value]
+    assert [recent.lately(), recent.lately()] == [1.0, 1.0]
+    assert recent() == 2.0
+    assert recent.lately() == 2.0
+    clock.now += 1.0
+    assert recent.lately() == 3.0
+
+
+def test_time_in_which_nothing_came_is_not_lost(clock: Time, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(processes, "own_waiting", lambda **_: 7.0)
+    late = load._Lateness()
+    clock.now += 3.0  # the grader waits long for a processor, and nothing has come
+    late.look(found=False)
+    assert late.seconds() == 0.0
+    clock.now += 0.5
+    late.look(found=True)
+    assert late.seconds() == 0.5
+
+
+def test_helpers_are_counted_without_the_main_thread() -> None:
+    assert 0.0 <= processes.own_waiting(helpers_only=True) <= processes.own_waiting()
+
+
+def test_everything_below_is_ended_and_what_is_kept_lives() -> None:
+    """In a process of its own, for it ends all its children: two generations of them, and one that is kept."""
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            os.write(writer, family())
+        finally:
+            os._exit(0)
+    os.close(writer)
+    os.waitpid(child, 0)
+    with os.fdopen(reader, "rb") as told:
+        assert told.read() == b"kept lives, others are gone"
+
+
+def family() -> bytes:
+    from course_kit.grading import namespaces
+
+    namespaces.adopt_orphans()
+    kept = sleeper(0)
+    others = [sleeper(2), sleeper(0)]
+    ready = threading.Event()
+    while len(processes.descendants(os.getpid())) < 1 + 3 + 1:
+        ready.wait(0.01)
+    below = processes.descendants(os.getpid())
+    processes.end_descendants({kept})
+    left = [one for one in below if processes.usage([one]).tasks]
+    processes.end_descendants()
+    gone = processes.descendants(os.getpid()) == []
+    return b"kept lives, others are gone" if left == [kept] and others and gone else repr((kept, below, left)).encode()
+
+
+def sleeper(deep: int) -> int:
+    """A process that waits, with `deep` more below it in a row."""
+    child = os.fork()
+    if child == 0:
+        if deep:
+            sleeper(deep - 1)
+        time.sleep(600)
+        os._exit(0)
+    return child
