@@ -27,11 +27,10 @@ def test_lesson_two_is_run_and_its_panels_are_used(lab: JupyterLab) -> None:
         expect(drawn.first).to_be_visible()
         drawn.first.scroll_into_view_if_needed()  # what is drawn above it has moved it
         lab.picture(f"lesson_two_{name}")
-    # The first panel ended when the second was made: they are for the same action.
-    lab.scroll_to(lab.page.locator(".jp-MarkdownCell", has_text="The panel again"))
-    lab.page.locator(".jp-MarkdownCell", has_text="The panel again").hover()
-    lab.page.mouse.wheel(0, 500)
+    # A cell that was just run stays where it is; others come and go with what is drawn above them.
+    lab.run_cell_that_begins('panels.action_panel("/sequence", Fibonacci)')
     send_and_cancel(lab, lab.page.locator(".ck-action:has(.ck-main:enabled)"))
+    lab.run_cell_that_begins("panels.robot_map()")
     drive(lab, lab.page.locator(".ck-map"))
     assert not complaints
 
@@ -59,7 +58,7 @@ def send_and_cancel(lab: JupyterLab, panel: Locator) -> None:
 
 def drive(lab: JupyterLab, arena: Locator) -> None:
     picture = arena.get_by_role("img")
-    lab.scroll_to(picture)
+    picture.scroll_into_view_if_needed()
     box = picture.bounding_box()
     assert box is not None
 
