@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from course_kit.grading.classroom.records import Record
     from course_kit.grading.exercise import Exercise
 
@@ -23,6 +25,7 @@ class Gradebook:
         layout: the layout the submissions were in.
         seed: what the checks drew from.
         complete: whether every submission has its record; False after Ctrl-C.
+        root: the folder the entries' sources are relative to; None where they are not at hand.
     """
 
     exercises: tuple[Exercise, ...]
@@ -32,6 +35,7 @@ class Gradebook:
     layout: str = ""
     seed: int = 0
     complete: bool = True
+    root: Path | None = None
 
     @property
     def students(self) -> list[str]:

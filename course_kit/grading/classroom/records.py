@@ -22,6 +22,7 @@ FORMAT_VERSION = 1
 STUDENTS = "students"  # folder in the output folder: students/<student>/<exercise>.json and .html
 _UNSAFE = re.compile(r"[^\w.@+-]+")
 _LONGEST_NAME = 80
+_HALVES = re.compile("[\ud800-\udfff]")  # in file names that are not UTF-8; JSON can hold them, UTF-8 cannot
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,8 @@ class Record:
 
     def to_json(self) -> str:
         """The record as one JSON document."""
-        return json.dumps({"format_version": FORMAT_VERSION, **asdict(self)}, indent=1, ensure_ascii=False)
+        text = json.dumps({"format_version": FORMAT_VERSION, **asdict(self)}, indent=1, ensure_ascii=False)
+        return _HALVES.sub(lambda half: f"\\u{ord(half[0]):04x}", text)
 
     @classmethod
     def from_json(cls, text: str) -> Record:
@@ -150,11 +152,16 @@ def safe_name(student: str) -> str:
     plain = _UNSAFE.sub("_", student).strip("._")[:_LONGEST_NAME]
     if plain == student and plain.lower() == plain:
         return plain
-    return f"{plain}-{hashlib.sha256(student.encode()).hexdigest()[:8]}"
+    return f"{plain}-{hashlib.sha256(student.encode(errors='surrogatepass')).hexdigest()[:8]}"
 
 
-def write_atomically(path: Path, text: str) -> None:
+def write_atomically(path: Path, text: str, *, durable: bool = True) -> None:
     """Write a file so that it is there as a whole or, after a crash or power cut, not at all.
+
+    Args:
+        path: where; folders are made.
+        text: what.
+        durable: wait until the disk has it; without that a power cut may undo the write of what can be made again.
 
     Raises:
         OSError: it could not be written; nothing is left behind.
@@ -164,8 +171,9 @@ def write_atomically(path: Path, text: str) -> None:
     try:
         with os.fdopen(descriptor, "w", encoding="utf-8", newline="") as file:
             file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
+            if durable:
+                file.flush()
+                os.fsync(file.fileno())
         os.chmod(temporary, 0o644)  # noqa: PTH101 - mkstemp's files are for their owner alone; reports are shared
         os.replace(temporary, path)  # noqa: PTH105 - the call that is atomic
     except BaseException:

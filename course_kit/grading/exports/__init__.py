@@ -1,10 +1,19 @@
-"""Files for others: a gradebook as learning platforms, CI systems and people want it."""
+"""Files for others: a gradebook as learning platforms, CI systems and people want it.
+
+Each module of `formats` is one format: its `files(book)` yields paths and texts. Adding a format means adding a module.
+"""
 
 from __future__ import annotations
 
+import importlib
+import pkgutil
 from typing import TYPE_CHECKING
 
+from course_kit.grading.classroom.records import write_atomically
+from course_kit.grading.exports import formats, page
+
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     from course_kit.grading.classroom.gradebook import Gradebook
@@ -18,5 +27,14 @@ def write_all(book: Gradebook, out: Path) -> Path:
     Raises:
         OSError: a file could not be written.
     """
-    del book
+    for name, text in files(book):
+        # Whatever a power cut takes of these is made again from the records, so that none waits for the disk.
+        write_atomically(out / name, text, durable=False)
+    write_atomically(out / PAGE, page.render(book))
     return out / PAGE
+
+
+def files(book: Gradebook) -> Iterator[tuple[str, str]]:
+    """Path, relative to the output folder, and text of every file of every format."""
+    for module in sorted(pkgutil.iter_modules(formats.__path__), key=lambda one: one.name):
+        yield from importlib.import_module(f"{formats.__name__}.{module.name}").files(book)

@@ -1,0 +1,145 @@
+"""The class page's second half: what to look into. Diagnoses, look-alikes, slow and large ones, what was left."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from course_kit.grading import diagnosis
+from course_kit.grading.exports import counts, lookalikes
+from course_kit.grading.exports.markup import Cell, amount, many, person, shown, table
+from course_kit.grading.exports.page_class import Part
+from course_kit.grading.exports.texts import html
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.grading.classroom.gradebook import Gradebook
+    from course_kit.grading.classroom.records import Record
+
+_MOST_LISTED = 10
+_MOST_PAIRS = 200
+_KB = 1000
+
+
+def sections(book: Gradebook) -> list[Part]:
+    """Diagnoses, look-alikes, extremes, and what is no submission or missing."""
+    return [
+        Part("diagnoses", "Diagnoses", _diagnoses(book)),
+        Part("alike", "Look-alikes", _alike(book)),
+        Part("extremes", "Slowest and largest", _extremes(book)),
+        Part("missing", "Missing submissions", _missing(book)),
+        Part("left", "Files that are no submissions", _left(book)),
+    ]
+
+
+def _diagnoses(book: Gradebook) -> str:
+    """A heat map: over the exercises, and for each over how well its submissions did."""
+    parts = []
+    if len(book.exercises) > 1:
+        titles = [html(exercise.title) for exercise in book.exercises]
+        rows = counts.diagnoses_by_exercise(book)
+        parts.append(_heat_map("Submissions with a diagnosis, by exercise", titles, rows))
+    for exercise in book.exercises:
+        rows = counts.diagnoses_by_band(book.of(exercise.id))
+        title = f"{html(exercise.title)}: submissions with a diagnosis, by score"
+        parts.append(_heat_map(title, [html(band) for band in counts.BANDS], rows))
+    if not any(parts):
+        return "<p>No submission has a diagnosis.</p>" if book.records else ""
+    return "<p>The darker a cell, the more submissions; its number says how many.</p>" + "".join(parts)
+
+
+def _heat_map(caption: str, columns: Sequence[str], rows: dict[str, list[int]]) -> str:
+    if not rows:
+        return ""
+    most = max(max(row) for row in rows.values())
+    known = diagnosis.catalogue()
+    listed = []
+    for code, row in rows.items():
+        found = known.get(code)
+        name = f"{html(found.title)} <code>{html(code)}</code>" if found else f"<code>{html(code)}</code>"
+        cells = [Cell(str(count), heat=count / most, number=True) for count in row]
+        listed.append([Cell(name, code), *cells, amount(sum(row))])
+    return table(caption, ["Diagnosis", *columns, "All"], listed)
+
+
+def _alike(book: Gradebook) -> str:
+    if not book.records:
+        return ""
+    found = lookalikes.find(book)
+    warning = (
+        '<p class="note"><strong>Similarity is no proof.</strong> A small exercise has few good solutions, and pairs '
+        "may have been allowed to work together. Look at both programs before you say a word.</p>"
+    )
+    return warning + _identical(found) + _similar(found) + _unseen(book, found)
+
+
+def _identical(found: lookalikes.LookAlikes) -> str:
+    if not found.identical:
+        return "<p>No two submissions are the same file.</p>"
+    rows = [
+        (html(group[0].title or group[0].entry.exercise), amount(len(group)), ", ".join(person(one) for one in group))
+        for group in found.identical
+    ]
+    return table("The same file, byte by byte", ["Exercise", "How many", "Students"], rows)
+
+
+def _similar(found: lookalikes.LookAlikes) -> str:
+    of_what = f"{many(found.compared, 'different program')} compared"
+    least = f"{lookalikes.THRESHOLD * 100:.0f}&nbsp;%"
+    if not found.pairs:
+        return f"<p>No two of the others are alike by {least} or more ({of_what}).</p>"
+    rows = [
+        (
+            html(pair.first.title or pair.first.entry.exercise),
+            Cell(f"{pair.similarity * 100:.0f}&nbsp;%", f"{pair.similarity:.4f}", number=True),
+            f"{person(pair.first)}<br><code>{shown(pair.first.entry.source)}</code>",
+            f"{person(pair.second)}<br><code>{shown(pair.second.entry.source)}</code>",
+        )
+        for pair in found.pairs[:_MOST_PAIRS]
+    ]
+    more = f", the {_MOST_PAIRS} most similar of {len(found.pairs)} pairs" if len(found.pairs) > _MOST_PAIRS else ""
+    caption = f"Alike by {least} or more, names, values, comments and layout aside{more} ({of_what})"
+    return table(caption, ["Exercise", "Alike", "One", "Other"], rows)
+
+
+def _unseen(book: Gradebook, found: lookalikes.LookAlikes) -> str:
+    told = []
+    if book.root is None:
+        told.append("The submissions are not at hand, so that only identical ones could be found.")
+    elif found.unread:
+        told.append(f"{many(found.unread, 'program')} could not be read or had too little of its own to compare.")
+    if found.left_out:
+        told.append(f"Not compared, as good answers are the same: {html(', '.join(found.left_out))}.")
+    return f'<p class="quiet">{" ".join(told)}</p>' if told else ""
+
+
+def _extremes(book: Gradebook) -> str:
+    graded = [record for record in book.records if not record.same_as and record.report["duration_s"]]
+    slowest = sorted(graded, key=lambda one: -float(one.report["duration_s"]))[:_MOST_LISTED]
+    largest = sorted(book.records, key=lambda one: -one.size)[:_MOST_LISTED]
+    content = ""
+    if slowest:
+        rows = [
+            [*_who(one), amount(one.report["duration_s"], "&nbsp;s", f"{one.report['duration_s']:.2f}")]
+            for one in slowest
+        ]
+        content += table("Slowest to grade", ["Student", "Exercise", "Time"], rows)
+    if largest:
+        rows = [[*_who(one), amount(one.size, "&nbsp;kB", f"{one.size / _KB:.1f}")] for one in largest]
+        content += table("Largest", ["Student", "Exercise", "Size"], rows)
+    return content
+
+
+def _who(record: Record) -> list[Cell | str]:
+    return [person(record), html(record.title or record.entry.exercise)]
+
+
+def _missing(book: Gradebook) -> str:
+    titles = {exercise.id: exercise.title for exercise in book.exercises}
+    rows = [(shown(student), html(titles.get(exercise, exercise))) for student, exercise in book.missing]
+    return table("Students who have handed in something else only", ["Student", "Exercise"], rows) if rows else ""
+
+
+def _left(book: Gradebook) -> str:
+    rows = [(f"<code>{shown(path)}</code>", shown(reason)) for path, reason in book.left]
+    return table("What else was in the folder, and why it was not graded", ["File", "Reason"], rows) if rows else ""
