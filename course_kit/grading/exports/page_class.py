@@ -93,7 +93,7 @@ def _check_table(exercise: Exercise, records: list[Record]) -> str:
 def _check_row(check: counts.CheckCount, *, errors: bool) -> list[Cell | str]:
     failed = check.by_status["failed"]
     part = Cell(f"{charts.meter(failed, check.run)} {share(failed, check.run)}", str(failed / max(1, check.run)))
-    row = [shown(check.title), amount(check.points), amount(failed), replace(part, number=True)]
+    row: list[Cell | str] = [shown(check.title), amount(check.points), amount(failed), replace(part, number=True)]
     row += [amount(check.by_status["passed"]), amount(check.by_status["skipped"])]
     return [*row, amount(check.by_status["error"])] if errors else row
 
@@ -106,16 +106,17 @@ def _students(book: Gradebook) -> str:
         'autocomplete="off"><span id="found" role="status"></span></p>'
     )
     names = ["Name"] if any(record.entry.name for record in book.records) else []
+    kind = "sortable named" if names else "sortable"
     columns = ["Student", *names, *(html(exercise.title) for exercise in book.exercises), "Total"]
     caption = f"{many(len(book.students), 'student')}; a score leads to its report"
-    return find + table(caption, columns, _student_rows(book, names=bool(names)), id_="class")
+    return find + table(caption, columns, _student_rows(book, names=bool(names)), kind=kind, id_="class")
 
 
 def _student_rows(book: Gradebook, *, names: bool) -> Iterator[list[Cell | str]]:
     for student, records in by_student(book).items():
         results = [_result(records.get(exercise.id), exercise) for exercise in book.exercises]
         total = sum(score(record) or 0.0 for record in records.values())
-        name = [shown(name_of(records))] if names else []
+        name: list[Cell | str] = [shown(name_of(records))] if names else []
         yield [shown(student), *name, *results, amount(total)]
 
 
