@@ -52,6 +52,13 @@ def build_parser() -> argparse.ArgumentParser:
 
     class_cli.add_to(verbs)
 
+    present = verbs.add_parser(
+        "present",
+        help="open the demos for a class: enlarged, answers folded, fresh",
+        epilog="Other options go to `jupyter lab`.",
+    )
+    present.set_defaults(run=_present, others=[])
+
     doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
     doctor.set_defaults(run=_doctor)
 
@@ -131,6 +138,12 @@ def _dev(options: argparse.Namespace) -> int:
     from course_kit.dev import check
 
     return check.main(options.rest)
+
+
+def _present(options: argparse.Namespace) -> int:
+    from course_kit import present
+
+    return present.run(options.others)
 
 
 def _release(options: argparse.Namespace) -> int:

@@ -25,17 +25,29 @@ def run_lab(arguments: Sequence[str]) -> int:
     if root is None:
         print("course-kit: the notebooks are not here. Run ./course lab in the course's folder.", file=sys.stderr)
         return 2
+    return serve(root, FIRST_LESSON, arguments)
+
+
+def serve(root: Path, first: str, arguments: Sequence[str], **variables: str) -> int:
+    """Replace this process by JupyterLab.
+
+    Args:
+        root: the folder it shows.
+        first: the notebook it opens, relative to `root`.
+        arguments: more for `jupyter lab`.
+        variables: more for its environment.
+    """
     command = [
         sys.executable,
         "-m",
         "jupyter",
         "lab",
         f"--ServerApp.root_dir={root}",
-        f"--LabApp.default_url=/lab/tree/{FIRST_LESSON}",
+        f"--LabApp.default_url=/lab/tree/{first}",
         *_terminals(),
         *arguments,
     ]
-    return os.execve(sys.executable, command, environment.child_environment())
+    return os.execve(sys.executable, command, environment.child_environment(**variables))
 
 
 def _terminals() -> list[str]:

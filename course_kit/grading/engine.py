@@ -20,6 +20,8 @@ from course_kit.grading.steps import Step
 from course_kit.grading.worker import Worker
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.submission import Submission
 
@@ -71,7 +73,15 @@ def grade(  # noqa: PLR0913 - the options of one verb
         return _grade(task, _job(task, None, seed, exec_command), shown, used)
 
 
-def grade_text(task: Exercise, text: Submission, shown: str, seed: int, worker: Worker | None = None) -> Report:
+def grade_text(  # noqa: PLR0913 - the options of one grading
+    task: Exercise,
+    text: Submission,
+    shown: str,
+    seed: int,
+    worker: Worker | None = None,
+    *,
+    hidden: Sequence[str] = (),
+) -> Report:
     """Grade a submission that has been read.
 
     Args:
@@ -80,12 +90,15 @@ def grade_text(task: Exercise, text: Submission, shown: str, seed: int, worker: 
         shown: what the report calls it.
         seed: what the checks draw their random values from.
         worker: a running worker to use; one is started and ended when None.
+        hidden: folders the submission must not see, beside those of the course.
 
     Raises:
         GradingError: a broken installation, or the worker ended.
     """
+    job = _job(task, text, seed, None)
+    job = replace(job, hidden=(*job.hidden, *hidden))
     with Worker() if worker is None else nullcontext(worker) as used:
-        return _grade(task, _job(task, text, seed, None), shown, used)
+        return _grade(task, job, shown, used)
 
 
 def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:

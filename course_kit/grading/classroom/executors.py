@@ -89,7 +89,7 @@ class Cluster:
 
     def close(self) -> None:
         """See `Executor`."""
-        self._futures.shutdown(wait=False, cancel_futures=True)
+        self._futures.shutdown(wait=False)  # cancels what has not come back
         self._client.close()
 
 

@@ -45,9 +45,9 @@ class Handed:
         """Equal for submissions that get the same report; what could not be read is equal to nothing else."""
         return (self.exercise.id, self.digest or self.entry.source, self.seed)
 
-    def task(self) -> Task | None:
-        """What an executor is asked to do; None when there is nothing to run."""
-        return Task(self.exercise, self.text, self.entry.source, self.seed) if self.text else None
+    def task(self, hidden: tuple[str, ...]) -> Task | None:
+        """What an executor is asked to do, with the folders it must hide; None when there is nothing to run."""
+        return Task(self.exercise, self.text, self.entry.source, self.seed, hidden) if self.text else None
 
     def unreadable(self) -> Report:
         """The report of one that has no text."""

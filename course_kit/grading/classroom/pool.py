@@ -31,12 +31,14 @@ class Task:
         text: the submission.
         shown: what the report calls it.
         seed: what the checks draw from.
+        hidden: folders the submission must not see: what others have handed in, and their results.
     """
 
     exercise: Exercise
     text: Submission
     shown: str
     seed: int
+    hidden: tuple[str, ...] = ()
 
 
 class Pool:
@@ -55,7 +57,7 @@ class Pool:
         for _ in range(_TRIES):
             worker = self._take()
             try:
-                report = engine.grade_text(task.exercise, task.text, task.shown, task.seed, worker)
+                report = engine.grade_text(task.exercise, task.text, task.shown, task.seed, worker, hidden=task.hidden)
             except GradingError as failure:
                 problem = str(failure)
                 self._give_back(worker, usable=False)

@@ -99,6 +99,8 @@ class ClassRun:
         self.seed = self._choose_seed()
         self.intake = intake.collect(plan.source, plan.exercises, plan.out / WORKSPACE, plan.layout)
         self._done: list[Record] = []
+        # One student's program must not read another's, nor the results.
+        self._hidden = tuple(str(folder.resolve()) for folder in (plan.source, plan.out))
 
     def grade(self, start: Callable[[], Executor]) -> Gradebook:
         """Grade what has no result yet.
@@ -180,7 +182,7 @@ class ClassRun:
             group = next(waiting, None)
             if group is None:
                 return
-            task = group[0].task()
+            task = group[0].task(self._hidden)
             if task is None:
                 self._keep(group, group[0].unreadable(), 0.0)
             else:

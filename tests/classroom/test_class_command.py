@@ -1,0 +1,169 @@
+"""`course-kit class` with real gradings: killed, interrupted, and on a cluster; nothing is lost."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+import time
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+
+from course_kit import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+REPOSITORY = Path(__file__).resolve().parent.parent.parent
+SOLUTION = (REPOSITORY / "solutions/temperature_service/temperature_service.py").read_text()
+CLASS_SIZE = 7
+PATIENCE_S = 100.0  # against hanging only
+
+pytestmark = [pytest.mark.answers, pytest.mark.timeout(240)]
+
+
+@pytest.fixture
+def handed_in(tmp_path: Path) -> Path:
+    for number in range(CLASS_SIZE):
+        folder = tmp_path / "in" / f"student{number}"
+        folder.mkdir(parents=True)
+        (folder / "temperature_service.py").write_text(f"{SOLUTION}\n# of student {number}\n")
+    return tmp_path / "in"
+
+
+@contextmanager
+def started(*command: object) -> Iterator[subprocess.Popen[str]]:
+    process = subprocess.Popen(
+        [sys.executable, *map(str, command)],
+        env=environment.child_environment(PYTHONUNBUFFERED="1"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+
+def class_run(handed_in: Path, *more: object) -> tuple[object, ...]:
+    out = handed_in.parent / "out"
+    return ("-m", "course_kit.cli", "class", handed_in, "--exercise", "temperature_service", "--out", out, *more)
+
+
+def records(handed_in: Path) -> dict[str, Path]:
+    return {path.parent.name: path for path in (handed_in.parent / "out/students").glob("*/*.json")}
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    deadline, pause = time.monotonic() + PATIENCE_S, threading.Event()
+    while not condition():
+        assert time.monotonic() < deadline
+        pause.wait(0.02)
+
+
+def finish(handed_in: Path, *more: object) -> None:
+    """Run to the end, and see that everybody has full marks."""
+    with started(*class_run(handed_in, *more)) as process:
+        said, _ = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 0, said
+    scores = {name: json.loads(path.read_text())["report"]["score"] for name, path in records(handed_in).items()}
+    assert scores == {f"student{number}": 10.0 for number in range(CLASS_SIZE)}
+
+
+def test_a_run_that_was_killed_is_resumed_without_doing_anything_twice(handed_in: Path) -> None:
+    with started(*class_run(handed_in, "--workers", 2)) as process:
+        wait_until(lambda: len(records(handed_in)) >= 2)
+        workers = psutil.Process(process.pid).children(recursive=True)
+        process.kill()
+        process.wait()
+        _, alive = psutil.wait_procs(workers, PATIENCE_S)
+        assert not alive
+    before = {path: path.read_bytes() for path in records(handed_in).values()}
+    assert 2 <= len(before) < CLASS_SIZE
+    finish(handed_in, "--resume", "--workers", 2)
+    assert all(path.read_bytes() == content for path, content in before.items())
+
+
+def test_a_submission_sees_neither_the_others_nor_the_results(handed_in: Path) -> None:
+    out = handed_in.parent / "out"
+    spy = f"import os\nprint('SEEN', os.listdir({str(handed_in)!r}), os.listdir({str(out)!r}), flush=True)\n"
+    (handed_in / "student0/temperature_service.py").write_text(spy + SOLUTION)
+    finish(handed_in)
+    printed = json.loads(records(handed_in)["student0"].read_text())["report"]["stdout"]
+    assert "SEEN [] []" in printed
+
+
+def test_ctrl_c_finishes_what_is_under_way_and_the_rest_comes_later(handed_in: Path) -> None:
+    with started(*class_run(handed_in, "--workers", 2)) as process:
+        wait_until(lambda: len(records(handed_in)) >= 1)
+        process.send_signal(signal.SIGINT)
+        said, _ = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 130
+    assert "under way are finished first" in said
+    assert "--resume" in said
+    assert "Traceback" not in said
+    assert 1 <= len(records(handed_in)) < CLASS_SIZE
+    finish(handed_in, "--resume", "--workers", 2)
+
+
+def test_a_worker_that_is_killed_costs_nobody_a_grade(handed_in: Path) -> None:
+    with started(*class_run(handed_in, "--workers", 2)) as process:
+        wait_until(lambda: len(records(handed_in)) >= 1)
+        worker = next(one for one in psutil.Process(process.pid).children() if one.is_running())
+        worker.kill()
+        said, _ = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 0, said
+    finish(handed_in, "--resume")
+
+
+def test_a_cluster_does_the_same_and_loses_nothing_with_a_machine(handed_in: Path, tmp_path: Path) -> None:
+    """A real Dask scheduler and two worker processes; one is killed while it grades."""
+    contact = tmp_path / "scheduler.json"
+    with ExitStack() as cluster:
+        scheduler = ("-m", "distributed.cli.dask_scheduler", "--port", 0, "--no-dashboard", "--host", "127.0.0.1")
+        cluster.enter_context(started(*scheduler, "--scheduler-file", contact))
+        wait_until(contact.is_file)
+        worker = ("-m", "distributed.cli.dask_worker", "--scheduler-file", contact, "--nthreads", 1, "--no-nanny")
+        first, _ = (cluster.enter_context(started(*worker, "--no-dashboard", "--name", name)) for name in "ab")
+        address = json.loads(contact.read_text())["address"]
+        wait_until(lambda: workers_at(address) == 2)
+        process = cluster.enter_context(started(*class_run(handed_in, "--scheduler", address)))
+        wait_until(lambda: len(records(handed_in)) >= 1)
+        first.kill()
+        said, _ = process.communicate(timeout=PATIENCE_S)
+        assert process.returncode == 0, said
+    finish(handed_in, "--resume")
+
+
+def workers_at(address: str) -> int:
+    """Ask the scheduler how many workers it has."""
+    from distributed import Client
+
+    with Client(address, timeout=PATIENCE_S, set_as_default=False) as client:
+        return len(client.nthreads())
+
+
+@pytest.mark.parametrize(
+    ("more", "sentence"),
+    [
+        (["--scheduler", "tcp://127.0.0.1:9"], "no Dask scheduler at"),
+        (["--layout", "blackbord"], "no layout 'blackbord'"),
+        (["--seeds", "nowhere.csv"], "no list of students and seeds"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_one_line(handed_in: Path, more: list[str], sentence: str) -> None:
+    with started(*class_run(handed_in, *more)) as process:
+        said, _ = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2
+    assert sentence in said
+    assert "Traceback" not in said

@@ -1,0 +1,198 @@
+"""What a class run does with submissions and results; the gradings themselves are stood in for."""
+
+from __future__ import annotations
+
+import errno
+import io
+import json
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from course_kit.grading import GradingError, exercise
+from course_kit.grading.classroom.records import Entry, Record, Records, safe_name, write_atomically
+from course_kit.grading.classroom.run import ClassRun, Plan
+from course_kit.grading.classroom.watching import Tally
+from course_kit.grading.report import CheckReport, Report
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.grading.classroom.gradebook import Gradebook
+    from course_kit.grading.classroom.pool import Task
+
+SERVICE = exercise.load("temperature_service")
+CHOICE = exercise.load("pattern_choice")
+
+
+class StandInForGrading:
+    """An executor that gives full marks at once to whatever contains "right"."""
+
+    slots = 2
+
+    def __init__(self) -> None:
+        self.tasks: list[Task] = []
+        self.closed = False
+
+    def submit(self, task: Task) -> Future[Report]:
+        self.tasks.append(task)
+        done: Future[Report] = Future()
+        right = "right" in task.text.source
+        check = CheckReport("it", "It", "passed" if right else "failed", 10.0 if right else 0.0, 10.0)
+        done.set_result(
+            Report(
+                task.exercise.id, task.exercise.title, task.shown, "graded", right, check.points, 10.0, 0.1, (check,)
+            )
+        )
+        return done
+
+    def close(self) -> None:
+        self.closed = True
+
+
+@pytest.fixture
+def handed_in(tmp_path: Path) -> Path:
+    files = {"ada": "right = 1", "bob": "wrong = 1", "cem": "right = 1", "dee": "", "eve": "right = 2"}
+    for student, text in files.items():
+        (tmp_path / "in" / student).mkdir(parents=True)
+        (tmp_path / "in" / student / "temperature_service.py").write_text(text)
+    return tmp_path / "in"
+
+
+def run(source: Path, out: Path, executor: StandInForGrading, **options: Any) -> Gradebook:
+    plan = Plan(source, out, options.pop("exercises", (SERVICE,)), **options)
+    return ClassRun(plan, Tally(io.StringIO())).grade(lambda: executor)
+
+
+def results(book: Gradebook) -> dict[str, tuple[str, float, str]]:
+    return {one.entry.student: (one.status, one.score, one.same_as) for one in book.records}
+
+
+def test_everybody_gets_a_result_and_identical_submissions_are_graded_once(handed_in: Path, tmp_path: Path) -> None:
+    executor = StandInForGrading()
+    book = run(handed_in, tmp_path / "out", executor)
+    assert results(book) == {
+        "ada": ("graded", 10.0, ""),
+        "bob": ("graded", 0.0, ""),
+        "cem": ("graded", 10.0, "ada"),
+        "dee": ("unreadable", 0.0, ""),
+        "eve": ("graded", 10.0, ""),
+    }
+    assert [task.shown.partition("/")[0] for task in executor.tasks] == ["ada", "bob", "eve"]
+    assert executor.closed
+    assert book.complete
+    assert dict(book.tally()) == {"passed": 3, "not passed": 1, "unreadable": 1}
+
+
+def test_each_result_is_a_record_and_a_page_that_belong_to_the_student(handed_in: Path, tmp_path: Path) -> None:
+    run(handed_in, tmp_path / "out", StandInForGrading())
+    folder = tmp_path / "out/students/cem"
+    record = Record.from_json((folder / "temperature_service.json").read_text())
+    assert record.report["submission"] == "cem/temperature_service.py"
+    assert "cem" in (folder / "temperature_service.html").read_text()
+
+
+def test_resuming_grades_only_what_has_no_result_or_has_changed(handed_in: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    first = run(handed_in, out, StandInForGrading())
+    (out / "students/eve/temperature_service.json").write_text('{"format_version": 1, "half')  # a crash of another tool
+    (handed_in / "bob/temperature_service.py").write_text("right = 3")
+    again = StandInForGrading()
+    second = run(handed_in, out, again, resume=True)
+    assert sorted(task.shown.partition("/")[0] for task in again.tasks) == ["bob", "eve"]
+    assert second.seed == first.seed
+    assert results(second) == {**results(first), "bob": ("graded", 10.0, "")}
+
+
+def test_results_of_an_earlier_run_are_not_mixed_with_new_ones_by_accident(handed_in: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    seed = run(handed_in, out, StandInForGrading(), seed=7).seed
+    assert seed == 7
+    with pytest.raises(GradingError, match="--resume"):
+        run(handed_in, out, StandInForGrading())
+    with pytest.raises(GradingError, match="seed 7"):
+        run(handed_in, out, StandInForGrading(), resume=True, seed=8)
+
+
+def test_checks_draw_from_the_seed_of_the_run_the_exercise_or_the_student(handed_in: Path, tmp_path: Path) -> None:
+    (handed_in / "ada/pattern_choice.py").write_text("answers = {}")
+    (handed_in / "bob/pattern_choice.py").write_text("answers = {}")
+    executor = StandInForGrading()
+    run(handed_in, tmp_path / "out", executor, exercises=(SERVICE, CHOICE), seed=7, seeds={"bob": 99})
+    seeds = {(task.shown, task.seed) for task in executor.tasks}
+    assert ("ada/temperature_service.py", 7) in seeds
+    assert ("ada/pattern_choice.py", CHOICE.seed) in seeds
+    assert ("bob/pattern_choice.py", 99) in seeds  # the same bytes as ada's, and not the same questions
+
+
+def test_a_request_to_stop_leaves_what_is_done_and_says_it_is_not_all(handed_in: Path, tmp_path: Path) -> None:
+    executor, out = StandInForGrading(), tmp_path / "out"
+    plan = Plan(handed_in, out, (SERVICE,))
+    executor.slots = 1
+    book = ClassRun(plan, Tally(io.StringIO()), lambda: int(len(executor.tasks) >= 2)).grade(lambda: executor)
+    assert not book.complete
+    assert executor.closed
+    rest = StandInForGrading()
+    assert run(handed_in, out, rest, resume=True).complete
+    assert len(executor.tasks) + len(rest.tasks) >= 3
+
+
+def test_a_full_disk_ends_the_run_and_costs_nothing_that_was_written(
+    handed_in: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    keep = Records.keep
+
+    def stand_in_for_a_full_disk(self: Records, record: Record, page: str | None = None) -> None:
+        if record.entry.student == "bob":
+            raise OSError(errno.ENOSPC, "No space left on device")
+        keep(self, record, page)
+
+    executor, out = StandInForGrading(), tmp_path / "out"
+    executor.slots = 1
+    with monkeypatch.context() as full:
+        full.setattr(Records, "keep", stand_in_for_a_full_disk)
+        with pytest.raises(OSError, match="No space left"):
+            run(handed_in, out, executor)
+    assert executor.closed
+    assert {record.entry.student for record in Records(out)} >= {"ada", "cem"}
+    assert run(handed_in, out, StandInForGrading(), resume=True).complete
+
+
+def test_an_unwritten_file_leaves_the_old_one_and_no_rest(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    write_atomically(path, "old")
+    with pytest.raises(UnicodeEncodeError):
+        write_atomically(path, "new \ud800")
+    assert path.read_text() == "old"
+    assert [one.name for one in tmp_path.iterdir()] == ["a.json"]
+
+
+def test_a_record_survives_its_file(tmp_path: Path) -> None:
+    entry = Entry('="Zoë", 😀', "temperature_service", "x/y.py", "Zoë; DROP", late=True, platform={"login": "zoë"})
+    record = Record(entry, "d" * 64, 3, 5, {"score": 1.0, "max_score": 2.0, "status": "graded", "checks": []})
+    records = Records(tmp_path)
+    records.keep(record)
+    assert records.find(entry) == record
+    assert list(records) == [record]
+    with pytest.raises(ValueError, match="another version"):
+        Record.from_json(json.dumps({**json.loads(record.to_json()), "format_version": 99}))
+
+
+@pytest.mark.parametrize("names", [("a/b", "a_b"), ("Jane", "jane"), ("..", "_"), ("a" * 300, "a" * 301), ("é", "è")])
+def test_two_students_never_share_a_folder(names: tuple[str, str]) -> None:
+    first, second = (safe_name(name) for name in names)
+    assert first.lower() != second.lower()
+    assert "/" not in first
+    assert len(first) < 120
+
+
+def test_progress_counts_and_estimates(handed_in: Path, tmp_path: Path) -> None:
+    now = [0.0]
+    tally = Tally(io.StringIO(), clock=lambda: now[0])
+    book = run(handed_in, tmp_path / "out", StandInForGrading())
+    tally.begin(total=104, ready=0)
+    for record in book.records[:4]:
+        tally.done(record)
+    now[0] = 4.0
+    assert tally.line() == "[  4/104] 2 passed, 1 not passed, 1 unreadable; about 1 min 40 s left"
