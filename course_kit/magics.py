@@ -32,7 +32,7 @@ class MagicError(LabError):
 def register(shell: InteractiveShell) -> None:
     """Make the magics known to an IPython shell."""
     shell.register_magic_function(interface_magic(shell), "cell", "interface")
-    shell.register_magic_function(ros_script, "cell", "ros_script")
+    shell.register_magic_function(ros_script, "line_cell", "ros_script")
     shell.register_magic_function(ros_launch, "cell", "ros_launch")
     shell.register_magic_function(ros_stop, "line", "ros_stop")
 
@@ -63,11 +63,12 @@ def interface_magic(shell: InteractiveShell) -> Any:
     return interface
 
 
-def ros_script(line: str, cell: str) -> None:
+def ros_script(line: str, cell: str | None = None) -> None:
     """Run the cell as an unmodified ROS 2 program: `%%ros_script client 1 2`.
 
     A program that ends is waited for; one that serves goes on in the background until `%ros_stop NAME`. Running
-    the cell again replaces it. `--wait` and `--background`, before the name, decide it yourself.
+    the cell again replaces it. `--wait` and `--background`, before the name, decide it yourself. With one percent
+    sign and no program below, `%ros_script client 3 4` runs the program that was saved under the name again.
     """
     __tracebackhide__ = True
     from course_kit import lab
@@ -83,7 +84,19 @@ def ros_script(line: str, cell: str) -> None:
         mode = _MODES[words.pop(0)]
     if not words:
         raise MagicError(_SCRIPT_USAGE)
-    lab.script(words[0], cell, *words[1:], mode=mode)
+    lab.script(words[0], _saved(words[0]) if cell is None else cell, *words[1:], mode=mode)
+
+
+def _saved(name: str) -> str:
+    """The program that `%%ros_script` has saved under a name."""
+    from course_kit import environment
+
+    folder = environment.run_dir() / "scripts"
+    path = folder / f"{name.removesuffix('.py')}.py"
+    if not path.is_file():
+        known = ", ".join(sorted(one.stem for one in folder.glob("*.py") if ".launch" not in one.name)) or "none"
+        raise MagicError(f"No program is saved as {name!r}: run its %%ros_script cell first. Saved: {known}.")
+    return path.read_text(encoding="utf-8")
 
 
 def ros_launch(line: str, cell: str) -> None:

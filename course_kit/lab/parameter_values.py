@@ -68,6 +68,11 @@ class Outcome:
         """Whether every parameter was set."""
         return not self.reasons
 
+    @property
+    def events(self) -> int:
+        """How many messages on /parameter_events tell of it."""
+        return int(self.successful) if self._atomically else len(self.values) - len(self.reasons)
+
     def __bool__(self) -> bool:
         return self.successful
 

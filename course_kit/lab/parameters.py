@@ -6,10 +6,12 @@ by asyncio in a notebook and by a wait in a program.
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from course_kit.lab import graph
 from course_kit.lab.errors import LabError, NodeNotFoundError, ParameterNotFoundError, ServiceNotFoundError
+from course_kit.lab.hearing import Hearing
 from course_kit.lab.parameter_values import (
     Descriptors,
     Outcome,
@@ -80,6 +82,7 @@ async def set_parameters(
     """Set parameters of a node: `await lab.set_parameters("/parameter_node", max_velocity=2.0)`.
 
     A refusal is not an error but an outcome: the node decides, and says why. An undeclared name is refused, too.
+    Returns when this lab's own subscriptions to /parameter_events have heard of it (1 s at most).
 
     Args:
         node: the node's name, or a node of this lab.
@@ -97,7 +100,11 @@ async def set_parameters(
         NoAnswerError: nothing came back in time.
     """
     name = full_name(node)
-    return await _ask(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
+    with Hearing() as hearing:
+        outcome = await _ask(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
+        if hearing.expects(outcome.events):
+            await asyncio.to_thread(hearing.wait)
+    return outcome
 
 
 def set_parameters_blocking(
@@ -105,7 +112,11 @@ def set_parameters_blocking(
 ) -> Outcome:
     """The same as `set_parameters` for programs and for threads without an event loop."""
     name = full_name(node)
-    return _ask_blocking(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
+    with Hearing() as hearing:
+        outcome = _ask_blocking(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
+        if hearing.expects(outcome.events):
+            hearing.wait()
+    return outcome
 
 
 async def describe_parameters(node: Any, /, *, timeout: float = _TIMEOUT) -> Descriptors:

@@ -44,6 +44,13 @@ function pairs(view) {
   return found;
 }
 
+// A time between two messages that is much longer than usual: nothing was known then, so no line is drawn.
+function longestStep(samples) {
+  const steps = samples.slice(1).map(([time], index) => time - samples[index][0]);
+  steps.sort((one, other) => one - other);
+  return Math.max(0.5, 8 * (steps[Math.floor(steps.length / 2)] ?? 0));
+}
+
 function render({ model, el }) {
   const topic = model.get("topic");
   const field = model.get("field");
@@ -123,14 +130,15 @@ function render({ model, el }) {
     const toX = (seconds) => SIZE.left + ((seconds + span) / span) * width;
     const toY = (value) => SIZE.top + ((range.high - value) / (range.high - range.low)) * height;
     drawAxes(toX, toY);
+    const gap = longestStep(samples);
     let path = "";
-    let pen = "M";
+    let before = null; // the time of the point the line goes on from
     for (const [time, value] of samples) {
-      if (!Number.isFinite(value)) pen = "M"; // a gap
-      else {
+      if (Number.isFinite(value)) {
+        const pen = before !== null && time - before <= gap ? "L" : "M";
         path += `${pen}${toX(time - now).toFixed(1)},${toY(value).toFixed(1)}`;
-        pen = "L";
       }
+      before = Number.isFinite(value) ? time : null;
     }
     line.setAttribute("d", path);
     const last = finite[finite.length - 1];

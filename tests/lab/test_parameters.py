@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    ParameterEvent,
+    SetParametersResult,
+)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float64, String
@@ -52,6 +58,10 @@ class Bare(Node):
 
     def __init__(self) -> None:
         super().__init__("bare", start_parameter_services=False)
+
+
+def names(event: ParameterEvent) -> list[str]:
+    return [parameter.name for parameter in event.changed_parameters]
 
 
 def get(*names: str) -> Any:
@@ -172,6 +182,22 @@ def test_names_that_are_no_keywords_are_given_in_a_dict() -> None:
     }
     with pytest.raises(lab.LabError, match="Say what to set"):
         lab.set_parameters_blocking("/wheels")
+
+
+@pytest.mark.parametrize("atomically", [False, True])
+def test_whoever_listens_for_changes_has_heard_when_set_returns(atomically: bool) -> None:
+    lab.start(Robot)
+    heard: list[str] = []
+    lab.subscribe("/parameter_events", ParameterEvent, lambda event: heard.extend(names(event)))
+    lab.subscribe("/parameter_events", ParameterEvent, lambda event: heard.extend(names(event)))
+    for speed in (1.5, 2.0, 2.5):
+        heard.clear()
+        lab.set_parameters_blocking("/robot", atomically=atomically, speed=speed, name="bb8")
+        assert sorted(heard) == ["name", "name", "speed", "speed"]
+        heard.clear()
+        asyncio.run(lab.set_parameters("/robot", atomically=atomically, gears=3))
+        assert heard == ["gears", "gears"]
+        assert not lab.set_parameters_blocking("/robot", atomically=atomically, gears=4)  # nothing to hear of
 
 
 def test_a_callback_that_raises_is_an_error_of_the_call() -> None:
