@@ -85,7 +85,7 @@ def test_a_form_for_any_type_is_filled_in_by_keyboard(lab: JupyterLab) -> None:
     lab.run_cell_that_begins("from course_kit import interfaces")
     form = lab.scroll_to(page.locator(".ck-form[aria-label='Call /tour']"))
     form.get_by_role("button", name="MODE_FAST = 2").click()
-    expect(form.get_by_label("mode")).to_have_value("2")
+    expect(form.get_by_role("textbox", name="mode")).to_have_value("2")
     form.get_by_label("guided").focus()
     page.keyboard.press("Space")
     form.get_by_role("button", name="Add one to stops").focus()

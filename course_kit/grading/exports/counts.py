@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading.exports.results import score
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from course_kit.grading.classroom.gradebook import Gradebook
     from course_kit.grading.classroom.records import Record
@@ -81,8 +81,8 @@ def _band(record: Record) -> int:
     return min(len(BANDS) - 1, int(reached * len(BANDS)))
 
 
-def _table(places: object, width: int) -> dict[str, list[int]]:
+def _table(places: Iterable[tuple[str, int]], width: int) -> dict[str, list[int]]:
     table: dict[str, list[int]] = {}
-    for code, column in places:  # type: ignore[attr-defined]
+    for code, column in places:
         table.setdefault(code, [0] * width)[column] += 1
     return dict(sorted(table.items(), key=lambda item: (-sum(item[1]), item[0])))

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from course_kit.grading.classroom.records import Record
 
 
+_NUMBER = ' class="number"'
+
+
 @dataclass(frozen=True)
 class Cell:
     """A table's cell.
@@ -49,8 +52,13 @@ def table(
         kind: the class; what is `sortable` gets a button in each heading where JavaScript runs.
         id_: for links and labels.
     """
-    head = "".join(f'<th scope="col">{column}</th>' for column in columns)
-    body = "\n".join(f"<tr>{_row(row)}</tr>" for row in rows)
+    listed = [[cell if isinstance(cell, Cell) else Cell(cell) for cell in row] for row in rows]
+    right = [cell.number for cell in listed[0]] if listed else [False] * len(columns)
+    head = "".join(
+        f'<th scope="col"{_NUMBER if number else ""}>{column}</th>'
+        for column, number in zip(columns, right, strict=True)
+    )
+    body = "\n".join(f"<tr>{_row(row)}</tr>" for row in listed)
     name = f' id="{id_}"' if id_ else ""
     return (
         f'<div class="wide" tabindex="0" role="group" aria-label="Table"><table class="{kind}"{name}>'
@@ -58,8 +66,7 @@ def table(
     )
 
 
-def _row(row: Sequence[Cell | str]) -> str:
-    cells = [cell if isinstance(cell, Cell) else Cell(cell) for cell in row]
+def _row(cells: Sequence[Cell]) -> str:
     return _cell(cells[0], "th") + "".join(_cell(cell, "td") for cell in cells[1:])
 
 
@@ -101,4 +108,4 @@ def many(count: int, one: str, more: str = "") -> str:
 
 def share(part: int, whole: int) -> str:
     """A share in per cent; nothing of nothing is 0 %."""
-    return f"{100 * part / whole if whole else 0:.0f}&nbsp;%"
+    return f'<span class="share">{100 * part / whole if whole else 0:.0f}&nbsp;%</span>'

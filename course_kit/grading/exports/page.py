@@ -28,7 +28,8 @@ _LAYOUTS = {
 def render(book: Gradebook) -> str:
     """The page of a class run."""
     titles = ", ".join(exercise.title for exercise in book.exercises)
-    parts = [part for part in (*page_class.sections(book), *page_findings.sections(book)) if part.content]
+    halves = (*page_class.sections(book), *page_findings.sections(book))
+    parts = [part for part in (*halves, page_class.students(book), *page_findings.absent(book)) if part.content]
     contents = "".join(f'<li><a href="#{part.name}">{part.title}</a></li>' for part in parts)
     body = "".join(part.html() for part in parts)
     return (
@@ -57,17 +58,14 @@ def _warning(book: Gradebook) -> str:
 
 def _facts(book: Gradebook) -> str:
     tally = book.tally()
-    facts = [
-        (str(len(book.students)), "students", ""),
-        (str(len(book.records)), "submissions", ""),
-        *((str(tally[name]), name, "") for name in ("passed", "not passed", "crashed", "unreadable") if tally[name]),
-        *([(str(tally["error"]), "not graded: grader's error", "")] if tally["error"] else []),
-        *([(str(len(book.missing)), "missing", "")] if book.missing else []),
-        (html(_LAYOUTS.get(book.layout, book.layout) or "unknown"), "layout recognised", "text"),
-        (str(book.seed), "seed of the checks", "text"),
-    ]
-    listed = "".join(f'<div><dt>{name}</dt><dd class="{kind}">{value}</dd></div>' for value, name, kind in facts)
-    left = (
-        f'<p class="quiet">{many(len(book.left), "file")} handed in with them: <a href="#left">no submissions</a>.</p>'
-    )
-    return f'<dl class="facts">{listed}</dl>\n{left if book.left else ""}'
+    states = ("passed", "not passed", "crashed", "unreadable")
+    facts = [("students", len(book.students)), ("submissions", len(book.records))]
+    facts += [(name, tally[name]) for name in states if tally[name]]
+    facts += [("not graded: grader's error", tally["error"])] if tally["error"] else []
+    facts += [("missing", len(book.missing))] if book.missing else []
+    listed = "".join(f"<div><dt>{name}</dt><dd>{count}</dd></div>" for name, count in facts)
+    layout = html(_LAYOUTS.get(book.layout, book.layout) or "unknown")
+    told = f"Layout of the submissions: {layout}. Seed of the checks: {book.seed}."
+    if book.left:
+        told += f' <a href="#left">{many(len(book.left), "file")}</a> beside them.'
+    return f'<dl class="facts">{listed}</dl>\n<p class="quiet">{told}</p>'

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import mean, median
 from typing import TYPE_CHECKING
 
@@ -37,12 +37,13 @@ class Part:
 
 
 def sections(book: Gradebook) -> list[Part]:
-    """Scores, checks and students."""
-    return [
-        Part("scores", "Scores", _scores(book)),
-        Part("checks", "Checks", _checks(book)),
-        Part("students", "Students", _students(book)),
-    ]
+    """Scores and checks."""
+    return [Part("scores", "Scores", _scores(book)), Part("checks", "Checks", _checks(book))]
+
+
+def students(book: Gradebook) -> Part:
+    """Everybody, with links to the reports."""
+    return Part("students", "Students", _students(book))
 
 
 def _scores(book: Gradebook) -> str:
@@ -79,25 +80,22 @@ def _checks(book: Gradebook) -> str:
 
 
 def _check_table(exercise: Exercise, records: list[Record]) -> str:
-    rows = []
-    for check in counts.checks(records):
-        failed = check.by_status["failed"]
-        rows.append(
-            (
-                shown(check.title),
-                amount(check.points),
-                Cell(
-                    f"{failed} {charts.meter(failed, check.run)} {share(failed, check.run)}", str(failed), number=True
-                ),
-                amount(check.by_status["passed"]),
-                amount(check.by_status["skipped"]),
-                amount(check.by_status["error"]),
-            )
-        )
-    if not rows:
+    found = counts.checks(records)
+    if not found:
         return ""
-    columns = ["Check", "Points", "Not passed, of those run", "Passed", "Not run", "Grader's error"]
-    return table(f"{html(exercise.title)}: which check fails how often", columns, rows)
+    columns = ["Check", "Points", "Not passed", "Of those run", "Passed", "Not run"]
+    errors = any(check.by_status["error"] for check in found)
+    rows = [_check_row(check, errors=errors) for check in found]
+    title = f"{html(exercise.title)}: which check fails how often"
+    return table(title, [*columns, "Grader's error"] if errors else columns, rows)
+
+
+def _check_row(check: counts.CheckCount, *, errors: bool) -> list[Cell | str]:
+    failed = check.by_status["failed"]
+    part = Cell(f"{charts.meter(failed, check.run)} {share(failed, check.run)}", str(failed / max(1, check.run)))
+    row: list[Cell | str] = [shown(check.title), amount(check.points), amount(failed), replace(part, number=True)]
+    row += [amount(check.by_status["passed"]), amount(check.by_status["skipped"])]
+    return [*row, amount(check.by_status["error"])] if errors else row
 
 
 def _students(book: Gradebook) -> str:
@@ -107,16 +105,19 @@ def _students(book: Gradebook) -> str:
         '<p class="find" hidden><label for="find">Find a student</label><input id="find" type="search" '
         'autocomplete="off"><span id="found" role="status"></span></p>'
     )
-    columns = ["Student", "Name", *(html(exercise.title) for exercise in book.exercises), "Total"]
+    names = ["Name"] if any(record.entry.name for record in book.records) else []
+    kind = "sortable named" if names else "sortable"
+    columns = ["Student", *names, *(html(exercise.title) for exercise in book.exercises), "Total"]
     caption = f"{many(len(book.students), 'student')}; a score leads to its report"
-    return find + table(caption, columns, _student_rows(book), id_="class")
+    return find + table(caption, columns, _student_rows(book, names=bool(names)), kind=kind, id_="class")
 
 
-def _student_rows(book: Gradebook) -> Iterator[list[Cell | str]]:
+def _student_rows(book: Gradebook, *, names: bool) -> Iterator[list[Cell | str]]:
     for student, records in by_student(book).items():
         results = [_result(records.get(exercise.id), exercise) for exercise in book.exercises]
         total = sum(score(record) or 0.0 for record in records.values())
-        yield [shown(student), shown(name_of(records)), *results, amount(total)]
+        name: list[Cell | str] = [shown(name_of(records))] if names else []
+        yield [shown(student), *name, *results, amount(total)]
 
 
 def _result(record: Record | None, exercise: Exercise) -> Cell:

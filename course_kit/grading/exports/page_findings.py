@@ -1,4 +1,4 @@
-"""The class page's second half: what to look into. Diagnoses, look-alikes, slow and large ones, what was left."""
+"""The class page's second half, what to look into: diagnoses, look-alikes, slow and large ones, what was left."""
 
 from __future__ import annotations
 
@@ -17,16 +17,24 @@ if TYPE_CHECKING:
     from course_kit.grading.classroom.records import Record
 
 _MOST_LISTED = 10
-_MOST_PAIRS = 200
+_MOST_PAIRS = 500
+_PAIRS_AT_ONCE = 20
+_PALE = 4  # submissions; fewer do not make a cell dark, even where there are no more
 _KB = 1000
 
 
 def sections(book: Gradebook) -> list[Part]:
-    """Diagnoses, look-alikes, extremes, and what is no submission or missing."""
+    """Diagnoses, look-alikes and extremes."""
     return [
         Part("diagnoses", "Diagnoses", _diagnoses(book)),
         Part("alike", "Look-alikes", _alike(book)),
         Part("extremes", "Slowest and largest", _extremes(book)),
+    ]
+
+
+def absent(book: Gradebook) -> list[Part]:
+    """Who has handed in nothing, and what is no submission."""
+    return [
         Part("missing", "Missing submissions", _missing(book)),
         Part("left", "Files that are no submissions", _left(book)),
     ]
@@ -45,21 +53,29 @@ def _diagnoses(book: Gradebook) -> str:
         parts.append(_heat_map(title, [html(band) for band in counts.BANDS], rows))
     if not any(parts):
         return "<p>No submission has a diagnosis.</p>" if book.records else ""
-    return "<p>The darker a cell, the more submissions; its number says how many.</p>" + "".join(parts)
+    return "<p>The stronger a cell's colour, the more submissions have it; the number says how many.</p>" + "".join(
+        parts
+    )
 
 
 def _heat_map(caption: str, columns: Sequence[str], rows: dict[str, list[int]]) -> str:
     if not rows:
         return ""
-    most = max(max(row) for row in rows.values())
+    most = max(_PALE, *(max(row) for row in rows.values()))
     known = diagnosis.catalogue()
     listed = []
     for code, row in rows.items():
         found = known.get(code)
         name = f"{html(found.title)} <code>{html(code)}</code>" if found else f"<code>{html(code)}</code>"
-        cells = [Cell(str(count), heat=count / most, number=True) for count in row]
+        cells = [_heat(count, most) for count in row]
         listed.append([Cell(name, code), *cells, amount(sum(row))])
     return table(caption, ["Diagnosis", *columns, "All"], listed)
+
+
+def _heat(count: int, most: int) -> Cell:
+    if not count:
+        return Cell('<span class="quiet">0</span>', "0", number=True)
+    return Cell(str(count), heat=count / most, number=True)
 
 
 def _alike(book: Gradebook) -> str:
@@ -70,36 +86,46 @@ def _alike(book: Gradebook) -> str:
         '<p class="note"><strong>Similarity is no proof.</strong> A small exercise has few good solutions, and pairs '
         "may have been allowed to work together. Look at both programs before you say a word.</p>"
     )
-    return warning + _identical(found) + _similar(found) + _unseen(book, found)
+    several = len(book.exercises) > 1
+    return warning + _identical(found, several=several) + _similar(found, several=several) + _unseen(book, found)
 
 
-def _identical(found: lookalikes.LookAlikes) -> str:
+def _identical(found: lookalikes.LookAlikes, *, several: bool) -> str:
     if not found.identical:
         return "<p>No two submissions are the same file.</p>"
     rows = [
-        (html(group[0].title or group[0].entry.exercise), amount(len(group)), ", ".join(person(one) for one in group))
+        [", ".join(person(one) for one in group), amount(len(group)), *_exercise(group[0], several=several)]
         for group in found.identical
     ]
-    return table("The same file, byte by byte", ["Exercise", "How many", "Students"], rows)
+    columns = ["Students", "How many", *(["Exercise"] if several else [])]
+    return table("The same file, byte by byte", columns, rows)
 
 
-def _similar(found: lookalikes.LookAlikes) -> str:
+def _exercise(record: Record, *, several: bool) -> list[Cell | str]:
+    return [html(record.title or record.entry.exercise)] if several else []
+
+
+def _similar(found: lookalikes.LookAlikes, *, several: bool) -> str:
     of_what = f"{many(found.compared, 'different program')} compared"
     least = f"{lookalikes.THRESHOLD * 100:.0f}&nbsp;%"
     if not found.pairs:
         return f"<p>No two of the others are alike by {least} or more ({of_what}).</p>"
-    rows = [
-        (
-            html(pair.first.title or pair.first.entry.exercise),
-            Cell(f"{pair.similarity * 100:.0f}&nbsp;%", f"{pair.similarity:.4f}", number=True),
-            f"{person(pair.first)}<br><code>{shown(pair.first.entry.source)}</code>",
-            f"{person(pair.second)}<br><code>{shown(pair.second.entry.source)}</code>",
-        )
-        for pair in found.pairs[:_MOST_PAIRS]
-    ]
-    more = f", the {_MOST_PAIRS} most similar of {len(found.pairs)} pairs" if len(found.pairs) > _MOST_PAIRS else ""
-    caption = f"Alike by {least} or more, names, values, comments and layout aside{more} ({of_what})"
-    return table(caption, ["Exercise", "Alike", "One", "Other"], rows)
+    rows = [[*_pair(pair), *_exercise(pair.first, several=several)] for pair in found.pairs[:_MOST_PAIRS]]
+    columns = ["One", "Other", "Alike", *(["Exercise"] if several else [])]
+    caption = f"{many(len(found.pairs), 'pair')} alike by {least} or more, names, values and comments aside ({of_what})"
+    first = table(caption, columns, rows[:_PAIRS_AT_ONCE])
+    if len(rows) <= _PAIRS_AT_ONCE:
+        return first
+    rest = table("The other pairs", columns, rows[_PAIRS_AT_ONCE:])
+    left = len(found.pairs) - len(rows)
+    told = f"<p>{many(left, 'pair')} more, less alike than these, are not listed.</p>" if left else ""
+    return f"{first}<details><summary>{many(len(rows) - _PAIRS_AT_ONCE, 'more pair')}</summary>{rest}{told}</details>"
+
+
+def _pair(pair: lookalikes.Pair) -> list[Cell | str]:
+    sides = [f"{person(one)}<br><code>{shown(one.entry.source)}</code>" for one in (pair.first, pair.second)]
+    alike = Cell(f"{pair.similarity * 100:.0f}&nbsp;%", f"{pair.similarity:.4f}", number=True)
+    return [*sides, alike]
 
 
 def _unseen(book: Gradebook, found: lookalikes.LookAlikes) -> str:

@@ -25,11 +25,10 @@ a:focus-visible,button:focus-visible,input:focus-visible,summary:focus-visible,.
 outline:3px solid var(--link);outline-offset:2px}
 section{background:var(--sheet);border:1px solid var(--line);border-radius:10px;padding:1.1rem 1.3rem;margin:1.1rem 0}
 nav ul{display:flex;flex-wrap:wrap;gap:.3rem 1.2rem;list-style:none;margin:1rem 0 0;padding:0}
-.facts{display:grid;grid-template-columns:repeat(auto-fit,minmax(8.5rem,1fr));gap:.7rem;margin:0}
+.facts{display:grid;grid-template-columns:repeat(auto-fit,minmax(7.5rem,1fr));gap:.7rem;margin:0 0 .8rem}
 .facts div{background:var(--sheet);border:1px solid var(--line);border-radius:10px;padding:.5rem .9rem .6rem}
 .facts dt{color:var(--quiet);font-size:.85rem}
 .facts dd{margin:0;font-size:1.45rem;font-weight:650;line-height:1.25;overflow-wrap:anywhere}
-.facts dd.text{font-size:1rem;line-height:1.7}
 .note{background:var(--note);border-left:5px solid var(--note-line);border-radius:4px;padding:.6rem .9rem;
 margin:.6rem 0 1rem;max-width:none}
 .charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(26rem,100%),1fr));gap:1.2rem}
@@ -52,7 +51,8 @@ th,td{border-bottom:1px solid var(--line);padding:.34rem .7rem;text-align:left;v
 thead th{border-bottom:2px solid var(--quiet);white-space:nowrap;vertical-align:bottom}
 tbody th{font-weight:500;overflow-wrap:anywhere;max-width:26rem}
 td{max-width:30rem;overflow-wrap:anywhere}
-td.number,th.number{text-align:right;white-space:nowrap}
+#class tbody th,#class.named td:nth-child(2){min-width:11rem}
+td.number,thead th.number{text-align:right;white-space:nowrap}
 tbody tr:hover>*{background:color-mix(in srgb,var(--link) 8%,transparent)}
 td.heat,tbody tr:hover>td.heat{background:color-mix(in srgb,var(--hot) var(--heat),transparent);text-align:right}
 thead button{font:inherit;color:inherit;background:none;border:0;padding:.1rem .2rem;margin:-.1rem -.2rem;
@@ -65,6 +65,7 @@ code{font-family:ui-monospace,Menlo,Consolas,monospace;font-size:.92em}
 vertical-align:-.06rem}
 .meter>span{display:block;height:100%;background:var(--bad)}
 .state{white-space:nowrap}
+.meter+.share{display:inline-block;min-width:3.2em}
 .find{margin:.2rem 0 .6rem;display:flex;flex-wrap:wrap;gap:.3rem .8rem;align-items:center}
 .find input{font:inherit;color:inherit;background:var(--ground);border:1px solid var(--quiet);border-radius:6px;
 padding:.3rem .6rem;min-width:16rem}
