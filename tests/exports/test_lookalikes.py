@@ -64,6 +64,14 @@ def test_what_many_write_makes_nobody_alike(tmp_path: Path) -> None:
     assert names(lookalikes.find(book(*class_, root=tmp_path))) == [("s11", "thief")]
 
 
+def test_a_program_that_half_the_class_has_renamed_is_found(tmp_path: Path) -> None:
+    """However many have it: each is paired with the first."""
+    copies = {f"s{number:02}": ORIGINAL.replace("lowest", f"name{number}") for number in range(60)}
+    found = lookalikes.find(book(*class_of(tmp_path, **copies, zoe=OTHER), root=tmp_path))
+    assert names(found) == [("s00", f"s{number:02}") for number in range(1, 60)]
+    assert (found.compared, found.unread) == (61, 0)
+
+
 def test_identical_files_are_one_group_and_no_pair(tmp_path: Path) -> None:
     class_ = class_of(tmp_path, ann=ORIGINAL, bob=ORIGINAL, cid=OTHER, dan=disguised(ORIGINAL))
     found = lookalikes.find(book(*class_, root=tmp_path))
