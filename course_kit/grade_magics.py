@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading import Report
 
+NBGRADER = "NBGRADER_EXECUTION"  # set by it for the kernels it starts
 USAGE = "Use it as %grade EXERCISE, for example %grade temperature_service, or %grade EXERCISE FILE [--seed N]."
 
 
@@ -125,22 +126,32 @@ class GradeMagics(Magics):
         if trouble := progress.record(report):
             complain(trouble)
 
-    def _handed_in(self, exercise: str, folder: Path) -> Path:
-        require(exercise)
+    def write_submission(self, exercise: str, folder: Path) -> Path | None:
+        """Write what was last run in the exercise's `%%submission` cells as a notebook; None when there were none."""
         cells = self._submissions.of(exercise)
         if not cells:
+            return None
+        path = folder / "notebook.ipynb"
+        nbformat.write(nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells]), path)
+        return path
+
+    def _handed_in(self, exercise: str, folder: Path) -> Path:
+        require(exercise)
+        path = self.write_submission(exercise, folder)
+        if path is None:
             raise GradingError(
                 f"Nothing to grade yet: run the cell that begins with %%submission {exercise}, then grade again."
             )
-        path = folder / "notebook.ipynb"
-        nbformat.write(nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells]), path)
         return path
 
     def _cell_id(self) -> str | None:
         get_parent = getattr(self.shell, "get_parent", None)
         parent: dict[str, Any] = get_parent() if get_parent else {}
         cell_id = parent.get("metadata", {}).get("cellId")
-        return cell_id if isinstance(cell_id, str) else None
+        if isinstance(cell_id, str):
+            return cell_id
+        # nbgrader names no cells; but it runs each once, from top to bottom.
+        return f"cell {self.shell.execution_count}" if NBGRADER in os.environ else None
 
 
 def parse(line: str) -> tuple[str, str | None, int | None]:

@@ -1,7 +1,7 @@
 """A robot to be sent about on the map of lesson 2: how an action is used comes before how one is written.
 
 It is no answer to exercise 2, and not meant to become one: it drives along x first and then along y, cannot climb,
-tells where it is four times a second, and does not measure its way.
+tells where it is four times a second only, and does not measure its way.
 """
 
 from __future__ import annotations

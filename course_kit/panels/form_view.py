@@ -35,7 +35,7 @@ class FormWidget(anywidget.AnyWidget):
         ended: why the form no longer works; "" while it does.
     """
 
-    _esm = (_HERE / "form_view.js").read_text(encoding="utf-8")
+    _esm = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("message_form.js", "form_view.js"))
     _css = (_HERE / "panels.css").read_text(encoding="utf-8")
     title = traitlets.Dict().tag(sync=True)
     entries: Any = traitlets.List().tag(sync=True)

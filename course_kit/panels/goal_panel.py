@@ -23,18 +23,14 @@ _ENDED = "This panel has ended. Run its cell again to use it."
 _NOT_SENT = "Not sent: see what is marked above."
 
 
-def _text(*names: str) -> str:
-    return "\n".join((_HERE / name).read_text("utf-8") for name in names)
-
-
 class _ActionWidget(anywidget.AnyWidget):
     """The panel as the page has it.
 
     It sends {"do": "send"}, {"do": "cancel"}, and {"do": "add" or "remove", "path"} for lists, each with `values`.
     """
 
-    _esm = _text("message_form.js", "goal_panel.js")
-    _css = _text("panels.css", "goal_panel.css")
+    _esm = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("message_form.js", "goal_panel.js"))
+    _css = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("panels.css", "goal_panel.css"))
     title = traitlets.Dict().tag(sync=True)
     entries: traitlets.List[Any] = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)

@@ -135,7 +135,7 @@ function messageForm(model, title, ask) {
     let first = null;
     for (const place of fields.querySelectorAll("[data-path]")) {
       const reason = errors[place.dataset.path] ?? "";
-      document.getElementById(`${place.id}-error`).textContent = reason && `✖ ${reason}`;
+      fields.querySelector(`#${CSS.escape(place.id)}-error`).textContent = reason && `✖ ${reason}`;
       if (reason) place.setAttribute("aria-invalid", "true");
       else place.removeAttribute("aria-invalid");
       if (reason && !first) first = place;

@@ -125,6 +125,8 @@ def test_a_map_again_ends_the_one_before(robot: DemoRobot) -> None:
     panels.robot_map()
     assert robot._free.acquire(timeout=30)  # the first one's goal is cancelled
     assert robot._robot.position != (9.0, 9.0)
+    wish(first, do="go", x=1.0, y=1.0)
+    assert (view(first)["ended"], view(first)["running"], view(first)["target"]) == (True, False, [9.0, 9.0])
 
 
 def test_in_words_it_says_what_it_is() -> None:

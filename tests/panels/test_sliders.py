@@ -160,9 +160,10 @@ def test_a_change_made_elsewhere_is_shown_and_one_of_another_node_is_not() -> No
     lab.start(Robot)
     lab.start(Other)
     panel = panels.parameter_sliders("/robot")
-    lab.set_parameters_blocking("/other", speed=3.0)
     lab.set_parameters_blocking("/robot", speed=2.0)
     wait_for(lambda: panel.widget.values["speed"] == "2.0")
+    lab.set_parameters_blocking("/other", speed=3.0)  # returns when the panel has had the news
+    assert panel.values["speed"] == 2.0
     assert panel.widget.outcomes["speed"]["state"] == "elsewhere"
     assert panel.describe().splitlines()[1] == "  speed = 2.0 (double, 0.0 to 5.0)"
 

@@ -9,7 +9,7 @@ import pytest
 
 from course_kit import lab, trace
 from course_kit.lab.core import Lab
-from course_kit.magics import MagicError, ros_launch, ros_stop
+from course_kit.magics import MagicError, ros_launch, ros_script, ros_stop
 
 from .commands import SEED, is_alive, wait_until
 
@@ -89,3 +89,11 @@ def test_what_is_wrong_with_it_is_one_line(
 def test_without_a_name_it_says_how_it_is_written(line: str) -> None:
     with pytest.raises(MagicError, match="Write %%ros_launch NAME"):
         ros_launch(line, LAUNCH)
+
+
+def test_a_saved_program_runs_again_with_other_arguments(capfd: pytest.CaptureFixture[str]) -> None:
+    ros_script("tell one", "import sys\nprint('told', sys.argv[1:])\n")
+    ros_script("tell two three")
+    assert capfd.readouterr().out == "told ['one']\ntold ['two', 'three']\n"
+    with pytest.raises(MagicError, match=r"'tel': run its %%ros_script cell first\. Saved: tell"):
+        ros_script("tel two")
