@@ -92,7 +92,12 @@ def _finish(book: Gradebook, out: Path) -> int:
 
     page = exports.write_all(book, out)
     if book.left:
-        print(f"{len(book.left)} files are no submissions; they are listed in {page.name}.", file=sys.stderr)
+        what = (
+            "1 file is no submission; it is"
+            if len(book.left) == 1
+            else f"{len(book.left)} files are no submissions; they are"
+        )
+        print(f"{what} listed in {page.name}.", file=sys.stderr)
     print(page)
     if not book.complete:
         print("course-kit: stopped. Run the same command with --resume to go on.", file=sys.stderr)

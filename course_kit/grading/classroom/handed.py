@@ -53,7 +53,7 @@ class Handed:
         """The report of one that has no text."""
         return engine.unreadable(self.exercise, self.entry.source, self.problem)
 
-    def record(self, report: Report, wall_s: float) -> Record:
+    def record(self, report: Report) -> Record:
         """Its result."""
         return Record(
             entry=self.entry,
@@ -63,7 +63,7 @@ class Handed:
             report=report.to_mapping(),
             title=report.title,
             isolation=report.isolation,
-            wall_s=round(wall_s, 3),
+            wall_s=round(report.duration_s, 3),
         )
 
     def same_record(self, other: Record) -> Record:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import secrets
-import time
 from concurrent.futures import FIRST_COMPLETED, wait
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
@@ -153,7 +152,7 @@ class ClassRun:
 
     def _work_through(self, groups: list[list[Handed]], executor: Executor) -> None:
         waiting = iter(groups)
-        under_way: dict[Future[Report], tuple[list[Handed], float]] = {}
+        under_way: dict[Future[Report], list[Handed]] = {}
         stopping = False
         while self._stops() < _AT_ONCE:
             if self._stops() and not stopping:
@@ -167,15 +166,14 @@ class ClassRun:
                 return
             finished, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
             for future in finished:
-                group, begun = under_way.pop(future)
-                self._keep(group, future.result(), time.monotonic() - begun)
+                self._keep(under_way.pop(future), future.result())
             self._watcher.tick()
 
     def _fill(
         self,
         executor: Executor,
         waiting: Iterator[list[Handed]],
-        under_way: dict[Future[Report], tuple[list[Handed], float]],
+        under_way: dict[Future[Report], list[Handed]],
     ) -> None:
         """Give the executor enough to do."""
         while len(under_way) < _AHEAD * executor.slots:
@@ -184,14 +182,14 @@ class ClassRun:
                 return
             task = group[0].task(self._hidden)
             if task is None:
-                self._keep(group, group[0].unreadable(), 0.0)
+                self._keep(group, group[0].unreadable())
             else:
-                under_way[executor.submit(task)] = (group, time.monotonic())
+                under_way[executor.submit(task)] = group
 
-    def _keep(self, group: list[Handed], report: Report, wall_s: float) -> None:
+    def _keep(self, group: list[Handed], report: Report) -> None:
         """Write the result of a submission and of those identical to it."""
         first, *twins = group
-        record = first.record(report, wall_s)
+        record = first.record(report)
         for one in (record, *(twin.same_record(record) for twin in twins)):
             self._records.keep(one, render_page(report, one.entry.name or one.entry.student))
             self._done.append(one)
