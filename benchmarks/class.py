@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from class_usage import Usage
 
 SIZE = 200
-QUICK = 20
+QUICK = 50  # with one that never ends
 GROWTH = (50, 100, 200, 400)
 RIGHT = 12
 RIGHT_AIM_S = 0.25  # ours, wall seconds for each of 12 right submissions, start-up included
