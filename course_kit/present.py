@@ -27,6 +27,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "@jupyterlab/apputils-extension/themes.jupyterlab-settings": {
         "overrides": {"code-font-size": "20px", "content-font-size1": "21px", "ui-font-size1": "16px"}
     },
+    "@jupyterlab/apputils-extension/notification.jupyterlab-settings": {"fetchNews": "false", "checkForUpdates": False},
     "@jupyterlab/docmanager-extension/plugin.jupyterlab-settings": {"autosave": False},
 }
 

@@ -196,7 +196,10 @@ def _undeclared(node: str, names: list[str]) -> Steps[dict[str, str]]:
 
 def _describing() -> Steps[Descriptors]:
     names = own_first((yield Question("list_parameters", {})).result.names)
-    return Descriptors(described(one) for one in (yield Question("describe_parameters", {"names": names})).descriptors)
+    descriptors = (yield Question("describe_parameters", {"names": names})).descriptors
+    for name, descriptor in zip(names, descriptors, strict=True):
+        descriptor.name = name  # rclpy gives all parameters declared with one descriptor object the last one's name
+    return Descriptors(described(one) for one in descriptors)
 
 
 def _declared(node: str, name: str, known: list[str]) -> str:

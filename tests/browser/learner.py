@@ -32,6 +32,8 @@ CHROMIUM_FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+# Notebook 7 trips over its own settings when it starts, with any notebook; panels' code comes from a blob: address.
+NOTEBOOK_7_ITSELF = r"\(reading 'schema'\)\n(?:(?!blob:)[\s\S])*/static/notebook/notebook_core"
 PATIENCE_MS = 90_000  # against hanging only
 SETTINGS = {
     "@jupyterlab/docmanager-extension/plugin.jupyterlab-settings": {"autosave": False},
@@ -49,6 +51,11 @@ class JupyterLab:
         self.page.goto(f"{self.address}/lab/tree/{notebook}?token={self.token}&reset")
         # The circle is empty and the status bar says Idle only when the kernel is connected.
         expect(self.page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
+        expect(self.page.locator(".jp-Notebook-ExecutionIndicator[data-status='idle']")).to_be_attached()
+
+    def open_in_notebook_7(self, notebook: str) -> None:
+        """Open it in Jupyter's other face; the same server has both."""
+        self.page.goto(f"{self.address}/notebooks/{notebook}?token={self.token}")
         expect(self.page.locator(".jp-Notebook-ExecutionIndicator[data-status='idle']")).to_be_attached()
 
     def run_all(self) -> None:
@@ -92,6 +99,22 @@ class JupyterLab:
         self.page.keyboard.press("Control+A")
         self.page.keyboard.insert_text(text)
 
+    def require_no_error(self, notebook: str) -> None:
+        """Save, and look for errors in the file: JupyterLab keeps outputs that are far off out of the page."""
+        path = REPOSITORY / notebook
+        before = path.stat().st_mtime_ns
+        self.page.get_by_role("menuitem", name="File", exact=True).click()
+        self.page.get_by_role("menuitem", name="Save Notebook", exact=True).click()
+        deadline = time.monotonic() + PATIENCE_MS / 1000
+        while path.stat().st_mtime_ns == before:
+            assert time.monotonic() < deadline, f"{notebook} was not saved"
+            self.page.wait_for_timeout(50)
+        code = [cell for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
+        unasked = [cell for cell in code if "raises-exception" not in cell["metadata"].get("tags", [])]
+        failed = [one["evalue"] for cell in unasked for one in cell["outputs"] if one["output_type"] == "error"]
+        assert code
+        assert not failed, failed
+
     def picture(self, name: str) -> Path:
         ARTIFACTS.mkdir(parents=True, exist_ok=True)
         path = ARTIFACTS / f"{name}.png"
@@ -100,8 +123,8 @@ class JupyterLab:
 
 
 @contextmanager
-def served(folder: Path) -> Iterator[tuple[str, str]]:
-    """Start `./course lab`; yields its address and token, and ends it with the Ctrl-C a learner would use."""
+def served(folder: Path, verb: str = "lab") -> Iterator[tuple[str, str]]:
+    """Start `./course lab`, or `present`; yields its address and token, and ends it as closing the terminal does."""
     for name, values in SETTINGS.items():
         (folder / "settings" / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / "settings" / name).write_text(json.dumps(values))
@@ -113,7 +136,7 @@ def served(folder: Path) -> Iterator[tuple[str, str]]:
         process = subprocess.Popen(
             [
                 REPOSITORY / "course",
-                "lab",
+                verb,
                 "--no-browser",
                 f"--port={port}",
                 f"--IdentityProvider.token={token}",
@@ -124,6 +147,7 @@ def served(folder: Path) -> Iterator[tuple[str, str]]:
                 JUPYTERLAB_SETTINGS_DIR=str(folder / "settings"),
                 JUPYTERLAB_WORKSPACES_DIR=str(folder / "workspaces"),
                 JUPYTER_RUNTIME_DIR=str(folder / "runtime"),
+                XDG_STATE_HOME=str(folder / "state"),
             ),
             stdin=subprocess.DEVNULL,
             stdout=log,
@@ -168,8 +192,9 @@ def page() -> Iterator[Page]:
         opened = chromium.new_page(viewport={"width": 1280, "height": 1000})
         opened.set_default_timeout(PATIENCE_MS)
         expect.set_options(timeout=PATIENCE_MS)
-        opened.on("pageerror", lambda error: errors.append(str(error)))
+        opened.on("pageerror", lambda error: errors.append(f"{error}\n{error.stack}"))
         opened.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
         yield opened
         chromium.close()
-    assert not errors
+    ours = [error for error in errors if not re.search(NOTEBOOK_7_ITSELF, error)]
+    assert not ours, "\n".join(ours)

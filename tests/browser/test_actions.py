@@ -21,6 +21,7 @@ def test_lesson_two_is_run_and_its_panels_are_used(lab: JupyterLab) -> None:
     lab.page.on("console", lambda said: complaints.append(said.text) if said.type == "error" else None)
     lab.open("notebooks/02_actions.ipynb")
     lab.run_all()
+    lab.require_no_error("notebooks/02_actions.ipynb")
     states = lab.page.locator(".jp-MarkdownCell", has_text="six states").locator(".jp-RenderedMermaid img")
     for name, drawn in (("goal", lab.page.locator(".jp-CodeCell .jp-RenderedMermaid img")), ("states", states)):
         lab.scroll_to(drawn)

@@ -43,6 +43,7 @@ def half(panel: Locator, question: str) -> Locator:
 def test_the_quiz_is_answered_marked_and_written(lab: JupyterLab, written: None) -> None:  # noqa: ARG001
     lab.open("notebooks/04_choosing_a_pattern.ipynb")
     lab.run_all()
+    lab.require_no_error("notebooks/04_choosing_a_pattern.ipynb")
     panel = lab.page.locator(".course-kit-quiz-panel")
     panel.scroll_into_view_if_needed()
     panel.get_by_role("button", name="Start again").click()  # whatever was kept from before
@@ -127,7 +128,7 @@ def test_marking_waits_until_the_end_if_one_wants_it(lab: JupyterLab) -> None:
 def test_lesson_five_runs_and_its_riddle_can_be_solved(lab: JupyterLab) -> None:
     lab.open("notebooks/05_command_line.ipynb")
     lab.run_all()
-    assert lab.page.locator(".jp-OutputArea-output[data-mime-type='application/vnd.jupyter.error']").count() == 0
+    lab.require_no_error("notebooks/05_command_line.ipynb")
     shown = lab.page.locator(".jp-Notebook")
     expect(shown).to_contain_text("example_interfaces.srv.AddTwoInts_Response(sum=3)")
     expect(shown).to_contain_text(re.compile(r"\[parameter_node-1\].*Robot: turtlebot4"))

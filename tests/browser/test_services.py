@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
 
-ERRORS = ".jp-OutputArea-output[data-mime-type='application/vnd.jupyter.error']"
-
 
 def test_lesson_zero_shows_nodes_come_and_go(lab: JupyterLab) -> None:
     lab.open("notebooks/00_welcome.ipynb")
@@ -50,7 +48,7 @@ def test_lesson_one_answers_the_form_and_draws(lab: JupyterLab) -> None:
     page = lab.page
     lab.open("notebooks/01_services.ipynb")
     lab.run_all()
-    assert page.locator(ERRORS).count() == 0
+    lab.require_no_error("notebooks/01_services.ipynb")
     diagram = lab.scroll_to(page.locator(".jp-RenderedMermaid img"))
     expect(diagram).to_be_visible()
     assert diagram.evaluate("image => image.naturalWidth") > 100

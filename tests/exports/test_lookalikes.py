@@ -53,15 +53,23 @@ def test_the_starter_makes_nobody_alike(tmp_path: Path) -> None:
 
 
 def test_what_many_write_makes_nobody_alike(tmp_path: Path) -> None:
-    """Forty with one program in common and as much of their own, and one who has taken another's."""
+    """Forty with most of their programs in common and a little of their own, and one who has taken another's."""
 
     def own(number: int) -> str:
         chance = random.Random(number)  # noqa: S311 - an example
-        lines = [f"    x = y {chance.choice('+-*/%&|^<>')} z {chance.choice('+-*/%&|^<>')} x" for _ in range(90)]
-        return ORIGINAL + f"\ndef own{number}(x, y, z):\n" + "\n".join(lines)
+        lines = [f"    x = y {chance.choice('+-*/%&|^<>')} z {chance.choice('+-*/%&|^<>')} x" for _ in range(8)]
+        return ORIGINAL + OTHER + f"\ndef own{number}(x, y, z):\n" + "\n".join(lines)
 
     class_ = class_of(tmp_path, **{f"s{number:02}": own(number) for number in range(40)}, thief=disguised(own(11)))
     assert names(lookalikes.find(book(*class_, root=tmp_path))) == [("s11", "thief")]
+
+
+def test_a_program_that_half_the_class_has_renamed_is_found(tmp_path: Path) -> None:
+    """However many have it: each is paired with the first."""
+    copies = {f"s{number:02}": ORIGINAL.replace("lowest", f"name{number}") for number in range(60)}
+    found = lookalikes.find(book(*class_of(tmp_path, **copies, zoe=OTHER), root=tmp_path))
+    assert names(found) == [("s00", f"s{number:02}") for number in range(1, 60)]
+    assert (found.compared, found.unread) == (61, 0)
 
 
 def test_identical_files_are_one_group_and_no_pair(tmp_path: Path) -> None:

@@ -174,9 +174,11 @@ def test_a_link_is_the_reports_path() -> None:
     assert not set(markup.report(one)) & set("#? ")
 
 
-def test_three_hundred_students_are_on_it() -> None:
+def test_three_hundred_students_are_on_it_and_in_every_file(tmp_path: Path) -> None:
     gradebook = books.large_book(300)
-    text = page.render(gradebook)
+    text = exports.write_all(gradebook, tmp_path).read_text(encoding="utf-8")
     document = Document(text)
     assert all(texts.html(student) in document.text for student in gradebook.students)
     assert len(text) < 2_000_000
+    assert len((tmp_path / "grades.csv").read_text(encoding="utf-8").splitlines()) == 301
+    assert len(list((tmp_path / "exports" / "gradescope").rglob("results.json"))) == 600

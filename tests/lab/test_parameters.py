@@ -268,3 +268,19 @@ def test_what_cannot_be_subscribed_to_is_said() -> None:
     lab.publish("/words", String, data="x")
     with pytest.raises(lab.LabError, match="/words has the type std_msgs/msg/String, and was asked for as std_msgs"):
         lab.subscribe("/words", Float64, print)
+
+
+class OneForTwo(Node):
+    """Declares two parameters with one descriptor object, into which rclpy writes the name of the last."""
+
+    def __init__(self) -> None:
+        super().__init__("one_for_two")
+        shared = ParameterDescriptor(description="m/s")
+        self.declare_parameter("lowest", 0.1, shared)
+        self.declare_parameter("highest", 1.0, shared)
+
+
+def test_parameters_that_share_a_descriptor_are_described_by_their_own_names() -> None:
+    lab.start(OneForTwo)
+    described = lab.describe_parameters_blocking("/one_for_two")
+    assert [one.name for one in described][:2] == ["lowest", "highest"]

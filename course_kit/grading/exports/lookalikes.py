@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import combinations
 from typing import TYPE_CHECKING
 
 from course_kit.grading import submission
@@ -24,8 +23,9 @@ if TYPE_CHECKING:
 
 THRESHOLD = 0.7  # of the fingerprints of two programs together, those they share
 _FEWEST = 10  # fingerprints; what is shorter is alike by itself
-_COMMON = 0.1  # of all programs: what so many share is how one writes it
-_COMMON_AT_LEAST = 30  # programs; also bounds the work, as each fingerprint makes pairs of all who have it
+_COMMON = 0.1  # of all different programs: what so many share is how one writes it
+_COMMON_AT_LEAST = 30  # programs
+_RARE = 40  # programs; only fingerprints that no more have bring two together, which bounds the work in large classes
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class LookAlikes:
 
     Attributes:
         identical: groups of two or more whose files are the same.
-        pairs: others that look alike, the most similar first; one stands for all that are identical to it.
+        pairs: others that look alike, the most similar first; one stands for all that are the same as it.
         compared: how many different programs were compared.
         unread: how many could not be read or are too short.
         left_out: titles of exercises in which alike answers are to be expected.
@@ -67,10 +67,10 @@ def find(book: Gradebook) -> LookAlikes:
             continue
         groups = _groups(book.of(exercise.id))
         identical += [tuple(group) for group in groups if len(group) > 1]
-        own = _own_fingerprints(book, exercise, [group[0] for group in groups])
-        compared += len(own)
-        unread += len(groups) - len(own)
-        pairs += _pairs([record for record, _ in own], [prints for _, prints in own])
+        alike = _alike(book, exercise, [group[0] for group in groups])
+        pairs += alike.pairs
+        compared += alike.compared
+        unread += len(groups) - alike.compared
     pairs.sort(key=lambda pair: (-pair.similarity, -pair.shared, pair.first.entry.student, pair.second.entry.student))
     left_out = tuple(exercise.title for exercise in book.exercises if not exercise.class_name)
     return LookAlikes(tuple(identical), tuple(pairs), compared, unread, left_out)
@@ -84,21 +84,35 @@ def _groups(records: list[Record]) -> list[list[Record]]:
     return list(groups.values())
 
 
-def _own_fingerprints(
-    book: Gradebook, exercise: Exercise, records: list[Record]
-) -> list[tuple[Record, frozenset[int]]]:
-    """What is each program's own: neither the starter's nor what many have."""
+@dataclass(frozen=True)
+class _Alike:
+    pairs: list[Pair]
+    compared: int
+
+
+def _alike(book: Gradebook, exercise: Exercise, records: list[Record]) -> _Alike:
+    """Compare different files of one exercise."""
     if book.root is None:
-        return []
+        return _Alike([], 0)
     given: frozenset[int] = frozenset()
     for name in (exercise.starter, exercise.notebook):
         given |= _of_file(exercise.folder / name, exercise)
-    all_prints = [(record, _of_file(book.root / record.entry.source, exercise) - given) for record in records]
-    counts = Counter(one for _, prints in all_prints for one in prints)
-    most = max(_COMMON_AT_LEAST, int(_COMMON * len(records)))
-    common = {one for one, count in counts.items() if count > most}
-    left = [(record, prints - common) for record, prints in all_prints]
-    return [(record, prints) for record, prints in left if len(prints) >= _FEWEST]
+    same: dict[frozenset[int], list[Record]] = defaultdict(list)
+    for record in records:
+        same[_of_file(book.root / record.entry.source, exercise) - given].append(record)
+    long_enough = {prints: group for prints, group in same.items() if len(prints) >= _FEWEST}
+    pairs = [
+        Pair(first, other, 1.0, len(prints)) for prints, (first, *others) in long_enough.items() for other in others
+    ]
+    own = _without_common(list(long_enough))
+    kept = [(group[0], prints) for group, prints in zip(long_enough.values(), own, strict=True)]
+    pairs += _similar([one for one in kept if len(one[1]) >= _FEWEST])
+    compared = sum(
+        len(group)
+        for (_, prints), group in zip(kept, long_enough.values(), strict=True)
+        if len(prints) >= _FEWEST or len(group) > 1
+    )
+    return _Alike(pairs, compared)
 
 
 def _of_file(path: Path, exercise: Exercise) -> frozenset[int]:
@@ -107,14 +121,25 @@ def _of_file(path: Path, exercise: Exercise) -> frozenset[int]:
     return frozenset()
 
 
-def _pairs(records: list[Record], prints: list[frozenset[int]]) -> Iterator[Pair]:
-    """Pairs above the threshold; only those are looked at that share a fingerprint."""
+def _without_common(programs: list[frozenset[int]]) -> list[frozenset[int]]:
+    """Of each program what is its own, not what many write."""
+    counts = Counter(one for prints in programs for one in prints)
+    most = max(_COMMON_AT_LEAST, int(_COMMON * len(programs)))
+    common = {one for one, count in counts.items() if count > most}
+    return [prints - common for prints in programs]
+
+
+def _similar(programs: list[tuple[Record, frozenset[int]]]) -> Iterator[Pair]:
+    """Pairs above the threshold, among those who share a rare fingerprint."""
     having: dict[int, list[int]] = defaultdict(list)
-    for number, own in enumerate(prints):
-        for one in own:
-            having[one].append(number)
-    shared = Counter(pair for numbers in having.values() for pair in combinations(numbers, 2))
-    for (first, second), count in shared.items():
-        similarity = count / (len(prints[first]) + len(prints[second]) - count)
-        if similarity >= THRESHOLD:
-            yield Pair(records[first], records[second], similarity, count)
+    for place, (_, prints) in enumerate(programs):
+        for one in prints:
+            having[one].append(place)
+    for place, (record, prints) in enumerate(programs):
+        rare = (having[one] for one in prints if len(having[one]) <= _RARE)
+        for other in sorted({number for numbers in rare for number in numbers if number > place}):
+            its_record, its_prints = programs[other]
+            shared = len(prints & its_prints)
+            similarity = shared / (len(prints) + len(its_prints) - shared)
+            if similarity >= THRESHOLD:
+                yield Pair(record, its_record, similarity, shared)

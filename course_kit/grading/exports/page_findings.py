@@ -134,6 +134,8 @@ def _unseen(book: Gradebook, found: lookalikes.LookAlikes) -> str:
         told.append("The submissions are not at hand, so that only identical ones could be found.")
     elif found.unread:
         told.append(f"{many(found.unread, 'program')} could not be read or had too little of its own to compare.")
+    if found.pairs:
+        told.append("In the pairs one stands for all that are the same as it.")
     if found.left_out:
         told.append(f"Not compared, as good answers are the same: {html(', '.join(found.left_out))}.")
     return f'<p class="quiet">{" ".join(told)}</p>' if told else ""

@@ -49,9 +49,9 @@ table{border-collapse:collapse;font-size:.93rem;font-variant-numeric:tabular-num
 caption{text-align:left;font-weight:600;padding:.2rem 0 .5rem}
 th,td{border-bottom:1px solid var(--line);padding:.34rem .7rem;text-align:left;vertical-align:top}
 thead th{border-bottom:2px solid var(--quiet);white-space:nowrap;vertical-align:bottom}
-tbody th{font-weight:500;overflow-wrap:anywhere;max-width:26rem}
+tbody th{font-weight:500;overflow-wrap:anywhere;min-width:11rem;max-width:26rem}
 td{max-width:30rem;overflow-wrap:anywhere}
-#class tbody th,#class.named td:nth-child(2){min-width:11rem}
+#class.named td:nth-child(2){min-width:11rem}
 td.number,thead th.number{text-align:right;white-space:nowrap}
 tbody tr:hover>*{background:color-mix(in srgb,var(--link) 8%,transparent)}
 td.heat,tbody tr:hover>td.heat{background:color-mix(in srgb,var(--hot) var(--heat),transparent);text-align:right}

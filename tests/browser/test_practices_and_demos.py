@@ -1,0 +1,75 @@
+"""Lesson 6 and the demos in the browser; and that no notebook of the course is left out of these tests."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.browser.learner import REPOSITORY, JupyterLab, page, served
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
+
+DEMOS = sorted(path.name for path in (REPOSITORY / "notebooks/demos").glob("*.ipynb"))
+
+
+def test_lesson_six_runs_and_its_guards_hold_against_the_mouse(lab: JupyterLab) -> None:
+    lab.open("notebooks/06_best_practices.ipynb")
+    lab.run_all()
+    lab.require_no_error("notebooks/06_best_practices.ipynb")
+    sliders = lab.scroll_to(lab.page.locator(".ck-params"))
+    highest = sliders.locator("[data-name='max_velocity']")
+    highest.locator("input[type='range']").focus()
+    lab.page.keyboard.press("Home")
+    expect(highest.locator(".ck-params-status")).to_contain_text("min_velocity would be above max_velocity")
+    expect(sliders.locator("[data-name='wheel_diameter'] input")).to_be_disabled()
+    lab.picture("lesson_six_refusal")
+
+
+def test_panels_work_in_notebook_7(lab: JupyterLab) -> None:
+    lab.open_in_notebook_7("notebooks/06_best_practices.ipynb")
+    lab.run_all()
+    form = lab.scroll_to(lab.page.locator(".ck-form[aria-label='Call /set_gripper_width']"))
+    form.get_by_label("width", exact=True).fill("0.03")
+    lab.page.keyboard.press("Enter")
+    expect(form.get_by_role("status")).to_contain_text("0.03")
+    sliders = lab.scroll_to(lab.page.locator(".ck-params"))
+    sliders.locator("[data-name='max_velocity'] input[type='range']").focus()
+    lab.page.keyboard.press("Home")
+    expect(sliders).to_contain_text("min_velocity would be above max_velocity")
+    lab.picture("notebook_7")
+
+
+def test_every_demo_shows_its_failure(lab: JupyterLab) -> None:
+    for name in DEMOS:
+        lab.open(f"notebooks/demos/{name}")
+        lab.run_all()
+        lab.scroll_to(lab.page.get_by_text("It fails:").first)
+        lab.require_no_error(f"notebooks/demos/{name}")
+        lab.picture(f"demo_{name.partition('_')[0]}")
+
+
+@pytest.mark.answers
+def test_a_class_sees_it_large_with_the_answer_folded_and_nothing_from_before(tmp_path: Path) -> None:
+    with served(tmp_path, "present") as (address, token), page() as opened:
+        shown = JupyterLab(opened, address, token)
+        shown.open("notebooks/demos/02_lost_cancel.ipynb")
+        expect(opened.locator(".jp-CodeCell .cm-content").first).to_have_css("font-size", "20px")
+        assert opened.locator(".jp-OutputArea-output").count() == 0
+        expect(opened.locator(".jp-CodeCell .jp-Placeholder")).to_have_count(1)
+        assert not opened.get_by_text("CancelResponse.ACCEPT").count()
+        shown.picture("presenter")
+        opened.locator(".jp-CodeCell .jp-Placeholder").click()
+        expect(opened.get_by_text("CancelResponse.ACCEPT")).to_be_visible()
+
+
+def test_every_notebook_of_the_course_is_opened_in_the_browser() -> None:
+    tests = "".join(path.read_text() for path in (REPOSITORY / "tests/browser").glob("test_*.py"))
+    lessons = [path.relative_to(REPOSITORY).as_posix() for path in (REPOSITORY / "notebooks").glob("*.ipynb")]
+    assert lessons
+    assert not [name for name in lessons if name not in tests]
+    assert DEMOS
