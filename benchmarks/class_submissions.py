@@ -1,0 +1,92 @@
+"""The classes that are graded: right, wrong, crashing and looping programs, each made different by a comment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import cycle
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+ROOT = Path(__file__).resolve().parent.parent
+EXERCISE = "temperature_service"
+LOOP = "limit.time"
+LOOP_EVERY = 50
+_CRASHING = ("start.crash", "start.exit", "start.import", "start.syntax")
+# What the contestants without walls can be asked to run, too: nothing that takes the machine's memory or processes.
+_HARMLESS = (
+    "math.formula",
+    "math.integer_division",
+    "validation.missing",
+    "validation.no_reason",
+    "validation.overzealous",
+    "name.service",
+    "field.type",
+    "service.no_return",  # never answers
+)
+_MIXED_RIGHT = 8
+
+
+@dataclass(frozen=True)
+class Submission:
+    """A student's program; `kind` is "right" or the name of its mistake."""
+
+    student: str
+    kind: str
+    text: str
+
+    @property
+    def loops(self) -> bool:
+        """Whether it never ends."""
+        return self.kind == LOOP
+
+    @property
+    def cell(self) -> str:
+        """Its text for a notebook's cell, where the last lines would run the node for ever."""
+        return self.text.split('\nif __name__ == "__main__"', maxsplit=1)[0] + f"\n# handed in by {self.student}"
+
+
+def right(number: int) -> list[Submission]:
+    """So many correct ones."""
+    return _named(["right"] * number)
+
+
+def mixed() -> list[Submission]:
+    """Twenty for all contestants: 8 right, 8 wrong (one of them silent), 3 crashing, 1 looping; as they come."""
+    kinds = ["right"] * _MIXED_RIGHT + [*_HARMLESS, *_CRASHING[:1], *_CRASHING[2:], LOOP]
+    step = 7  # has no factor in common with 20: a fixed shuffle
+    return _named([kinds[number * step % len(kinds)] for number in range(len(kinds))])
+
+
+def large(number: int, *, loops: bool = True) -> list[Submission]:
+    """A class for ours alone: 2 of 5 right, 1 of 10 crashing, the others any mistake there is; one in 50 loops.
+
+    Without `loops` the looping ones are left out, and everything else is the same.
+    """
+    kinds = _endless()
+    named = _named([LOOP if place % LOOP_EVERY == LOOP_EVERY - 1 else next(kinds) for place in range(number)])
+    return [one for one in named if loops or not one.loops]
+
+
+def _endless() -> Iterator[str]:
+    mistakes = sorted(path.stem for path in (ROOT / "tests/broken" / EXERCISE).glob("*.py"))
+    wrong = cycle(name for name in mistakes if name != LOOP and name not in _CRASHING)
+    crashing = cycle(_CRASHING)
+    for place in cycle(range(10)):
+        yield "right" if place % 5 in (0, 2) else next(crashing) if place == 1 else next(wrong)
+
+
+def _named(kinds: list[str]) -> list[Submission]:
+    students = [f"s{place:04}" for place in range(len(kinds))]
+    return [
+        Submission(student, kind, f"{_text(kind)}\n# handed in by {student}\n")
+        for student, kind in zip(students, kinds, strict=True)
+    ]
+
+
+def _text(kind: str) -> str:
+    folder = "solutions" if kind == "right" else "tests/broken"
+    name = EXERCISE if kind == "right" else kind
+    return (ROOT / folder / EXERCISE / f"{name}.py").read_text(encoding="utf-8")
