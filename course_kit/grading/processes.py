@@ -167,7 +167,7 @@ def _listed_children(parent: int) -> list[int]:
     found: list[int] = []
     try:
         for thread in os.listdir(f"/proc/{parent}/task"):  # noqa: PTH208 - hot
-            with open(f"/proc/{parent}/task/{thread}/children", encoding="ascii") as file:  # noqa: PTH123 - hot
+            with open(f"/proc/{parent}/task/{thread}/children", encoding="utf-8") as file:  # noqa: PTH123 - hot
                 found += map(int, file.read().split())
     except FileNotFoundError:  # it has ended, or this kernel keeps no such lists (CONFIG_PROC_CHILDREN)
         return _all_children(parent)

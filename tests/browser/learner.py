@@ -104,7 +104,7 @@ class JupyterLab:
         path = REPOSITORY / notebook
         before = path.stat().st_mtime_ns
         self.page.get_by_role("menuitem", name="File", exact=True).click()
-        self.page.get_by_role("menuitem", name="Save Notebook", exact=True).click()
+        self.page.get_by_role("menuitem", name=re.compile(r"^Save Notebook(?! As)")).first.click()
         deadline = time.monotonic() + PATIENCE_MS / 1000
         while path.stat().st_mtime_ns == before:
             assert time.monotonic() < deadline, f"{notebook} was not saved"

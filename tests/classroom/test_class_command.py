@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
-SOLUTION = (REPOSITORY / "solutions/temperature_service/temperature_service.py").read_text()
+SOLUTION = REPOSITORY / "solutions/temperature_service/temperature_service.py"
 CLASS_SIZE = 7
 PATIENCE_S = 100.0  # against hanging only
 
@@ -33,7 +33,7 @@ def handed_in(tmp_path: Path) -> Path:
     for number in range(CLASS_SIZE):
         folder = tmp_path / "in" / f"student{number}"
         folder.mkdir(parents=True)
-        (folder / "temperature_service.py").write_text(f"{SOLUTION}\n# of student {number}\n")
+        (folder / "temperature_service.py").write_text(f"{SOLUTION.read_text()}\n# of student {number}\n")
     return tmp_path / "in"
 
 
@@ -97,7 +97,7 @@ def test_a_run_that_was_killed_is_resumed_without_doing_anything_twice(handed_in
 def test_a_submission_sees_neither_the_others_nor_the_results(handed_in: Path) -> None:
     out = handed_in.parent / "out"
     spy = f"import os\nprint('SEEN', os.listdir({str(handed_in)!r}), os.listdir({str(out)!r}), flush=True)\n"
-    (handed_in / "student0/temperature_service.py").write_text(spy + SOLUTION)
+    (handed_in / "student0/temperature_service.py").write_text(spy + SOLUTION.read_text())
     finish(handed_in)
     printed = json.loads(records(handed_in)["student0"].read_text())["report"]["stdout"]
     assert "SEEN [] []" in printed
