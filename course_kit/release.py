@@ -25,7 +25,17 @@ if TYPE_CHECKING:
 NAME = "ros2-course"  # the folder inside a zip
 ANSWER = "answer"  # a cell with this tag belongs to the instructor
 # Folders with answers, or with programs that come close to one.
-LEFT_OUT = ("solutions", "tests/broken", "tests/grading", "tests/robot_parameters", ".ci", ".github")
+LEFT_OUT = (
+    "solutions",
+    "tests/broken",
+    "tests/slips",
+    "tests/grading",
+    "tests/proof",
+    "tests/dev",
+    "tests/robot_parameters",
+    ".ci",
+    ".github",
+)
 _GENERATED = {
     ".git", ".venv", ".venv-lock", ".course", ".hypothesis", ".mypy_cache", ".pytest_cache", ".ruff_cache",
     ".ipynb_checkpoints", "__pycache__", "artifacts", "build", "dist",
