@@ -134,8 +134,9 @@ class ServiceForm(Panel):
         elif content.get("do") in {"add", "remove"}:
             self._form.resize(content["path"], 1 if content["do"] == "add" else -1)
             fresh = self._form.defaults()
-            self._widget.entries = self._form.entries()
-            self._widget.values = {path: self._widget.values.get(path, value) for path, value in fresh.items()}
+            with self._widget.hold_sync():  # in one message: whoever sees the new field may type into it at once
+                self._widget.entries = self._form.entries()
+                self._widget.values = {path: self._widget.values.get(path, value) for path, value in fresh.items()}
 
     def _show(self, state: str, text: str, **more: Any) -> None:
         self._widget.outcome = {"state": state, "text": text, **more}

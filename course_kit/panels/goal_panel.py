@@ -115,8 +115,9 @@ class ActionPanel(Panel):
         elif wish.get("do") in {"add", "remove"}:
             self._form.resize(wish["path"], 1 if wish["do"] == "add" else -1)
             known = self._widget.values
-            self._widget.entries = self._form.entries()
-            self._widget.values = {path: known.get(path, value) for path, value in self._form.defaults().items()}
+            with self._widget.hold_sync():  # in one message: whoever sees the new field may type into it at once
+                self._widget.entries = self._form.entries()
+                self._widget.values = {path: known.get(path, value) for path, value in self._form.defaults().items()}
 
     def _show(self, standing: Standing) -> None:
         progress, errors = standing.progress, self._errors
