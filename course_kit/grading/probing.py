@@ -25,9 +25,12 @@ def warm_up() -> None:
     import rclpy.executors
     import rclpy.node
     from rclpy.impl.implementation_singleton import rclpy_implementation
+    from rclpy.type_support import check_for_type_support
+    from type_description_interfaces.srv import GetTypeDescription  # every node has this service
 
     import course_kit.grading.tester
 
+    check_for_type_support(GetTypeDescription)
     del rclpy, course_kit, rclpy_implementation
 
 
