@@ -3,6 +3,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import pytest
@@ -119,3 +121,40 @@ def test_another_users_lock_file_that_may_not_be_written_is_passed_over(monkeypa
 
     monkeypatch.setattr(os, "open", refusing)
     assert domains.share("me").domain_id != number
+
+
+def test_one_who_queues_gets_the_next_domain_that_comes_back() -> None:
+    held = [domains.exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
+    queued: list[domains.Lease] = []
+    waiting = threading.Thread(target=lambda: queued.append(domains.exclusive(patience_s=60.0)))
+    waiting.start()
+    waiting.join(0.2)
+    assert not queued
+    back = held.pop()
+    back.release()
+    waiting.join(60)
+    assert [lease.domain_id for lease in queued] == [back.domain_id]
+    for lease in (*held, *queued):
+        lease.release()
+
+
+def test_more_who_want_a_domain_than_there_are_take_turns_and_never_share() -> None:
+    """Twice as many as there are, as workers of a class without network namespaces would be."""
+    in_use: set[int] = set()
+    collisions: list[int] = []
+    guard = threading.Lock()
+
+    def one() -> None:
+        with domains.exclusive_domain(patience_s=100.0) as domain_id:
+            with guard:
+                collisions.extend({domain_id} & in_use)
+                in_use.add(domain_id)
+            threading.Event().wait(0.05)  # some work
+            with guard:
+                in_use.discard(domain_id)
+
+    count = 2 * (domains.LAST - domains.FIRST + 1)
+    with ThreadPoolExecutor(count) as workers:
+        for done in [workers.submit(one) for _ in range(count)]:
+            done.result()
+    assert not collisions
