@@ -101,3 +101,22 @@ def test_lesson_one_runs_the_programs_of_the_chapter_word_for_word() -> None:
     sources = [without_magic(cell.source) for cell in cells(REPOSITORY / "notebooks/01_services.ipynb", "code")]
     assert SEED["minimal_service.py"] in sources
     assert SEED["minimal_client.py"] in sources
+
+
+def words(text: str) -> int:
+    """Words of prose, without links' targets, markup and programs."""
+    prose = re.sub(r"```.*?```|<[^>]+>|\]\([^)]*\)", " ", text, flags=re.DOTALL)
+    return len(re.findall(r"[A-Za-z']+", prose))
+
+
+@pytest.mark.parametrize(
+    "path", [path for path in LESSONS if path.parent.name == "notebooks"], ids=lambda path: path.stem
+)
+def test_the_reading_time_it_states_is_true(path: Path) -> None:
+    """Prose at 200 words a minute, programs at half of that; a third more or less is still about right."""
+    prose = [cell.source for cell in cells(path, "markdown")]
+    stated = re.search(r"Reading takes about (\d+) minutes", " ".join(prose[0].split()))
+    assert stated
+    programs = sum(len(cell.source.split()) for cell in cells(path, "code"))
+    minutes = sum(words(part) for part in prose) / 200 + programs / 100
+    assert minutes / 1.34 < int(stated[1]) < minutes * 1.34
