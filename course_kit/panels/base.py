@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from course_kit import lab
@@ -10,10 +11,16 @@ from course_kit import lab
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
 
+_HERE = Path(__file__).parent
 RATE = 10.0  # updates a second; above 1,000 the Jupyter server drops some for good
 _JOIN = 2.0  # seconds an update is given to end
 
 T = TypeVar("T")
+
+
+def script(*names: str) -> str:
+    """The JavaScript of a panel's page, as one module: files of this folder, one after the other."""
+    return "\n".join((_HERE / name).read_text(encoding="utf-8") for name in names)
 
 
 class Panel:

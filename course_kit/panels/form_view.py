@@ -14,7 +14,7 @@ from course_kit import lab
 from course_kit.lab.errors import FieldError, LabError
 from course_kit.lab.messages import is_service_type, type_name
 from course_kit.lab.snapshot import snapshot
-from course_kit.panels.base import Panel
+from course_kit.panels.base import Panel, script
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class FormWidget(anywidget.AnyWidget):
         ended: why the form no longer works; "" while it does.
     """
 
-    _esm = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("message_form.js", "form_view.js"))
+    _esm = script("dom.js", "message_form.js", "form_view.js")
     _css = (_HERE / "panels.css").read_text(encoding="utf-8")
     title = traitlets.Dict().tag(sync=True)
     entries: Any = traitlets.List().tag(sync=True)

@@ -11,7 +11,7 @@ import traitlets
 from course_kit.lab.errors import FieldError
 from course_kit.lab.messages import is_action_type, type_name
 from course_kit.panels import goal_words
-from course_kit.panels.base import Latest, Panel
+from course_kit.panels.base import Latest, Panel, script
 from course_kit.panels.goal_sender import GoalSender
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 
@@ -29,7 +29,7 @@ class _ActionWidget(anywidget.AnyWidget):
     It sends {"do": "send"}, {"do": "cancel"}, and {"do": "add" or "remove", "path"} for lists, each with `values`.
     """
 
-    _esm = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("message_form.js", "goal_panel.js"))
+    _esm = script("dom.js", "message_form.js", "goal_panel.js")
     _css = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("panels.css", "goal_panel.css"))
     title = traitlets.Dict().tag(sync=True)
     entries: traitlets.List[Any] = traitlets.List().tag(sync=True)

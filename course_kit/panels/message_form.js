@@ -2,16 +2,6 @@
 
 let messageForms = 0;
 
-function make(tag, attributes = {}, ...children) {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) {
-    if (value === true) element.setAttribute(name, "");
-    else if (value !== false && value !== undefined) element.setAttribute(name, value);
-  }
-  element.append(...children);
-  return element;
-}
-
 // A notebook keeps Enter from submitting a form, which a browser would do by itself.
 function submitOnEnter(fields) {
   fields.addEventListener("keydown", (event) => {

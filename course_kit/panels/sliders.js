@@ -2,16 +2,6 @@
 
 let panels = 0;
 
-function make(tag, attributes = {}, ...children) {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) {
-    if (value === true) element.setAttribute(name, "");
-    else if (value !== false && value !== undefined) element.setAttribute(name, value);
-  }
-  element.append(...children);
-  return element;
-}
-
 // A number as short as it can be written, without the noise of binary fractions.
 function tidy(number, type) {
   if (type === "integer") return String(Math.round(number));

@@ -13,7 +13,7 @@ from course_kit import lab
 from course_kit.lab.errors import LabError
 from course_kit.lab.parameter_values import from_message, is_of_every_node
 from course_kit.lab.parameters import full_name
-from course_kit.panels.base import Latest, Panel
+from course_kit.panels.base import Latest, Panel, script
 from course_kit.panels.parameter_entry import EntryError, entry, shown, typed
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class SlidersWidget(anywidget.AnyWidget):
         ended: why they no longer work; "" while they do.
     """
 
-    _esm = (_HERE / "sliders.js").read_text(encoding="utf-8")
+    _esm = script("dom.js", "sliders.js")
     _css = (_HERE / "sliders.css").read_text(encoding="utf-8")
     node = traitlets.Unicode().tag(sync=True)
     entries: traitlets.List[Any] = traitlets.List().tag(sync=True)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import threading
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,30 +14,11 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64, String
 
 from course_kit import lab, panels
-from course_kit.lab.core import Lab
 from course_kit.panels.number_field import NumberField
 from course_kit.panels.plotting import thinned
+from tests.panels.waiting import wait_for
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-
-@pytest.fixture(autouse=True)
-def own_lab(domain: int) -> Iterator[Lab]:
-    assert domain
-    own = Lab()
-    before = lab.use(own)
-    yield own
-    own.close()
-    lab.use(before)
-
-
-def wait_for(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + 20
-    pause = threading.Event()
-    while not condition():
-        assert time.monotonic() < deadline, "it has not come"
-        pause.wait(0.01)
+pytestmark = pytest.mark.usefixtures("live_lab")
 
 
 def drawn(panel: Any) -> list[float]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -11,14 +9,14 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 
 from course_kit import lab, panels
-from course_kit.lab.core import Lab
 from course_kit.lab.parameter_values import Descriptor, Range
 from course_kit.panels.parameter_entry import EntryError, entry, shown, slider_step, typed
+from tests.panels.waiting import wait_for
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from rclpy.parameter import Parameter
+
+pytestmark = pytest.mark.usefixtures("live_lab")
 
 
 class Robot(Node):
@@ -42,24 +40,6 @@ class Robot(Node):
             if parameter.name == "speed" and parameter.value == 4.0:
                 return SetParametersResult(successful=False, reason="4.0 makes the robot rattle")
         return SetParametersResult(successful=True)
-
-
-@pytest.fixture(autouse=True)
-def own_lab(domain: int) -> Iterator[Lab]:
-    assert domain
-    own = Lab()
-    before = lab.use(own)
-    yield own
-    own.close()
-    lab.use(before)
-
-
-def wait_for(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + 20
-    pause = threading.Event()
-    while not condition():
-        assert time.monotonic() < deadline, "it has not come"
-        pause.wait(0.01)
 
 
 def in_force(name: str) -> Any:
