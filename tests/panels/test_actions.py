@@ -23,7 +23,8 @@ pytestmark = pytest.mark.usefixtures("own_lab")
 
 
 @pytest.fixture
-def gate() -> Gate:
+def gate(own_lab: Lab) -> Gate:
+    assert own_lab
     return lab.start(Gate)
 
 
