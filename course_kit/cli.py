@@ -138,8 +138,8 @@ def _doctor(options: argparse.Namespace) -> int:
 def _dev(options: argparse.Namespace) -> int:
     from course_kit.dev import check, otter
 
-    tool = {"check": check, "otter": otter}[options.tool]
-    return tool.main(options.rest)
+    main_of = {"check": check.main, "otter": otter.main}
+    return main_of[options.tool](options.rest)
 
 
 def _present(options: argparse.Namespace) -> int:

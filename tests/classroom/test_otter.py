@@ -148,6 +148,7 @@ def test_under_otter_the_cells_of_a_submission_are_joined(kernel: Kernel) -> Non
         (f"check('{QUICK}', 'answer', seed=1)", "There is no check 'answer' in pattern_choice. There are: answers, "),
         ("check('pattern_choise', 'answers')", "Did you mean pattern_choice?"),
     ],
+    ids=["check", "exercise"],
 )
 def test_what_an_instructor_misspells_is_named(kernel: Kernel, call: str, sentence: str) -> None:
     kernel.run(f"%%submission {QUICK}\nanswers = {{}}")
