@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import expect
 
-from tests.browser.learner import REPOSITORY
+from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
     from tests.browser.learner import JupyterLab
