@@ -148,7 +148,7 @@ def served(root: Path, folder: Path, verb: str) -> Iterator[tuple[str, str]]:
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     token = secrets.token_hex(16)
-    root = ["--allow-root"] if os.geteuid() == 0 else []
+    as_root = ["--allow-root"] if os.geteuid() == 0 else []
     with environment.exclusive_domain() as domain_id, (folder / "jupyter.log").open("w") as log:
         process = subprocess.Popen(
             [
@@ -157,7 +157,7 @@ def served(root: Path, folder: Path, verb: str) -> Iterator[tuple[str, str]]:
                 "--no-browser",
                 f"--port={port}",
                 f"--IdentityProvider.token={token}",
-                *root,
+                *as_root,
             ],
             cwd=root,
             env=environment.child_environment(
