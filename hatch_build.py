@@ -11,6 +11,7 @@ import platform
 import shutil
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,7 @@ def compile_helper(root: Path) -> None:
         "-std=c11",
         "-Wall",
         "-Wextra",
+        f"-DSOURCE_CRC={zlib.crc32((root / SOURCE).read_bytes())}u",  # the loader compares it
         "-o",
         str(fresh),
         str(root / SOURCE),

@@ -12,10 +12,9 @@ import fcntl
 import json
 import math
 import os
-import tempfile
 import threading
 import time
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from datetime import datetime, timezone
 from pathlib import Path
@@ -231,17 +230,8 @@ def _write(path: Path, records: dict[str, Record]) -> None:
         "format_version": FORMAT_VERSION,
         "exercises": {exercise: asdict(entry) for exercise, entry in records.items()},
     }
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f"{path.name}.")
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as fresh:
-            json.dump(content, fresh, indent=1, ensure_ascii=False)
-            fresh.flush()
-            os.fsync(fresh.fileno())
-        Path(name).replace(path)
-    except BaseException:
-        with suppress(OSError):
-            Path(name).unlink()
-        raise
+    text = json.dumps(content, indent=1, ensure_ascii=False)
+    environment.write_atomically(path, text, mode=0o600)  # nobody else's business
 
 
 def _put_aside(path: Path) -> Path:

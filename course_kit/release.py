@@ -103,14 +103,18 @@ def contents(root: Path) -> list[str]:
 def without_answers(notebook: Any) -> Any:
     """A notebook without the cells tagged `answer`; the others are numbered anew."""
     notebook.cells = [cell for cell in notebook.cells if ANSWER not in cell.metadata.get("tags", [])]
-    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
-    for number, cell in enumerate(code, start=1):
-        if cell.execution_count is not None:
-            cell.execution_count = number
+    number_anew(notebook)
+    return notebook
+
+
+def number_anew(notebook: Any) -> None:
+    """Number the cells that have been run from 1, as a fresh kernel would; the others stay without a number."""
+    run = [cell for cell in notebook.cells if cell.cell_type == "code" and cell.execution_count is not None]
+    for number, cell in enumerate(run, start=1):
+        cell.execution_count = number
         for output in cell.outputs:
             if output.output_type == "execute_result":
                 output.execution_count = number
-    return notebook
 
 
 def _require_free(target: Path) -> None:

@@ -11,12 +11,11 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import progress
+from course_kit import environment, progress
 from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
 
@@ -51,31 +50,10 @@ class Return:
         saved = None
         if self.file.exists():
             saved = self.backup
-            _write_new(saved, self.file.read_bytes())
+            environment.write_new(saved, self.file.read_bytes())
             shutil.copystat(self.file, saved)
-        _replace(self.file, self.pristine)
+        environment.write_atomically(self.file, self.pristine)
         return saved
-
-
-def _write_new(path: Path, content: bytes) -> None:
-    """Write a file that does not exist yet, down to the disk."""
-    with path.open("xb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-
-
-def _replace(path: Path, content: bytes) -> None:
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f"{path.name}.", delete=False) as fresh:
-        try:
-            fresh.write(content)
-            fresh.flush()
-            os.fsync(fresh.fileno())
-            Path(fresh.name).chmod(path.stat().st_mode & 0o777 if path.exists() else 0o644)
-            Path(fresh.name).replace(path)
-        except BaseException:
-            Path(fresh.name).unlink(missing_ok=True)
-            raise
 
 
 def changed(task: Exercise) -> list[Return]:
@@ -202,7 +180,7 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | 
         return 0
     target = copy / source.name if copy.is_dir() else copy
     try:
-        _write_new(target, source.read_bytes())
+        environment.write_new(target, source.read_bytes())
     except FileExistsError:
         raise GradingError(f"{target} is there already, and nothing is overwritten. Name another file.") from None
     except OSError as problem:

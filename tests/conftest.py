@@ -14,6 +14,8 @@ from course_kit.dev import browser
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from course_kit.lab.core import Lab
+
 environment.apply()  # before any test module imports rclpy
 os.environ["COURSE_KIT_PROGRESS"] = "off"  # what tests grade is not what the person at this machine has reached
 _WITHOUT_BROWSER = (
@@ -55,3 +57,13 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     with environment.exclusive_domain() as domain_id:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain_id))
         yield domain_id
+
+
+@pytest.fixture
+def own_lab(domain: int) -> Iterator[Lab]:
+    """A fresh lab on a domain of its own, as the current one."""
+    from tests.lab.fresh import fresh_lab  # brings rclpy
+
+    assert domain
+    with fresh_lab() as mine:
+        yield mine

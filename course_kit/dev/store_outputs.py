@@ -14,6 +14,7 @@ import nbformat
 from nbclient import NotebookClient
 
 from course_kit import environment
+from course_kit.release import number_anew
 
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 CELL_TIMEOUT_S = 60
@@ -35,16 +36,10 @@ def run(path: Path) -> None:
 def normalised(notebook: Any) -> Any:
     """The notebook with times, kernel versions and widget models of this run left out."""
     notebook.metadata = {"kernelspec": KERNEL, "language_info": {"name": "python"}}
-    number = 0
+    number_anew(notebook)
     for cell in notebook.cells:
         cell.metadata.pop("execution", None)
-        if cell.cell_type != "code":
-            continue
-        number += 1
-        cell.execution_count = number
-        for output in cell.outputs:
-            if output.output_type == "execute_result":
-                output.execution_count = number
+        for output in cell.get("outputs", []):
             if "data" in output:  # without a kernel a widget is an error message; its words remain
                 output.data.pop(WIDGET, None)
     return notebook

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from course_kit.environment.domains import Lease, NoDomainError, exclusive_domain, share
+from course_kit.environment.files import write_atomically, write_new
 from course_kit.environment.places import checkout, run_dir, state_dir
 
 __all__ = [
@@ -26,6 +27,8 @@ __all__ = [
     "exclusive_domain",
     "run_dir",
     "state_dir",
+    "write_atomically",
+    "write_new",
 ]
 
 LOOPBACK_PROFILE = Path(__file__).with_name("loopback.xml")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import importlib
-import tempfile
 import textwrap
 import warnings
 from pathlib import Path
 from typing import Any
 
+from course_kit import environment
 from course_kit.interfaces import catalogue, finder, sources
 from course_kit.interfaces.errors import InterfaceDefinitionError, InterfaceNotFoundError
 from course_kit.interfaces.known_types import get_type, text_of
@@ -78,11 +78,7 @@ def _save(path: Path, text: str) -> None:
     try:
         if folder is None:
             raise OSError("there is no folder that can be written to")  # noqa: TRY301
-        target = Path(folder) / path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=target.parent, prefix=".", delete=False) as file:
-            file.write(text)
-        Path(file.name).replace(target)
+        environment.write_atomically(Path(folder) / path, text, durable=False)
     except OSError as error:
         message = f"{path} is defined in this program only; other programs will not find it: {error}."
         warnings.warn(message, RuntimeWarning, stacklevel=3)

@@ -58,10 +58,7 @@ class Kept:
     def save(self, answers: Mapping[str, tuple[str, str]]) -> None:
         """Keep these instead. Where nothing can be written, the panel works and only forgets."""
         with suppress(OSError):
-            self._path.parent.mkdir(exist_ok=True)
-            new = self._path.with_suffix(".new")
-            new.write_text(json.dumps(answers), encoding="utf-8")
-            new.replace(self._path)
+            environment.write_atomically(self._path, json.dumps(answers), durable=False)
 
 
 def write(questions: Questions, answers: Mapping[str, tuple[str, str]], name: str) -> str:
@@ -81,7 +78,7 @@ def write(questions: Questions, answers: Mapping[str, tuple[str, str]], name: st
     try:
         if path.exists() and not _is_ours(questions, path):
             return f"Nothing was written: {path.name} is there already with other content. Choose another name."
-        path.write_text(questions.sheet(answers), encoding="utf-8")
+        environment.write_atomically(path, questions.sheet(answers), folders=False)
     except (OSError, ValueError) as problem:
         return f"Nothing was written: {getattr(problem, 'strerror', None) or problem}. Choose another name."
     share = f"{sum(all(pair) for pair in answers.values())} of {len(questions.scenarios)} answers"

@@ -69,6 +69,25 @@ def test_the_file_is_no_helper(tmp_path: Path) -> None:
         loader.load_helper(tmp_path / "other.so")
 
 
+def test_a_helper_of_another_version(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    refused = r"compiled from another version of the course\. Run \./course lab .* start Python again"
+    untold = tmp_path / "untold.so"  # one that does not tell what it was made from
+    untold.write_bytes(loader.LIBRARY.read_bytes().replace(b"live_source", b"live_s0urce"))
+    with pytest.raises(NativeHelperError, match=refused):
+        loader.load_helper(untold)
+    newer = tmp_path / "helper.c"
+    newer.write_bytes(loader.SOURCE.read_bytes() + b"/* changed */\n")
+    monkeypatch.setattr(loader, "SOURCE", newer)
+    for load in (loader.load_helper, loader.load_another_helper):
+        with pytest.raises(NativeHelperError, match=refused):
+            load()
+
+
+def test_a_helper_without_its_source(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(loader, "SOURCE", tmp_path / "helper.c")
+    assert loader.load_helper().live_new_type
+
+
 def library_in_use(name: str) -> str:
     lines = Path("/proc/self/maps").read_text().splitlines()
     return next(line.split(maxsplit=5)[-1] for line in lines if line.endswith(name))

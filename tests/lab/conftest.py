@@ -1,4 +1,4 @@
-"""A lab of its own for a test, and a real kernel to run cells in."""
+"""A real kernel to run cells in."""
 
 from __future__ import annotations
 
@@ -6,26 +6,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import environment, lab
-from course_kit.lab.core import Lab
+from course_kit import environment
 from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
-
-
-@pytest.fixture
-def own_lab(domain: int) -> Iterator[Lab]:
-    """A fresh lab on a domain of its own, as the current one."""
-    assert domain
-    mine = Lab()
-    before = lab.use(mine)
-    try:
-        yield mine
-    finally:
-        mine.close()
-        lab.use(before)
 
 
 @pytest.fixture(scope="session")

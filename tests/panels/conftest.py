@@ -6,20 +6,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import lab, trace
-from course_kit.lab.core import Lab
+from course_kit import trace
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from course_kit.lab.core import Lab
 
 
 @pytest.fixture
-def live_lab(domain: int) -> Iterator[Lab]:
+def live_lab(own_lab: Lab) -> Lab:
     """A recording lab of its own, in a domain of its own."""
-    del domain
-    own = Lab()
-    before = lab.use(own)
-    trace.attach()
-    yield own
-    own.close()
-    lab.use(before)
+    trace.attach(own_lab)
+    return own_lab

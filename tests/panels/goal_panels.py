@@ -1,21 +1,17 @@
-"""What the tests of panels for actions share: a lab, and a wait for what a panel shows."""
+"""What the tests of panels for actions share: a server, and a wait for what a panel shows."""
 
 from __future__ import annotations
 
 import threading
 import time
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from example_interfaces.action import Fibonacci
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
-from course_kit import lab
-from course_kit.lab.core import Lab
-
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
 PATIENCE_S = 30.0  # against hanging only
 
@@ -55,18 +51,6 @@ class Gate(Node):
             return Fibonacci.Result(sequence=feedback.sequence)
         finally:
             self.free.release()
-
-
-@contextmanager
-def fresh_lab() -> Iterator[Lab]:
-    """A lab of its own, as the current one."""
-    mine = Lab()
-    before = lab.use(mine)
-    try:
-        yield mine
-    finally:
-        mine.close()
-        lab.use(before)
 
 
 def until(condition: Callable[[], object], what: Callable[[], object] = lambda: "nothing") -> None:

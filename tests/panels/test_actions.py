@@ -12,24 +12,19 @@ from std_srvs.srv import Trigger
 from course_kit import interfaces, lab, panels
 from course_kit.lab.errors import FieldError
 from course_kit.panels.goal_sender import GoalSender, Standing
-from tests.panels.goal_panels import Gate, fresh_lab, until
+from tests.panels.goal_panels import Gate, until
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from course_kit.lab.core import Lab
     from course_kit.panels.goal_panel import ActionPanel
 
 
-@pytest.fixture(autouse=True)
-def own_lab(domain: int) -> Iterator[Lab]:
-    assert domain
-    with fresh_lab() as mine:
-        yield mine
+pytestmark = pytest.mark.usefixtures("own_lab")
 
 
 @pytest.fixture
-def gate() -> Gate:
+def gate(own_lab: Lab) -> Gate:
+    assert own_lab
     return lab.start(Gate)
 
 

@@ -9,21 +9,17 @@ from course_interfaces.action import MoveRobot
 
 from course_kit import lab, panels
 from course_kit.panels.demo_robot import DemoRobot
-from tests.panels.goal_panels import fresh_lab, until
+from tests.panels.goal_panels import until
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from course_kit.lab.core import Lab
     from course_kit.panels.arena_map import RobotMap
 
 
 @pytest.fixture(autouse=True)
-def own_lab(domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Lab]:
-    assert domain
+def in_a_hurry(own_lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert own_lab
     monkeypatch.setenv("COURSE_KIT_TIME_SCALE", "0.05")
-    with fresh_lab() as mine:
-        yield mine
 
 
 @pytest.fixture

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import ipywidgets
 import pytest
 
-from course_kit import lab
-from course_kit.lab.core import Lab
 from course_kit.panels.base import Latest, Panel
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from course_kit.lab.core import Lab
+
+pytestmark = pytest.mark.usefixtures("own_lab")
 
 
 class Lamp(Panel):
@@ -34,15 +34,6 @@ class Lamp(Panel):
 
     def count(self) -> None:
         self.ended += 1
-
-
-@pytest.fixture(autouse=True)
-def own_lab() -> Iterator[Lab]:
-    own = Lab()
-    before = lab.use(own)
-    yield own
-    own.close()
-    lab.use(before)
 
 
 def test_a_panel_is_a_widget_for_a_notebook_and_a_sentence_for_the_rest() -> None:

@@ -2,24 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
-from course_kit import lab, panels
-from course_kit.lab.core import Lab
+from course_kit import panels
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-
-@pytest.fixture(autouse=True)
-def own_lab() -> Iterator[None]:
-    own = Lab()
-    before = lab.use(own)
-    yield
-    own.close()
-    lab.use(before)
+pytestmark = pytest.mark.usefixtures("own_lab")
 
 
 def test_numbers_are_shown_and_only_their_order_is_stored() -> None:

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit import environment, grading, lab, panels, quiz
-from course_kit.lab.core import Lab
+from course_kit import environment, grading, panels, quiz
 from course_kit.panels import quiz_answers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from course_kit.panels.quiz_panel import QuizPanel
@@ -21,16 +19,14 @@ if TYPE_CHECKING:
 SEED = 5
 
 
+pytestmark = pytest.mark.usefixtures("own_lab")
+
+
 @pytest.fixture(autouse=True)
-def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A lab and a folder for this test; nothing is kept in the course."""
+def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is kept in the course."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(environment, "run_dir", lambda: tmp_path)
-    own = Lab()
-    before = lab.use(own)
-    yield
-    own.close()
-    lab.use(before)
 
 
 def right(scenario: quiz.Scenario) -> tuple[str, str]:

@@ -8,14 +8,14 @@ import psutil
 import pytest
 
 from course_kit import lab, trace
-from course_kit.lab.core import Lab
 from course_kit.magics import MagicError, ros_launch, ros_script, ros_stop
 
 from .commands import SEED, is_alive, wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
+
+    from course_kit.lab.core import Lab
 
 LAUNCH = (SEED / "parameter_node.launch.py").read_text()
 ARGUMENT = """
@@ -29,16 +29,11 @@ def generate_launch_description():
 
 
 @pytest.fixture(autouse=True)
-def own_lab(domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Lab]:
-    """A lab whose folder of scripts has the chapter's node."""
-    assert domain
+def folder_of_the_chapter(own_lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The lab's folder of scripts has the chapter's node."""
+    assert own_lab
     monkeypatch.setattr("course_kit.environment.run_dir", lambda: tmp_path)
     monkeypatch.setenv("COURSE_KIT_PACKAGE_PATH", str(SEED))
-    own = Lab()
-    before = lab.use(own)
-    yield own
-    own.close()
-    lab.use(before)
 
 
 def test_the_chapters_launch_file_runs_in_the_background_until_it_is_stopped(

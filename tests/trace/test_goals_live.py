@@ -5,41 +5,24 @@ from __future__ import annotations
 import asyncio
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from example_interfaces.action import Fibonacci
 from rclpy.action import ActionClient
 from rclpy.node import Node
 
-from course_kit import lab, trace
-from course_kit.lab.core import Lab
+from course_kit import lab
 from tests.lab.action_nodes import Fibonaccis, Stubborn, Waiting
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 SEED = Path(__file__).parent.parent / "seed"
-
-
-@pytest.fixture
-def own_lab(domain: int) -> Iterator[Lab]:
-    assert domain
-    mine = Lab()
-    before = lab.use(mine)
-    try:
-        trace.attach()
-        yield mine
-    finally:
-        mine.close()
-        lab.use(before)
 
 
 def drawn() -> list[str]:
     return re.sub(r"\n {5,}", " ", str(lab.diagram())).splitlines()
 
 
-@pytest.mark.usefixtures("own_lab")
+@pytest.mark.usefixtures("recording")
 def test_a_goal_of_the_lab() -> None:
     lab.start(Fibonaccis)
     lab.send_goal_blocking("/fibonacci", Fibonacci, order=7).result_blocking()
@@ -56,7 +39,7 @@ def test_a_goal_of_the_lab() -> None:
     ]
 
 
-@pytest.mark.usefixtures("own_lab")
+@pytest.mark.usefixtures("recording")
 def test_cancelling() -> None:
     lab.start(Waiting)
     stubborn = lab.start(Stubborn)
@@ -88,7 +71,7 @@ def test_cancelling() -> None:
     ]
 
 
-@pytest.mark.usefixtures("own_lab")
+@pytest.mark.usefixtures("recording")
 def test_a_learners_own_client() -> None:
     class Asking(Node):
         def __init__(self) -> None:
@@ -111,7 +94,7 @@ def test_a_learners_own_client() -> None:
     ]
 
 
-@pytest.mark.usefixtures("own_lab")
+@pytest.mark.usefixtures("recording")
 def test_the_seeds_programs_as_scripts(capsys: pytest.CaptureFixture[str]) -> None:
     source = (SEED / "fibonacci_action_server.py").read_text().replace("time.sleep(1)", "time.sleep(0.05)")
     lab.script("server", source)
@@ -131,9 +114,9 @@ def test_the_seeds_programs_as_scripts(capsys: pytest.CaptureFixture[str]) -> No
     assert capsys.readouterr().out
 
 
-def test_stopping_a_node_is_seen_as_aborted(own_lab: Lab) -> None:
+@pytest.mark.usefixtures("recording")
+def test_stopping_a_node_is_seen_as_aborted() -> None:
     lab.start(Waiting)
     lab.send_goal_blocking("/fibonacci", Fibonacci, order=5)
     lab.stop()
     assert drawn()[-1].endswith("waiting -> lab  /fibonacci result: ABORTED, sequence=[]")
-    assert own_lab.recorder is not None

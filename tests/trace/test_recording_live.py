@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 import rclpy
@@ -12,23 +12,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from course_kit import lab, trace
-from course_kit.lab.core import Lab
 from tests.lab.nodes import Faulty, Switch
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-
-@pytest.fixture
-def recording(domain: int) -> Iterator[trace.Recording]:
-    assert domain
-    mine = Lab()
-    before = lab.use(mine)
-    try:
-        yield trace.attach()
-    finally:
-        mine.close()
-        lab.use(before)
 
 
 def test_calls_and_failures_are_drawn(recording: trace.Recording, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import re
-import tempfile
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
+
+from course_kit.environment import write_atomically as write_atomically  # noqa: PLC0414 - for those who write beside
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -153,30 +153,3 @@ def safe_name(student: str) -> str:
     if plain == student and plain.lower() == plain:
         return plain
     return f"{plain}-{hashlib.sha256(student.encode(errors='surrogatepass')).hexdigest()[:8]}"
-
-
-def write_atomically(path: Path, text: str, *, durable: bool = True) -> None:
-    """Write a file so that it is there as a whole or, after a crash or power cut, not at all.
-
-    Args:
-        path: where; folders are made.
-        text: what.
-        durable: wait until the disk has it; without that a power cut may undo the write of what can be made again.
-
-    Raises:
-        OSError: it could not be written; nothing is left behind.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-", suffix=".tmp")
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8", newline="") as file:
-            file.write(text)
-            if durable:
-                file.flush()
-                os.fsync(file.fileno())
-        os.chmod(temporary, 0o644)  # noqa: PTH101 - mkstemp's files are for their owner alone; reports are shared
-        os.replace(temporary, path)  # noqa: PTH105 - the call that is atomic
-    except BaseException:
-        with suppress(OSError):
-            os.unlink(temporary)  # noqa: PTH108
-        raise

@@ -9,7 +9,7 @@ import importlib
 import pkgutil
 from typing import TYPE_CHECKING
 
-from course_kit.grading.classroom.records import write_atomically
+from course_kit.environment import write_atomically
 from course_kit.grading.exports import formats, page
 
 if TYPE_CHECKING:

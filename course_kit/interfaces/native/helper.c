@@ -42,6 +42,9 @@ static struct imports host;
 
 void live_setup(const struct imports *imports) { host = *imports; }
 
+/* Which helper.c this was compiled from, so that Python can refuse a library that is older or newer than itself. */
+uint32_t live_source(void) { return SOURCE_CRC; }
+
 /* ---------------------------------------------------------------- messages */
 
 struct live_type {

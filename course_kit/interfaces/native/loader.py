@@ -9,12 +9,14 @@ from __future__ import annotations
 import ctypes
 import os
 import struct
+import zlib
 from pathlib import Path
 from typing import Any
 
 from course_kit.interfaces.errors import NativeHelperError
 
 LIBRARY = Path(__file__).with_name("_helper.so")
+SOURCE = LIBRARY.with_name("helper.c")
 SUPPORTED_RMW = "rmw_fastrtps_cpp"
 
 _POSITION = "_ZN8eprosima7fastcdr3Cdr20get_current_positionEv"
@@ -77,7 +79,8 @@ def load_helper(path: Path = LIBRARY) -> ctypes.PyDLL:
     """Load a copy of the helper, ready for use.
 
     Raises:
-        NativeHelperError: it is missing or does not fit this machine's ROS 2; the message says what to do.
+        NativeHelperError: it is missing, of another version of the course, or does not fit this machine's ROS 2;
+            the message says what to do.
     """
     _refuse_other_middleware()
     try:
@@ -92,6 +95,7 @@ def load_helper(path: Path = LIBRARY) -> ctypes.PyDLL:
             "course is installed: install it again (delete the folder .venv and run ./course lab, or "
             "pip install --force-reinstall --no-deps the course)."
         ) from error
+    _refuse_another_source(helper)
     helper.live_setup(ctypes.byref(_imports()))
     return helper
 
@@ -129,6 +133,25 @@ def _refuse_other_middleware() -> None:
         raise NativeHelperError(
             f"Messages defined at run time work with {SUPPORTED_RMW}, and RMW_IMPLEMENTATION is {chosen!r}. "
             "Unset RMW_IMPLEMENTATION and start Python again."
+        )
+
+
+def _refuse_another_source(helper: ctypes.PyDLL) -> None:
+    """Refuse a helper that was compiled from another `helper.c`: it would take this one's messages for broken ones.
+
+    Raises:
+        NativeHelperError: the two do not belong together.
+    """
+    try:
+        wanted = zlib.crc32(SOURCE.read_bytes())
+    except OSError:  # packed without it, and so with what was compiled from it
+        return
+    source = getattr(helper, "live_source", None)  # the first helpers did not tell
+    if source is None or source() & 0xFFFFFFFF != wanted:
+        raise NativeHelperError(
+            "The native helper of the course's interfaces was compiled from another version of the course. Run "
+            "./course lab in the course's folder, which compiles it anew (if that changes nothing, delete the folder "
+            ".venv and run it again), or pip install --force-reinstall --no-deps the course; then start Python again."
         )
 
 
