@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from tests.browser.learner import JupyterLab
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 ANSWERS = "quiz_of_the_browser_test.py"
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from tests.browser.learner import JupyterLab
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 DEMOS = sorted(path.name for path in (REPOSITORY / "notebooks/demos").glob("*.ipynb"))
 
