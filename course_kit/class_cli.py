@@ -66,11 +66,13 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.grading import exercise
+    from course_kit.grading import GradingError, exercise
     from course_kit.grading.classroom.run import ClassRun, Plan
     from course_kit.grading.classroom.watching import Tally
 
     chosen = {one: exercise.load(one) for one in options.exercise}
+    if options.out.exists() and not options.out.is_dir():
+        raise GradingError(f"{options.out} is a file. --out names the folder for the results.")
     plan = Plan(
         source=options.submissions,
         out=options.out,
@@ -129,7 +131,9 @@ def _read_seeds(path: Path) -> dict[str, int]:
             rows = [row for row in csv.reader(file) if row]
         body = rows[1:] if rows and not rows[0][-1].strip().lstrip("-").isdigit() else rows
         return {student.strip(): int(seed) for student, seed in body}
-    except (OSError, ValueError, csv.Error) as problem:
+    except OSError as problem:
+        raise GradingError(f"{path} could not be read: {problem.strerror}.") from problem
+    except (ValueError, csv.Error) as problem:
         raise GradingError(f"{path} is no list of students and seeds, two columns each line: {problem}.") from problem
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from course_kit.environment.domains import Lease, NoDomainError, exclusive_domain, share
 from course_kit.environment.files import write_atomically, write_new
-from course_kit.environment.places import checkout, run_dir, state_dir
+from course_kit.environment.places import checkout, command, run_dir, state_dir
 
 __all__ = [
     "FAST_DISCOVERY_PROFILE",
@@ -24,6 +24,7 @@ __all__ = [
     "apply",
     "checkout",
     "child_environment",
+    "command",
     "defaults",
     "exclusive_domain",
     "run_dir",
