@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import importlib
 import signal
 import sys
 from contextlib import contextmanager
@@ -65,11 +66,13 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.grading import exercise
+    from course_kit.grading import GradingError, exercise
     from course_kit.grading.classroom.run import ClassRun, Plan
     from course_kit.grading.classroom.watching import Tally
 
     chosen = {one: exercise.load(one) for one in options.exercise}
+    if options.out.exists() and not options.out.is_dir():
+        raise GradingError(f"{options.out} is a file. --out names the folder for the results.")
     plan = Plan(
         source=options.submissions,
         out=options.out,
@@ -108,7 +111,11 @@ def _finish(book: Gradebook, out: Path) -> int:
 def _executor(options: argparse.Namespace) -> Executor:
     from course_kit.grading.classroom import executors
 
-    return executors.Cluster(options.scheduler) if options.scheduler else executors.Local(options.workers)
+    if options.scheduler:
+        return executors.Cluster(options.scheduler)
+    started = executors.Local(options.workers, options.exercise)
+    importlib.import_module("course_kit.grading.exports")  # needed at the end: now it costs no time, the workers start
+    return started
 
 
 def _read_seeds(path: Path) -> dict[str, int]:
@@ -124,7 +131,9 @@ def _read_seeds(path: Path) -> dict[str, int]:
             rows = [row for row in csv.reader(file) if row]
         body = rows[1:] if rows and not rows[0][-1].strip().lstrip("-").isdigit() else rows
         return {student.strip(): int(seed) for student, seed in body}
-    except (OSError, ValueError, csv.Error) as problem:
+    except OSError as problem:
+        raise GradingError(f"{path} could not be read: {problem.strerror}.") from problem
+    except (ValueError, csv.Error) as problem:
         raise GradingError(f"{path} is no list of students and seeds, two columns each line: {problem}.") from problem
 
 

@@ -210,11 +210,11 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _hint(options: argparse.Namespace) -> int:
-    from course_kit import hints
+    from course_kit import environment, hints
     from course_kit.grading import GradingError
 
     try:
-        text, trouble = hints.hint(options.exercise, "course-kit hint", again=options.again)
+        text, trouble = hints.hint(options.exercise, f"{environment.command()} hint", again=options.again)
     except GradingError as problem:
         return _cannot(problem)
     print(text, end="")

@@ -40,7 +40,7 @@ _GENERATED = {
     ".git", ".venv", ".venv-lock", ".course", ".hypothesis", ".mypy_cache", ".pytest_cache", ".ruff_cache",
     ".ipynb_checkpoints", "__pycache__", "artifacts", "build", "dist",
 }  # fmt: skip
-_GENERATED_ENDINGS = (".so", ".pyc", ".tmp")
+_GENERATED_ENDINGS = (".so", ".pyc", ".tmp", ".zip")
 
 
 class ReleaseError(RuntimeError):
@@ -55,7 +55,8 @@ def run(target: str) -> int:
         print(f"course-kit: {problem}", file=sys.stderr)
         return 2
     except OSError as problem:
-        print(f"course-kit: the student edition could not be written: {problem}.", file=sys.stderr)
+        where = f" ({problem.filename})" if problem.filename else ""
+        print(f"course-kit: the student edition could not be written: {problem.strerror}{where}.", file=sys.stderr)
         return 2
     print(f"The student edition is in {path}. It has no solutions; ./course lab and ./course test work in it.")
     return 0
@@ -86,7 +87,7 @@ def make(target: Path) -> Path:
         built = Path(workshop) / NAME
         for name in contents(root):
             _put(root / name, built / name)
-        if target.suffix == ".zip":
+        if _is_zip(target):
             packed = Path(workshop) / "student.zip"
             _pack(built, packed)
             packed.replace(target)
@@ -117,8 +118,12 @@ def number_anew(notebook: Any) -> None:
                 output.execution_count = number
 
 
+def _is_zip(target: Path) -> bool:
+    return target.suffix.lower() == ".zip"
+
+
 def _require_free(target: Path) -> None:
-    if target.suffix == ".zip":
+    if _is_zip(target):
         if target.exists():
             raise ReleaseError(f"{target} exists already. Remove it, or choose another name.")
     elif target.exists() and (not target.is_dir() or any(target.iterdir())):
@@ -137,10 +142,16 @@ def _own_files(root: Path) -> Iterator[str]:
         yield from (name for name in names if name and (root / name).is_file())
         return
     for folder, folders, files in os.walk(root):
-        folders[:] = [name for name in folders if name not in _GENERATED]
+        inner = Path(folder)
+        folders[:] = [name for name in folders if name not in _GENERATED and not _is_a_course(inner / name)]
         for name in files:
             if not name.endswith(_GENERATED_ENDINGS):
-                yield (Path(folder) / name).relative_to(root).as_posix()
+                yield (inner / name).relative_to(root).as_posix()
+
+
+def _is_a_course(folder: Path) -> bool:
+    """Whether a folder is a course of its own, such as an edition that was made before."""
+    return (folder / "course_kit").is_dir()
 
 
 def _has_git(root: Path) -> bool:

@@ -193,5 +193,5 @@ def _not_yet(task: Exercise, known: progress.Record) -> str:
     so_far = f"your best so far is {known.best:g}" if known.tries else "you have not been graded yet"
     return (
         f"course-kit: the solution opens when you have passed: {task.pass_mark:g} of {task.points:g} points; "
-        f"{so_far}.\nStuck? course-kit hint {task.id}\nInstructors: add --show."
+        f"{so_far}.\nStuck? {environment.command()} hint {task.id}\nInstructors: add --show."
     )

@@ -68,7 +68,7 @@ def test_a_learner_is_graded_in_it(student: Path) -> None:
 
 
 def test_a_zip_holds_the_same_and_keeps_the_door_executable(student: Path, tmp_path: Path) -> None:
-    with zipfile.ZipFile(release.make(tmp_path / "student.zip")) as packed:
+    with zipfile.ZipFile(release.make(tmp_path / "student.ZIP")) as packed:
         names = {name.removeprefix(f"{release.NAME}/") for name in packed.namelist()}
         assert packed.getinfo(f"{release.NAME}/course").external_attr >> 16 & 0o111
     assert names == set(release.contents(REPOSITORY))
@@ -103,12 +103,22 @@ def test_it_never_writes_over_anything(tmp_path: Path, capsys: pytest.CaptureFix
     assert sorted(path.name for path in tmp_path.iterdir()) == ["taken.zip", "work.txt"]
 
 
+def test_what_cannot_be_written_is_said_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").touch()
+    assert release.run(str(tmp_path / "file" / "student")) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("course-kit: the student edition could not be written: ")
+    assert "Errno" not in said
+
+
 def test_without_git_what_was_generated_stays_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in (
         "notebooks/a.ipynb",
         "exercises/b/b.py",
         ".venv/x.py",
         "course_kit/__pycache__/c.pyc",
+        "student.zip",
+        "student/course_kit/cli.py",
         "solutions/s.py",
     ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

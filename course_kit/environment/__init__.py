@@ -12,17 +12,19 @@ from pathlib import Path
 
 from course_kit.environment.domains import Lease, NoDomainError, exclusive_domain, share
 from course_kit.environment.files import write_atomically, write_new
-from course_kit.environment.places import checkout, run_dir, state_dir
+from course_kit.environment.places import checkout, command, run_dir, state_dir
 
 __all__ = [
     "FAST_DISCOVERY_PROFILE",
     "LOOPBACK_PROFILE",
+    "PRIVATE_NETWORK_PROFILE",
     "NoDomainError",
     "Settings",
     "SettingsError",
     "apply",
     "checkout",
     "child_environment",
+    "command",
     "defaults",
     "exclusive_domain",
     "run_dir",
@@ -33,6 +35,7 @@ __all__ = [
 
 LOOPBACK_PROFILE = Path(__file__).with_name("loopback.xml")
 FAST_DISCOVERY_PROFILE = Path(__file__).with_name("fast_discovery.xml")  # where the user has chosen a range
+PRIVATE_NETWORK_PROFILE = Path(__file__).with_name("private_network.xml")  # for the grader's own networks
 _PROFILES = (str(LOOPBACK_PROFILE), str(FAST_DISCOVERY_PROFILE))
 # Tells the kit's own choice from the user's in the environment a child process inherits.
 _CHOSEN_BY_KIT = "COURSE_KIT_DOMAIN_ID"

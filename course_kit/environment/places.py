@@ -19,6 +19,15 @@ def checkout() -> Path | None:
     return root if (root / "notebooks").is_dir() and (root / "pyproject.toml").is_file() else None
 
 
+def command() -> str:
+    """How the user calls the course from where they are: `./course` in its folder, `course-kit` elsewhere."""
+    root = checkout()
+    try:
+        return "./course" if root is not None and root.samefile(Path.cwd()) else "course-kit"
+    except OSError:  # the working directory was removed
+        return "course-kit"
+
+
 def state_dir() -> Path:
     """The user's state directory for the course (XDG_STATE_HOME), created on first use.
 

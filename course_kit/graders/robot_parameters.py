@@ -62,7 +62,7 @@ def declared(bench: Bench) -> Evidence:
     missing = [name for name in TYPES if name not in names]
     evidence = Evidence("list_parameters", ", ".join(TYPES), ", ".join(names))
     if missing:
-        message = f"Your node has not declared {' and '.join(missing)}."
+        message = f"Your node has not declared {', '.join(missing)}."
         raise Failed(evidence, message, "parameter.undeclared")
     return evidence
 

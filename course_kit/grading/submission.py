@@ -87,15 +87,11 @@ def read(path: Path, exercise_id: str) -> Submission:
 
 def _read_bytes(path: Path) -> bytes:
     try:
-        if path.is_symlink() and path.resolve().parent != path.parent.resolve():
-            raise UnreadableError(f"{path.name} is a link to a file outside its folder. Hand in the file itself.")
-        kind = path.stat()
-        if stat.S_ISDIR(kind.st_mode):
-            raise UnreadableError(f"{path.name} is a folder. Name the .py or .ipynb file in it.")
-        if not stat.S_ISREG(kind.st_mode):
-            raise UnreadableError(f"{path.name} is no ordinary file.")
+        _require_a_file(path)
         with path.open("rb") as file:
             data = file.read(LARGEST + 1)
+    except UnreadableError:
+        raise
     except FileNotFoundError:
         raise UnreadableError(f"There is no file {path}.") from None
     except (OSError, RuntimeError, ValueError) as problem:  # a loop of links, no permission, a null byte in the name
@@ -103,6 +99,16 @@ def _read_bytes(path: Path) -> bytes:
     if len(data) > LARGEST:
         raise UnreadableError(f"{path.name} is larger than {LARGEST // 1024} kB. Hand in the program alone.")
     return data
+
+
+def _require_a_file(path: Path) -> None:
+    if path.is_symlink() and path.resolve().parent != path.parent.resolve():
+        raise UnreadableError(f"{path.name} is a link to a file outside its folder. Hand in the file itself.")
+    kind = path.stat()
+    if stat.S_ISDIR(kind.st_mode):
+        raise UnreadableError(f"{path.name or path} is a folder. Name the .py or .ipynb file in it.")
+    if not stat.S_ISREG(kind.st_mode):
+        raise UnreadableError(f"{path.name} is no ordinary file. Hand in a .py or .ipynb file.")
 
 
 def _decode(data: bytes, path: Path) -> str:

@@ -158,7 +158,9 @@ def workers_at(address: str) -> int:
     [
         (["--scheduler", "tcp://127.0.0.1:9"], "no Dask scheduler at"),
         (["--layout", "blackbord"], "no layout 'blackbord'"),
-        (["--seeds", "nowhere.csv"], "no list of students and seeds"),
+        (["--seeds", "nowhere.csv"], "nowhere.csv could not be read: No such file"),
+        (["--seeds", __file__], "no list of students and seeds"),
+        (["--out", __file__], "is a file. --out names the folder"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line(handed_in: Path, more: list[str], sentence: str) -> None:

@@ -113,6 +113,8 @@ def test_results_of_an_earlier_run_are_not_mixed_with_new_ones_by_accident(hande
         run(handed_in, out, StandInForGrading())
     with pytest.raises(GradingError, match="seed 7"):
         run(handed_in, out, StandInForGrading(), resume=True, seed=8)
+    with pytest.raises(GradingError, match="Add --exercise temperature_service, or name another folder"):
+        run(handed_in, out, StandInForGrading(), resume=True, exercises=(CHOICE,))
 
 
 def test_checks_draw_from_the_seed_of_the_run_the_exercise_or_the_student(handed_in: Path, tmp_path: Path) -> None:

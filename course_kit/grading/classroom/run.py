@@ -88,7 +88,8 @@ class ClassRun:
             stops: how often somebody has asked to stop: once, and what is under way is finished; twice, given up.
 
         Raises:
-            GradingError: there is nothing to grade, or the output folder holds results and `resume` was not asked.
+            GradingError: there is nothing to grade, or the output folder holds results and `resume` was not asked, or
+                results of an exercise that is not in the plan.
             OSError: the output folder cannot be written.
         """
         self._plan = plan
@@ -128,11 +129,21 @@ class ClassRun:
                 f"{self._plan.out} holds the results of an earlier run. Add --resume to go on with it, or name "
                 "another folder."
             )
+        self._require_all_exercises()
         if before is not None and asked not in (None, before):
             raise GradingError(f"The earlier run has used the seed {before}. Leave --seed out to go on with it.")
         seed = next(one for one in (before, asked, secrets.randbits(31)) if one is not None)
         write_atomically(path, json.dumps({"format_version": FORMAT_VERSION, "seed": seed}) + "\n")
         return seed
+
+    def _require_all_exercises(self) -> None:
+        """See that no result of an earlier run would be missing from the grades."""
+        named = {exercise.id for exercise in self._plan.exercises}
+        if left_out := sorted({record.entry.exercise for record in self._records} - named):
+            raise GradingError(
+                f"{self._plan.out} also holds results of {', '.join(left_out)}; they would be missing from the grades. "
+                f"Add {' '.join(f'--exercise {one}' for one in left_out)}, or name another folder."
+            )
 
     def _take_stock(self) -> list[list[Handed]]:
         """Read all submissions; returns those without a result, identical ones together."""
@@ -165,7 +176,7 @@ class ClassRun:
             if not under_way:
                 return
             finished, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
-            for future in finished:
+            for future in [one for one in under_way if one in finished]:  # in the order they were given out
                 self._keep(under_way.pop(future), future.result())
             self._watcher.tick()
 
