@@ -62,3 +62,21 @@ def copy_course(folder: Path) -> Course:
         for pristine in (shelf.STARTERS / name).iterdir():
             (root / "exercises" / name / pristine.name.removesuffix(shelf.PRISTINE)).write_bytes(pristine.read_bytes())
     return Course(folder, root)
+
+
+def copy_with_notebooks(folder: Path) -> Course:
+    """Such a copy with the notebooks and a working `./course`, which uses the Python environment of these tests."""
+    course = copy_course(folder)
+    leave = shutil.ignore_patterns(".ipynb_checkpoints")
+    shutil.copytree(REPOSITORY / "notebooks", course.root / "notebooks", ignore=leave, dirs_exist_ok=True)
+    for name in ("course", "hatch_build.py"):
+        shutil.copy(REPOSITORY / name, course.root)
+    environment, copied = Path(sys.prefix), course.root / ".venv"
+    copied.mkdir()
+    for part in environment.iterdir():
+        (copied / part.name).symlink_to(part)
+    stamp = copied / ".course-stamp"  # names the folder it was made for
+    stamp.unlink()
+    made = (environment / stamp.name).read_text()
+    stamp.write_text(made.replace(f"\n{REPOSITORY}\n", f"\n{course.root}\n"))
+    return course

@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 
     Progress = Callable[[int, int, "Submission", Report], None]
 
-Verdict = tuple[str, float, tuple[tuple[str, str, "str | None"], ...]]
-"""Status, score, and for each check its id, status and diagnosis: what must not differ from one time to the next."""
-
 
 @dataclass(frozen=True)
 class Run:
@@ -63,11 +60,6 @@ class Outcome:
     busy: int
     duration_s: float
     partial: bool = False
-
-
-def verdict(report: Report) -> Verdict:
-    """What of a report must be the same each time."""
-    return report.status, report.score, tuple((one.id, one.status, one.diagnosis) for one in report.checks)
 
 
 def check(  # noqa: PLR0913 - the options of one verb
@@ -152,7 +144,7 @@ def _unstable(runs: Sequence[Run]) -> Iterator[Fault]:
     for number, run in enumerate(runs[1:], start=2):
         for submission, report in run.reports.items():
             first = runs[0].reports[submission]
-            if verdict(report) != verdict(first):
+            if rules.verdict(report) != rules.verdict(first):
                 text = (
                     f"another verdict the {number}. time (seed {run.seed}): {rules.outcome(report)}. "
                     f"The first time (seed {runs[0].seed}): {rules.outcome(first)}."

@@ -6,6 +6,7 @@ import json
 import textwrap
 from typing import TYPE_CHECKING, Any, TextIO
 
+from course_kit.dev import rules
 from course_kit.grading import diagnosis
 
 if TYPE_CHECKING:
@@ -28,12 +29,20 @@ _COLUMNS = {
 
 
 def progress(stream: TextIO) -> Callable[[int, int, Submission, Report], None]:
-    """Something to call after each grading; keeps one line up to date on a terminal, else writes some."""
+    """Something to call after each grading; keeps one line up to date on a terminal, else writes some.
+
+    A verdict that differs from an earlier one of the same submission is told at once: the end may be an hour away.
+    """
     terminal = stream.isatty()
+    before: dict[Submission, Report] = {}
 
     def show(done: int, total: int, submission: Submission, report: Report) -> None:
         what = f"{submission.exercise} {submission.kind} {submission.name}: {report.score:g} points"
         line = f"[{done:>{len(str(total))}}/{total}] {what}, {report.duration_s:.1f} s"
+        earlier = before.setdefault(submission, report)
+        if rules.verdict(report) != rules.verdict(earlier):
+            name = f"{submission.exercise} {submission.kind} {submission.name}"
+            stream.write(f"{name}: {rules.outcome(report)}. Earlier: {rules.outcome(earlier)}.\n")
         if terminal:
             stream.write(f"\r\x1b[K{line[:_WIDTH]}" + ("\r\x1b[K" if done == total else ""))
             stream.flush()

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 FEWEST_VARIANTS = 8
 
+Verdict = tuple[str, float, tuple[tuple[str, str, "str | None"], ...]]
+"""Status, score, and for each check its id, status and diagnosis: what must not differ from one time to the next."""
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -140,6 +143,11 @@ def codes_without_submission(names: set[str]) -> list[Fault]:
     """The codes of the catalogue after which no broken program is named."""
     text = "no submission in tests/broken is named after it, so nothing shows that a learner gets it."
     return [Fault("", "codes", "", f"{code}: {text}") for code in diagnosis.catalogue() if code not in names]
+
+
+def verdict(report: Report) -> Verdict:
+    """What of a report must be the same each time."""
+    return report.status, report.score, tuple((one.id, one.status, one.diagnosis) for one in report.checks)
 
 
 def outcome(report: Report) -> str:

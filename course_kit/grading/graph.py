@@ -22,11 +22,8 @@ def why_empty(bench: Bench, wanted: str) -> endings.Cause:
     """
     if bench.job.mode == "attach":
         return "start.nothing", f"Nobody on the graph of ROS domain {bench.tester.domain} offers {wanted}."
-    clock = bench.clock()
-    before = bench.life(fresh=True)
     doing = silence.doing(bench)
-    bench.wait_until(lambda: clock.wall() > silence.LOOK_S, silence.LOOK_S)
-    busy = silence.computes(before, bench.life(fresh=True), clock.wall())
+    busy = silence.computes(bench)
     where = f" It is in {endings.source_line(bench.job, doing.own.line)}." if doing.own else ""
     start_s = bench.job.limits.start_s
     if busy:

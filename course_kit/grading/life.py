@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ _TEXTS = ("returned", "result", "value")
 _FACTS = ("exit_in_callback", "ended_itself", "too_large")
 _NOTE_ITEMS, _NOTE_LENGTH = 20, 80
 _LAST_WORDS = 1 << 20  # the most a pipe holds
+_THREAD = re.compile(rb"^(?:Current thread|Thread) 0x(?P<id>[0-9a-f]+)\b.*\n", re.MULTILINE)
 _EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
 
 
@@ -78,9 +80,22 @@ class Life:
         self._evidence = b""
         self.evidence_bytes = 0
 
+    def has_whole_dump(self) -> bool:
+        """Whether the dump of stacks is complete: another has begun after it."""
+        return self._next_dump() > 0
+
     def stacks(self) -> str:
-        """The last dump of what every thread was executing, as faulthandler writes it."""
-        return self._evidence.decode("utf-8", errors="replace")
+        """The first dump since `forget_stacks` of what every thread was executing, as faulthandler writes it."""
+        return self._evidence[: self._next_dump() or None].decode("utf-8", errors="replace")
+
+    def _next_dump(self) -> int:
+        """Where the second dump begins, which is where a thread comes again; 0 when there is none."""
+        seen = set()
+        for match in _THREAD.finditer(self._evidence):
+            if match["id"] in seen:
+                return match.start()
+            seen.add(match["id"])
+        return 0
 
     def facts(self) -> dict[str, Any]:
         """All of it, as plain data."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from course_kit.grading.bench import Bench
 
 _WORTHWHILE = 0.4  # of the requests answered when half the time is over
+_NUDGE_S = 1.0  # when nothing has come for so long, a client's first request may have been lost
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Loa
     try:
         bench.wait_until(lambda: all(client.service_is_ready() for client in clients), load.seconds)
         turn = bench.record.sent(evidence.sent)
-        late = _Lateness()
+        late = Lateness()
         clock = bench.clock(late.seconds)
         responses = _run(bench, clients, requests, load, late)
         spent = clock.fair()
@@ -69,7 +70,7 @@ def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Loa
     raise Failed(replace(evidence, got=f"{answered} answers in {spent:.1f} s"), message, "service.blocks")
 
 
-class _Lateness:
+class Lateness:
     """By how much the grader may have been late, on a loaded machine, in seeing what had come.
 
     An answer that is found had come since the last look; it lay there for no longer than the time between the two.
@@ -93,23 +94,50 @@ class _Lateness:
         return max(self._late, processes.own_waiting(helpers_only=True) - self._before)
 
 
-def _run(bench: Bench, clients: Sequence[Any], requests: Sequence[Any], load: Load, late: _Lateness) -> list[Any]:
-    responses: list[Any] = [None] * len(requests)
-    waiting = deque(enumerate(requests))
-    flying: dict[int, Any] = {}
+class Exchange:
+    """The requests on their way, and the responses."""
 
-    def done() -> bool:
-        ready = [number for number, future in flying.items() if future.done()]
-        late.look(found=bool(ready))
-        for number in ready:
-            responses[number] = flying.pop(number).result()
-        while waiting and len(flying) < load.unanswered:
-            number, request = waiting.popleft()
-            flying[number] = clients[number % len(clients)].call_async(request)
-        return not flying
+    def __init__(self, clients: Sequence[Any], requests: Sequence[Any], unanswered: int, late: Lateness) -> None:
+        self.responses: list[Any] = [None] * len(requests)
+        self._clients, self._requests, self._unanswered, self._late = clients, requests, unanswered, late
+        self._waiting = deque(range(len(requests)))
+        self._flying: dict[int, list[Any]] = {}
+        self._moved = time.monotonic()
 
-    if not bench.wait_until(done, load.seconds / 2):
-        answered = sum(response is not None for response in responses)
+    def done(self) -> bool:
+        """Take in what has come and send what may be sent; True when all is answered."""
+        came = {number: done[0].result() for number, sent in self._flying.items() if (done := _done(sent))}
+        self._late.look(found=bool(came))
+        for number, response in came.items():
+            self.responses[number] = response
+            del self._flying[number]
+        while self._waiting and len(self._flying) < self._unanswered:
+            self._send(self._waiting.popleft())
+        if came:
+            self._moved = time.monotonic()
+        elif time.monotonic() - self._moved > _NUDGE_S:
+            self._send_first_ones_again()
+        return not self._flying
+
+    def _send(self, number: int) -> None:
+        client = self._clients[number % len(self._clients)]
+        self._flying.setdefault(number, []).append(client.call_async(self._requests[number]))
+
+    def _send_first_ones_again(self) -> None:
+        """Once: the middleware drops a response while the server has not noticed the client, on a loaded machine."""
+        for number, sent in self._flying.items():
+            if number < len(self._clients) and len(sent) == 1:
+                self._send(number)
+
+
+def _done(futures: Sequence[Any]) -> list[Any]:
+    return [future for future in futures if future.done()]
+
+
+def _run(bench: Bench, clients: Sequence[Any], requests: Sequence[Any], load: Load, late: Lateness) -> list[Any]:
+    exchange = Exchange(clients, requests, load.unanswered, late)
+    if not bench.wait_until(exchange.done, load.seconds / 2):
+        answered = sum(response is not None for response in exchange.responses)
         if answered >= len(requests) * _WORTHWHILE:  # else the other half of the time would not do either
-            bench.wait_until(done, load.seconds / 2)
-    return responses
+            bench.wait_until(exchange.done, load.seconds / 2)
+    return exchange.responses

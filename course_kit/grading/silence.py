@@ -10,7 +10,7 @@ from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.traces import Activity, activity
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench, Life
+    from course_kit.grading.bench import Bench
 
 ANSWER_S = 5.0  # how long one answer is waited for
 LOOK_S = 0.3  # how long a program is watched to tell whether it computes
@@ -20,15 +20,11 @@ _IDLE_SHARE = 0.5  # below this share of one processor it is waiting, not comput
 def unanswered(bench: Bench, shown: str, expected: str) -> Failed:
     """Establish why a program that lives on does not answer."""
     bench.spoil()
-    clock = bench.clock()
-    before = bench.life(fresh=True)
     seen = doing(bench)
-    bench.wait_until(lambda: clock.wall() > LOOK_S, LOOK_S)
-    life = bench.life(fresh=True)
-    busy = computes(before, life, clock.wall())
+    busy = computes(bench)
     evidence = Evidence(shown, expected, f"no answer within {ANSWER_S:g} s; the program is still running")
     diagnosis, message = _why_silent(bench, seen, busy=busy)
-    if diagnosis is None and (logged := endings.of_logged(life.stderr, bench.job)):
+    if diagnosis is None and (logged := endings.of_logged(bench.life().stderr, bench.job)):
         diagnosis, message = logged
     return Failed(evidence, message, diagnosis)
 
@@ -45,15 +41,23 @@ def _why_silent(bench: Bench, seen: Activity, *, busy: bool) -> endings.Cause:
         return "service.blocks", f"Your callback stands still in {where}, and meanwhile nobody is answered."
     if seen.spinning and _awaits(job.source):
         return "service.deadlock", "Your callback awaits something that never comes: nobody is left to deliver it."
-    if job.mode == "run" and not seen.spinning:
+    if seen.known and not seen.spinning:
         where = f" It is in {endings.source_line(job, seen.own.line)}." if seen.own else ""
         return "start.nothing", f"Your node is on the graph, but nothing spins it, so no callback ever runs.{where}"
     return None, "Your server is there and did not answer."
 
 
-def computes(before: Life, after: Life, seconds: float) -> bool:
-    """Whether a program used a processor, or stood in the queue for one, most of the time."""
-    return after.cpu_s + after.waited_s - before.cpu_s - before.waited_s > _IDLE_SHARE * seconds
+def computes(bench: Bench) -> bool:
+    """Whether the submission uses a processor most of the time, or stands in the queue for one; it is watched for it.
+
+    Raises:
+        SubmissionEndedError: the submission has ended meanwhile.
+    """
+    before = bench.life(fresh=True)
+    clock = bench.clock()
+    bench.wait_until(lambda: clock.wall() > LOOK_S, LOOK_S)
+    after = bench.life(fresh=True)
+    return after.cpu_s + after.waited_s - before.cpu_s - before.waited_s > _IDLE_SHARE * clock.wall()
 
 
 def doing(bench: Bench) -> Activity:

@@ -229,16 +229,14 @@ def await_next(bench: Bench, heard: Heard, count: int, seconds: float, evidence:
 
 
 def _why_nothing(bench: Bench, sent: str, missing: str) -> endings.Cause:
-    clock, before = bench.clock(), bench.life(fresh=True)
     seen = silence.doing(bench)
     if seen.callback is not None:
         bench.spoil()
-        bench.wait_until(lambda: clock.wall() > silence.LOOK_S, silence.LOOK_S)
         where = endings.source_line(bench.job, seen.callback.line)
-        if silence.computes(before, bench.life(fresh=True), clock.wall()):
+        if silence.computes(bench):
             return "limit.time", f"Your callback was still computing in {where} after {HEARD_S:g} s."
         return None, f"Your callback stands still in {where}, and meanwhile nothing is published."
-    if logged := callbacks.of_logged(before.stderr, bench.job):
+    if logged := callbacks.of_logged(bench.life(fresh=True).stderr, bench.job):
         bench.spoil()
         return logged
     return "topic.silent", f"Your node was sent a message on {sent}, and published none on {missing}."

@@ -71,12 +71,14 @@ class Activity:
     """What a program that does not answer is doing.
 
     Attributes:
+        known: its threads could be looked at.
         spinning: some thread is in an rclpy executor.
         callback: the learner's own line that a callback has reached, None when no callback is running.
         waits_for_ros: that callback waits in rclpy itself: a synchronous call, or a spin.
         own: the learner's own line of any thread, callbacks first.
     """
 
+    known: bool = False
     spinning: bool = False
     callback: Frame | None = None
     waits_for_ros: bool = False
@@ -86,7 +88,8 @@ class Activity:
 def activity(dump: str, program: str) -> Activity:
     """Interpret a dump of all threads by faulthandler."""
     spinning, callback, waits, anywhere = False, None, False, None
-    for stack in _stacks(dump):
+    stacks = _stacks(dump)
+    for stack in stacks:
         executor = [place for place, frame in enumerate(stack) if frame.file.endswith("rclpy/executors.py")]
         own = [place for place, frame in enumerate(stack) if frame.file == program]
         spinning = spinning or bool(executor)
@@ -96,7 +99,7 @@ def activity(dump: str, program: str) -> Activity:
         if executor and executor[-1] > own[0] and _below_handler(stack, own[0]):
             callback = stack[own[0]]
             waits = _waits_in_rclpy(stack[: own[0]])
-    return Activity(spinning, callback, waits, callback or anywhere)
+    return Activity(bool(stacks), spinning, callback, waits, callback or anywhere)
 
 
 def _waits_in_rclpy(called: list[Frame]) -> bool:

@@ -22,11 +22,14 @@ from course_kit.grading.sandbox import Cell, Sandbox
 from course_kit.grading.wire import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from course_kit.grading.job import Job
 
-_ANSWER_S = 1.0  # how long the guard, or a dump of stacks, is waited for
+_ANSWER_S = 5.0  # how long the guard is waited for; it has answered long before, unless the machine is very busy
+_DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
 _COUNTS_BY_NAMESPACE = (5, 14)  # Linux
-_QUIET_S = 0.04  # a dump is complete when nothing more came for so long
+_QUIET_S = 0.04  # nothing more is coming when nothing came for so long
 _QUEUE_S = 60.0  # more gradings side by side than the machine has domains take turns
 _PROBE_GRACE_S = 20.0  # the probe stops by itself at the wall time; a probe that hangs is stopped this much later
 
@@ -54,6 +57,7 @@ class Warden:
         if self._job.isolation.network and self._job.mode != "attach":
             enter_network()
             namespaces.die_with_parent()  # entering a user namespace has cleared it
+            _expect_few_participants()
         probe_end = self._start_probe()
         problem = self._serve(probe_end)
         stopping = time.monotonic()
@@ -180,23 +184,27 @@ class Warden:
         if fresh and not self._life.over:
             before = self._life.samples
             self._sandbox.ask(guard.SAMPLE)
-            self._pump_until(lambda life: life.samples > before or life.over)
+            self._pump_until(lambda life: life.samples > before or life.over, _ANSWER_S)
         return self._life.facts()
 
     def _stacks(self) -> str:
         if self._life is None or self._sandbox is None or self._life.over:
             return ""
         self._life.forget_stacks()
+        began = time.monotonic()
         self._sandbox.ask(guard.STACKS)
-        self._pump_until(lambda life: life.evidence_bytes > 0 or life.over)
+        self._pump_until(lambda life: life.evidence_bytes > 0 or life.over, _DUMP_S)
+        # Nothing marks a dump's end, and a busy machine may halt it half-way. A second one begins when it is whole.
+        self._sandbox.ask(guard.STACKS)
+        self._pump_until(lambda life: life.has_whole_dump() or life.over, began + _DUMP_S - time.monotonic())
         size = -1
-        while size != self._life.evidence_bytes:
+        while size != self._life.evidence_bytes:  # the rest of the second, which would be in the next one's way
             size = self._life.evidence_bytes
             self._pump(_QUIET_S, None)
         return self._life.stacks()
 
-    def _pump_until(self, condition: Any) -> None:
-        deadline = time.monotonic() + _ANSWER_S
+    def _pump_until(self, condition: Callable[[Life], bool], patience_s: float) -> None:
+        deadline = time.monotonic() + patience_s
         while self._life is not None and not condition(self._life) and time.monotonic() < deadline:
             self._pump(_QUIET_S, None)
 
@@ -239,3 +247,10 @@ class Warden:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.
             self._totals[1].add(f"[The lines above are of a start with: {' '.join(self._arguments)}]\n".encode())
         self._sandbox = self._life = None
+
+
+def _expect_few_participants() -> None:
+    """Have Fast DDS announce itself to fewer ports than on a graph that a whole machine shares."""
+    name = "FASTRTPS_DEFAULT_PROFILES_FILE"
+    if os.environ.get(name) == str(environment.LOOPBACK_PROFILE):
+        os.environ[name] = str(environment.PRIVATE_NETWORK_PROFILE)

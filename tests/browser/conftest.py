@@ -6,22 +6,17 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.browser.learner import REPOSITORY, JupyterLab, page, served
+from tests.browser.learner import learner
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from tests.browser.learner import JupyterLab
+
 
 @pytest.fixture
 def lab(tmp_path: Path) -> Iterator[JupyterLab]:
-    """JupyterLab on the course; whatever the test does to the notebooks is undone."""
-    notebooks = [*REPOSITORY.glob("notebooks/**/*.ipynb"), *REPOSITORY.glob("exercises/*/*.ipynb")]
-    before = {path: path.read_bytes() for path in notebooks}
-    try:
-        with served(tmp_path) as (address, token), page() as opened:
-            yield JupyterLab(opened, address, token)
-    finally:
-        for path, content in before.items():
-            if path.read_bytes() != content:
-                path.write_bytes(content)
+    """JupyterLab on a copy of the course."""
+    with learner(tmp_path) as someone:
+        yield someone

@@ -12,18 +12,18 @@ import subprocess
 import time
 import urllib.request
 from contextlib import contextmanager, suppress
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from playwright.sync_api import Locator, Page, expect, sync_playwright
 
 from course_kit import environment
 from course_kit.dev import browser
+from tests.course_copy import REPOSITORY, copy_with_notebooks
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
-REPOSITORY = Path(__file__).resolve().parent.parent.parent
 ARTIFACTS = REPOSITORY / "artifacts" / "screenshots"
 CHROMIUM_FLAGS = [
     "--no-sandbox",
@@ -34,7 +34,7 @@ CHROMIUM_FLAGS = [
 ]
 # Notebook 7 trips over its own settings when it starts, with any notebook; panels' code comes from a blob: address.
 NOTEBOOK_7_ITSELF = r"\(reading 'schema'\)\n(?:(?!blob:)[\s\S])*/static/notebook/notebook_core"
-PATIENCE_MS = 90_000  # against hanging only
+PATIENCE_MS = 240_000  # against hanging only
 SETTINGS = {
     "@jupyterlab/docmanager-extension/plugin.jupyterlab-settings": {"autosave": False},
     "@jupyterlab/apputils-extension/notification.jupyterlab-settings": {"fetchNews": "false", "checkForUpdates": False},
@@ -44,8 +44,8 @@ SETTINGS = {
 class JupyterLab:
     """Verbs of a learner in JupyterLab."""
 
-    def __init__(self, page: Page, address: str, token: str) -> None:
-        self.page, self.address, self.token = page, address, token
+    def __init__(self, page: Page, root: Path, address: str, token: str) -> None:
+        self.page, self.root, self.address, self.token = page, root, address, token
 
     def open(self, notebook: str) -> None:
         self.page.goto(f"{self.address}/lab/tree/{notebook}?token={self.token}&reset")
@@ -101,15 +101,15 @@ class JupyterLab:
 
     def require_no_error(self, notebook: str) -> None:
         """Save, and look for errors in the file: JupyterLab keeps outputs that are far off out of the page."""
-        path = REPOSITORY / notebook
+        path = self.root / notebook
         before = path.stat().st_mtime_ns
         self.page.get_by_role("menuitem", name="File", exact=True).click()
         self.page.get_by_role("menuitem", name=re.compile(r"^Save Notebook(?! As)")).first.click()
         deadline = time.monotonic() + PATIENCE_MS / 1000
-        while path.stat().st_mtime_ns == before:
+        while path.stat().st_mtime_ns == before or (saved := whole(path)) is None:
             assert time.monotonic() < deadline, f"{notebook} was not saved"
             self.page.wait_for_timeout(50)
-        code = [cell for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
+        code = [cell for cell in saved["cells"] if cell["cell_type"] == "code"]
         unasked = [cell for cell in code if "raises-exception" not in cell["metadata"].get("tags", [])]
         failed = [one["evalue"] for cell in unasked for one in cell["outputs"] if one["output_type"] == "error"]
         assert code
@@ -122,8 +122,25 @@ class JupyterLab:
         return path
 
 
+def whole(path: Path) -> dict[str, Any] | None:
+    """What is in a file of JSON; None while it is being written."""
+    try:
+        found: dict[str, Any] = json.loads(path.read_text())
+    except json.JSONDecodeError:
+        return None
+    return found
+
+
 @contextmanager
-def served(folder: Path, verb: str = "lab") -> Iterator[tuple[str, str]]:
+def learner(folder: Path, verb: str = "lab") -> Iterator[JupyterLab]:
+    """A learner before a copy of the course in JupyterLab, so that tests side by side never see each other's files."""
+    root = copy_with_notebooks(folder).root
+    with served(root, folder, verb) as (address, token), page() as opened:
+        yield JupyterLab(opened, root, address, token)
+
+
+@contextmanager
+def served(root: Path, folder: Path, verb: str) -> Iterator[tuple[str, str]]:
     """Start `./course lab`, or `present`; yields its address and token, and ends it as closing the terminal does."""
     for name, values in SETTINGS.items():
         (folder / "settings" / name).parent.mkdir(parents=True, exist_ok=True)
@@ -131,18 +148,20 @@ def served(folder: Path, verb: str = "lab") -> Iterator[tuple[str, str]]:
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     token = secrets.token_hex(16)
-    root = ["--allow-root"] if os.geteuid() == 0 else []
+    as_root = ["--allow-root"] if os.geteuid() == 0 else []
     with environment.exclusive_domain() as domain_id, (folder / "jupyter.log").open("w") as log:
         process = subprocess.Popen(
             [
-                REPOSITORY / "course",
+                root / "course",
                 verb,
                 "--no-browser",
                 f"--port={port}",
                 f"--IdentityProvider.token={token}",
-                *root,
+                *as_root,
             ],
+            cwd=root,
             env=environment.child_environment(
+                PYTHONPATH=str(root),  # the environment knows the course by its first folder
                 ROS_DOMAIN_ID=str(domain_id),
                 JUPYTERLAB_SETTINGS_DIR=str(folder / "settings"),
                 JUPYTERLAB_WORKSPACES_DIR=str(folder / "workspaces"),

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from tests.browser.learner import JupyterLab
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 
 def test_lesson_two_is_run_and_its_panels_are_used(lab: JupyterLab) -> None:

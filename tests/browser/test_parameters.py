@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from tests.browser.learner import JupyterLab
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 
 def now(plot: Locator) -> float:

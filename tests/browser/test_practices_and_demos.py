@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import expect
 
-from tests.browser.learner import REPOSITORY, JupyterLab, page, served
+from tests.browser.learner import learner
+from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
+    from tests.browser.learner import JupyterLab
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 DEMOS = sorted(path.name for path in (REPOSITORY / "notebooks/demos").glob("*.ipynb"))
 
@@ -55,8 +58,8 @@ def test_every_demo_shows_its_failure(lab: JupyterLab) -> None:
 
 @pytest.mark.answers
 def test_a_class_sees_it_large_with_the_answer_folded_and_nothing_from_before(tmp_path: Path) -> None:
-    with served(tmp_path, "present") as (address, token), page() as opened:
-        shown = JupyterLab(opened, address, token)
+    with learner(tmp_path, "present") as shown:
+        opened = shown.page
         shown.open("notebooks/demos/02_lost_cancel.ipynb")
         expect(opened.locator(".jp-CodeCell .cm-content").first).to_have_css("font-size", "20px")
         assert opened.locator(".jp-OutputArea-output").count() == 0

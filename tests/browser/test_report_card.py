@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import re
+import shutil
 from typing import TYPE_CHECKING
 
 import pytest
 from playwright.sync_api import expect
 
 from tests.browser.learner import ARTIFACTS
+from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
     from playwright.sync_api import Locator
 
     from tests.browser.learner import JupyterLab
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
-GRADE = """%load_ext course_kit
-%grade temperature_service ../../tests/broken/temperature_service/service.no_return.py"""
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
+BROKEN = REPOSITORY / "tests/broken/temperature_service/service.no_return.py"
+GRADE = f"""%load_ext course_kit
+%grade temperature_service {BROKEN.name}"""
 
 
 def test_a_failed_check_shows_its_exchange_its_hint_and_the_way_to_the_lesson(lab: JupyterLab) -> None:
+    shutil.copy(BROKEN, lab.root / "exercises/temperature_service")
     lab.open("exercises/temperature_service/temperature_service.ipynb")
     lab.replace_cell_that_begins("%load_ext", GRADE)
     lab.page.keyboard.press("Shift+Enter")

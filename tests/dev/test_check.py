@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import shutil
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import cli, environment, grading
-from course_kit.dev import check, gradings, rules, sets, styles
+from course_kit.dev import check_table, gradings, rules, sets, styles
 from course_kit.grading import CheckReport, Report, processes
 from course_kit.grading.diagnosis import catalogue, complete
 
@@ -257,6 +258,18 @@ def test_styles_are_seen(text: str, style: set[str]) -> None:
 def test_verdict_is_what_must_not_change() -> None:
     (one,) = sets.load("temperature_service", ROOT).of("solution")
     report = made_report(one)
-    assert check.verdict(report) == check.verdict(replace(report, duration_s=9.0, stdout="x"))
+    assert rules.verdict(report) == rules.verdict(replace(report, duration_s=9.0, stdout="x"))
     for changed in ({"score": 3.0}, {"status": "crashed"}, {"checks": made_report(one, fine=None).checks}):
-        assert check.verdict(report) != check.verdict(replace(report, **changed))
+        assert rules.verdict(report) != rules.verdict(replace(report, **changed))
+
+
+def test_another_verdict_is_told_at_once() -> None:
+    (one,) = sets.load("temperature_service", ROOT).of("solution")
+    told = io.StringIO()
+    show = check_table.progress(told)
+    show(1, 9, one, made_report(one))
+    show(2, 9, one, made_report(one))
+    assert not told.getvalue()
+    show(3, 9, one, made_report(one, fine=None))
+    assert told.getvalue().startswith("temperature_service solution temperature_service.py: ")
+    assert "Earlier: " in told.getvalue()

@@ -176,7 +176,7 @@ class ClassRun:
             if not under_way:
                 return
             finished, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
-            for future in finished:
+            for future in [one for one in under_way if one in finished]:  # in the order they were given out
                 self._keep(under_way.pop(future), future.result())
             self._watcher.tick()
 
