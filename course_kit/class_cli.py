@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import importlib
 import signal
 import sys
 from contextlib import contextmanager
@@ -110,7 +111,11 @@ def _finish(book: Gradebook, out: Path) -> int:
 def _executor(options: argparse.Namespace) -> Executor:
     from course_kit.grading.classroom import executors
 
-    return executors.Cluster(options.scheduler) if options.scheduler else executors.Local(options.workers)
+    if options.scheduler:
+        return executors.Cluster(options.scheduler)
+    started = executors.Local(options.workers, options.exercise)
+    importlib.import_module("course_kit.grading.exports")  # needed at the end: now it costs no time, the workers start
+    return started
 
 
 def _read_seeds(path: Path) -> dict[str, int]:

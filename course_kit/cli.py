@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import class_cli
+from course_kit import class_cli, otter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,6 +51,7 @@ def build_parser() -> argparse.ArgumentParser:
     release.set_defaults(run=_release)
 
     class_cli.add_to(verbs)
+    otter.add_to(verbs)
 
     present = verbs.add_parser(
         "present",
@@ -63,8 +64,8 @@ def build_parser() -> argparse.ArgumentParser:
     doctor.set_defaults(run=_doctor)
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
-    dev.add_argument("tool", choices=("check",))
-    dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev check --help")
+    dev.add_argument("tool", choices=("check", "otter"))
+    dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
     dev.set_defaults(run=_dev)
     return parser
 
@@ -135,9 +136,10 @@ def _doctor(options: argparse.Namespace) -> int:
 
 
 def _dev(options: argparse.Namespace) -> int:
-    from course_kit.dev import check
+    from course_kit.dev import check, otter
 
-    return check.main(options.rest)
+    main_of = {"check": check.main, "otter": otter.main}
+    return main_of[options.tool](options.rest)
 
 
 def _present(options: argparse.Namespace) -> int:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import nbformat
+from IPython.core.getipython import get_ipython
 from IPython.core.magic import Magics, cell_magic, line_magic, magics_class
 from IPython.display import display
 
@@ -84,6 +85,7 @@ class GradeMagics(Magics):
     def __init__(self, shell: InteractiveShell) -> None:
         super().__init__(shell)
         self._submissions = SubmissionCells()
+        self._reports: dict[tuple[str, int | None], Report] = {}
 
     @cell_magic
     def submission(self, line: str, cell: str) -> None:
@@ -98,6 +100,7 @@ class GradeMagics(Magics):
             complain(str(problem))
             return
         self._submissions.keep(exercise, self._cell_id(), f"%%submission {line}\n{cell}")
+        self._reports.clear()
         # A script's last lines start its node for ever; in the notebook the lab does that.
         namespace_name = self.shell.user_ns.get("__name__")
         self.shell.user_ns["__name__"] = exercise
@@ -117,32 +120,43 @@ class GradeMagics(Magics):
         from course_kit import grading, progress
 
         try:
-            with tempfile.TemporaryDirectory() as folder:
-                report = grading.grade(exercise, file or self._handed_in(exercise, Path(folder)), seed=seed)
+            report = grading.grade(exercise, file, seed=seed) if file else self.grade_cells(exercise, seed)
         except GradingError as problem:
             complain(str(problem))
+            return
+        if report is None:
+            complain(f"Nothing to grade yet: run the cell that begins with %%submission {exercise}, then grade again.")
             return
         display(Card(report, _notebook_folder()))
         if trouble := progress.record(report):
             complain(trouble)
 
-    def write_submission(self, exercise: str, folder: Path) -> Path | None:
-        """Write what was last run in the exercise's `%%submission` cells as a notebook; None when there were none."""
-        cells = self._submissions.of(exercise)
+    def grade_cells(self, exercise: str, seed: int | None = None) -> Report | None:
+        """Grade what was last run in the exercise's `%%submission` cells; None when there were none.
+
+        Raises:
+            GradingError: there is no such exercise, or a broken installation.
+        """
+        from course_kit import grading
+
+        require(exercise)
+        cells = [nbformat.v4.new_code_cell(cell) for cell in self._submissions.of(exercise)]
         if not cells:
             return None
-        path = folder / "notebook.ipynb"
-        nbformat.write(nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells]), path)
-        return path
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "notebook.ipynb"
+            nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
+            return grading.grade(exercise, path, seed=seed)
 
-    def _handed_in(self, exercise: str, folder: Path) -> Path:
-        require(exercise)
-        path = self.write_submission(exercise, folder)
-        if path is None:
-            raise GradingError(
-                f"Nothing to grade yet: run the cell that begins with %%submission {exercise}, then grade again."
-            )
-        return path
+    def report(self, exercise: str, seed: int | None = None) -> Report | None:
+        """As `grade_cells`, but who asks again gets the same report until a `%%submission` cell is run again."""
+        key = exercise, seed
+        if key not in self._reports:
+            report = self.grade_cells(exercise, seed)
+            if report is None:
+                return None
+            self._reports[key] = report
+        return self._reports[key]
 
     def _cell_id(self) -> str | None:
         get_parent = getattr(self.shell, "get_parent", None)
@@ -150,8 +164,34 @@ class GradeMagics(Magics):
         cell_id = parent.get("metadata", {}).get("cellId")
         if isinstance(cell_id, str):
             return cell_id
-        # nbgrader names no cells; but it runs each once, from top to bottom.
-        return f"cell {self.shell.execution_count}" if NBGRADER in os.environ else None
+        # Graders name no cells; but they run each once, from top to bottom.
+        return f"cell {self.shell.execution_count}" if _in_an_autograder() else None
+
+
+def of_this_notebook(caller: str) -> GradeMagics:
+    """The magics of the notebook we run in, for `caller`, a function that an instructor writes there.
+
+    Raises:
+        GradingError: the course kit was not loaded into a notebook.
+    """
+    shell = get_ipython()
+    magics = shell.magics_manager.registry.get("GradeMagics") if shell else None
+    if not isinstance(magics, GradeMagics):
+        raise GradingError(
+            f"{caller}() needs the notebook's submission. Have a locked cell above it with: %load_ext course_kit"
+        )
+    return magics
+
+
+def nothing_from(exercise: str) -> str:
+    """What to say where there is nothing to grade."""
+    return f"Nothing was handed in: no cell with %%submission {exercise} was run."
+
+
+def _in_an_autograder() -> bool:
+    """Whether nbgrader or Otter runs this notebook, and no person."""
+    otter = getattr(sys.modules.get("otter"), "Notebook", None)
+    return NBGRADER in os.environ or bool(getattr(otter, "_grading_mode", False))
 
 
 def parse(line: str) -> tuple[str, str | None, int | None]:

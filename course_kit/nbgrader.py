@@ -8,21 +8,16 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 from contextlib import ExitStack, contextmanager, redirect_stderr
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from IPython.core.getipython import get_ipython
-
+from course_kit.grade_magics import nothing_from, of_this_notebook
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from IPython.core.interactiveshell import InteractiveShell
-
-    from course_kit.grade_magics import GradeMagics
 
 _DIGITS = 6
 _STDOUT, _STDERR = 1, 2
@@ -50,22 +45,20 @@ def points(exercise: str, *, points: float | None = None, seed: int | None = Non
             missing or does not end gets its points, 0 perhaps, and never an error.
         ValueError: `points` is negative.
     """
-    from course_kit import grading
+    from course_kit.grading import render_text
     from course_kit.grading.exercise import load
 
     if points is not None and points < 0:
         raise ValueError(f"A cell has 0 points or more, and points={points} is less.")
     task = load(exercise)
     most = task.points if points is None else points
-    shell, magics = _notebook()
-    _put_all_on_stdout(shell)
-    with tempfile.TemporaryDirectory() as folder:
-        path = magics.write_submission(exercise, Path(folder))
-        if path is None:
-            sys.stdout.write(f"Nothing was handed in: no cell with %%submission {exercise} was run. 0 points.\n")
-            return 0
-        report = grading.grade(exercise, path, seed=seed)
-        sys.stdout.write(f"{grading.render_text(report)}\n")
+    magics = of_this_notebook("nbgrader.points")
+    _put_all_on_stdout(magics.shell)
+    report = magics.grade_cells(exercise, seed)
+    if report is None:
+        sys.stdout.write(f"{nothing_from(exercise)} 0 points.\n")
+        return 0
+    sys.stdout.write(f"{render_text(report)}\n")
     if report.status == "error":
         raise GradingError(f"{report.problem} This is no fault of the submission: grade it again.")
     return scaled(report.score, task.points, most)
@@ -75,21 +68,6 @@ def scaled(score: float, of: float, most: float) -> float:
     """`score` of `of` points as so many of `most`: without the last digits' noise, a whole number as an int."""
     number = min(round(score / of * most, _DIGITS), most)
     return int(number) if number == int(number) else number
-
-
-def _notebook() -> tuple[InteractiveShell, GradeMagics]:
-    """The shell we run in, and its magics that have kept the submission cells.
-
-    Raises:
-        GradingError: the course kit was not loaded into a notebook.
-    """
-    shell = get_ipython()
-    magics = shell.magics_manager.registry.get("GradeMagics") if shell else None
-    if magics is None:
-        raise GradingError(
-            "nbgrader.points() needs the notebook's submission. Have a locked cell above it with: %load_ext course_kit"
-        )
-    return shell, magics
 
 
 def _put_all_on_stdout(shell: InteractiveShell) -> None:

@@ -84,6 +84,21 @@ class Clone:
             check=False,
         )
 
+    def half_way(self, folder: Path) -> subprocess.Popen[str]:
+        """A set-up in which the installation has begun, and waits."""
+        pipe = folder / "pipe"
+        os.mkfifo(pipe)
+        started = subprocess.Popen(
+            [self.root / "course", "doctor"],
+            cwd=self.root,
+            env=self.environ(STAND_IN_PIPE=str(pipe)),
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        assert pipe.read_text() == "blocked\n"
+        return started
+
     def calls(self) -> list[str]:
         return [line.split()[0] for line in self.log.read_text().splitlines()]
 
@@ -131,17 +146,7 @@ def test_it_works_through_a_link_and_from_another_folder(clone: Clone, tmp_path:
 
 
 def test_ctrl_c_half_way_says_so_and_the_next_run_goes_on(clone: Clone, tmp_path: Path) -> None:
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    started = subprocess.Popen(
-        [clone.root / "course", "doctor"],
-        cwd=clone.root,
-        env=clone.environ(STAND_IN_PIPE=str(pipe)),
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    assert pipe.read_text() == "blocked\n"  # the installation has begun
+    started = clone.half_way(tmp_path)
     os.killpg(started.pid, signal.SIGINT)
     _, errors = started.communicate(timeout=30)
     assert started.returncode == 130
@@ -150,18 +155,9 @@ def test_ctrl_c_half_way_says_so_and_the_next_run_goes_on(clone: Clone, tmp_path
 
 
 def test_a_set_up_that_was_killed_leaves_nothing_that_stops_the_next(clone: Clone, tmp_path: Path) -> None:
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    started = subprocess.Popen(
-        [clone.root / "course", "doctor"],
-        cwd=clone.root,
-        env=clone.environ(STAND_IN_PIPE=str(pipe)),
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    assert pipe.read_text() == "blocked\n"
+    started = clone.half_way(tmp_path)
     os.killpg(started.pid, signal.SIGKILL)
-    started.wait()
+    started.communicate(timeout=30)
     assert clone.course("doctor").stdout == f"cli {clone.root}/.venv doctor\n"
 
 

@@ -33,6 +33,22 @@ class Switch(Node):
 
 lab.start(Switch)
 """
+FAULTY = """
+class Faulty(Node):
+    def __init__(self):
+        super().__init__("faulty")
+        self.declare_parameter("speed", 1.0)
+        self.add_on_set_parameters_callback(self.check)
+        self.create_service(SetBool, "fail", self.fail)
+
+    def check(self, parameters):
+        raise ValueError("too fast")
+
+    def fail(self, request, response):
+        return None
+
+lab.start(Faulty)
+"""
 CALL = "service call /power std_srvs/srv/SetBool '{data: true}'"
 
 
@@ -65,3 +81,22 @@ def test_a_slip_is_one_line_and_no_traceback(kernel: Kernel) -> None:
     slipped = kernel.run("%ros2 servce list")
     assert slipped.ok
     assert slipped.stderr == "ros2: argument command: there is no 'servce'. Did you mean service?\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "wanted"),
+    [
+        ("param set /faulty speed 2.5", "raised ValueError: too fast"),
+        ("service call /fail std_srvs/srv/SetBool", "fail returned nothing. End it with `return response`."),
+    ],
+)
+def test_a_callback_that_fails_is_told_to_the_command_that_waits_for_it(
+    kernel: Kernel, words: str, wanted: str
+) -> None:
+    assert kernel.run(FAULTY).ok
+    failed = kernel.run(f"%ros2 {words} --timeout 30")
+    assert kernel.run("lab.stop('faulty')").ok
+    told = [line for line in failed.stderr.splitlines() if line.startswith("faulty sent no response")]
+    assert len(told) == 1, failed.stderr
+    assert wanted in told[0]
+    assert failed.ok

@@ -17,6 +17,7 @@ from course_kit.environment.places import checkout, command, run_dir, state_dir
 __all__ = [
     "FAST_DISCOVERY_PROFILE",
     "LOOPBACK_PROFILE",
+    "PRIVATE_NETWORK_PROFILE",
     "NoDomainError",
     "Settings",
     "SettingsError",
@@ -34,6 +35,7 @@ __all__ = [
 
 LOOPBACK_PROFILE = Path(__file__).with_name("loopback.xml")
 FAST_DISCOVERY_PROFILE = Path(__file__).with_name("fast_discovery.xml")  # where the user has chosen a range
+PRIVATE_NETWORK_PROFILE = Path(__file__).with_name("private_network.xml")  # for the grader's own networks
 _PROFILES = (str(LOOPBACK_PROFILE), str(FAST_DISCOVERY_PROFILE))
 # Tells the kit's own choice from the user's in the environment a child process inherits.
 _CHOSEN_BY_KIT = "COURSE_KIT_DOMAIN_ID"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import math
 import re
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import Twist
+
+from course_kit.graders._source import divides_in_integers
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -147,7 +148,7 @@ def explain_wheel(settings: Settings, twist: Any, got: Reaction, source: str) ->
         if _same(got.wheel, value):
             return "math.formula", told
     off = abs(got.wheel - right_wheel(settings, speed))
-    if off <= 1.0 and (got.wheel == round(got.wheel) or _divides_in_integers(source)):
+    if off <= 1.0 and (got.wheel == round(got.wheel) or divides_in_integers(source)):
         return "math.integer_division", "Digits were lost on the way: look for //, int() and round()."
     return "math.formula", "It fits none of the usual slips; work it out by hand: rad/s = (m/s) / radius in m."
 
@@ -210,10 +211,3 @@ def _shown(fields: tuple[float, ...]) -> str:
 
 def _same(one: float, other: float) -> bool:
     return math.isclose(one, other, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)
-
-
-def _divides_in_integers(source: str) -> bool:
-    return any(
-        isinstance(node, (ast.BinOp, ast.AugAssign)) and isinstance(node.op, ast.FloorDiv)
-        for node in ast.walk(ast.parse(source))
-    )

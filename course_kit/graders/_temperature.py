@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import ast
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from course_kit.graders._source import divides_in_integers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -90,7 +91,7 @@ def explain(answers: Sequence[tuple[Sample, float]], source: str) -> tuple[str, 
             return mistake.code, mistake.told
     if all(_same(got, sample.value) for sample, got in answers):
         return _FORMULA, "They are the values we sent: nothing was converted."
-    floors = _divides_in_integers(source)
+    floors = divides_in_integers(source)
     if all(got == 0.0 for _, got in answers):
         told = "a small number divided by a larger one with // is 0." if floors else "was response.value filled in?"
         return (_INTEGER if floors else _FORMULA), f"Every value came back as 0: {told}"
@@ -109,10 +110,3 @@ def _by_size(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[
 
 def _same(one: float, other: float) -> bool:
     return math.isclose(one, other, rel_tol=_SAME, abs_tol=_ABSOLUTE)
-
-
-def _divides_in_integers(source: str) -> bool:
-    return any(
-        isinstance(node, (ast.BinOp, ast.AugAssign)) and isinstance(node.op, ast.FloorDiv)
-        for node in ast.walk(ast.parse(source))
-    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
+_JOINERS = "\u200c\u200d"  # zero width non-joiner and joiner
 KEPT = 4096  # bytes, at the beginning and at the end
 
 
@@ -35,8 +36,19 @@ class Output:
 
 
 def printable(text: str) -> str:
-    """Text that steers nothing: no control characters but line ends and tabs, no marks that turn the writing round."""
-    return "".join(character if character.isprintable() or character in "\n\t" else "\ufffd" for character in text)
+    """Text that steers nothing: no control characters but line ends and tabs, no marks that turn the writing round.
+
+    The two joiners stay where writing needs them, within emoji and between letters of many scripts.
+    """
+    return "".join(
+        character if character.isprintable() or character in "\n\t" or _joins(before, character) else "\ufffd"
+        for before, character in zip(f" {text}", text, strict=False)
+    )
+
+
+def _joins(before: str, character: str) -> bool:
+    """Whether this is a joiner that joins; between Latin letters it would only hide that two words differ."""
+    return character in _JOINERS and before.isprintable() and not before.isascii()
 
 
 def escaped(text: str) -> str:

@@ -24,7 +24,7 @@ def render_text(report: Report, width: int = 80) -> str:
         "",
     ]
     for check in report.checks:
-        lines += _check_lines(check, width)
+        lines += check_lines(check, width)
     if report.problem:
         lines += _wrap(report.problem, width)
     if any(check.status != "passed" for check in report.checks):
@@ -44,7 +44,8 @@ def _verdict(report: Report) -> str:
     return f"{report.score:g} of {report.max_score:g} points: {outcome}. ({report.duration_s:.1f} s)"
 
 
-def _check_lines(check: CheckReport, width: int) -> list[str]:
+def check_lines(check: CheckReport, width: int) -> list[str]:
+    """One check's part of `render_text`."""
     points = f"{check.points:g}/{check.max_points:g}"
     head = _wrap(f"{_MARKS[check.status]}  {points:>7}  {check.title}", width, hanging=15)
     if check.status == "passed":

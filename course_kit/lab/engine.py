@@ -53,6 +53,7 @@ class Engine:
 
     Attributes:
         on_server_gone: called before a caller is told that its server went away.
+        guests: nodes that others spin in this lab's context; their clients, too, are told when a callback fails.
     """
 
     def __init__(
@@ -66,6 +67,7 @@ class Engine:
     ) -> None:
         self.output = output
         self.on_server_gone: Callable[[], None] = lambda: None
+        self.guests: set[Any] = set()
         self._locate = locate
         self._notebook = notebook
         self._patches = Patches()
@@ -244,6 +246,7 @@ class Engine:
         nodes = [one for live in self.nodes for one in (live.node, *live.helpers)]
         if self.clients.known_node is not None:
             nodes.append(self.clients.known_node)
+        nodes += list(self.guests)
         return [client for node in nodes for client in list(node.clients)]
 
     def _end_goals(self, nodes: list[Any], patience: float = _JOIN) -> None:

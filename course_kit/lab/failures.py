@@ -85,14 +85,17 @@ class Failures:
         owner = display_name(self._tapping.where(service)[0])
         place = f" ({crash.place})" if crash.place else ""
         text = f"{owner} sent no response: {crash.callback or 'its callback'} {crash.error}{place}"
-        waiting = [
-            client._pending_requests[sequence]  # noqa: SLF001
-            for client in self._lab.all_clients()
-            if client.service_name == service.service_name and sequence in client._pending_requests  # noqa: SLF001
-        ]
+        asking = [client for client in self._lab.all_clients() if client.service_name == service.service_name]
+        waiting = [future for client in asking if (future := _pending(client, sequence)) is not None]
         if len(waiting) == 1:  # two clients may have used the same number; then each waits for its timeout
             waiting[0].set_exception(ServiceFailedError(text))
             waiting[0].exception()  # marks it as seen: a caller that lost interest is no news
+
+
+def _pending(client: Any, sequence: int) -> Any:
+    """The future of a request. A client holds its lock from sending until there is one: the answer may be sooner."""
+    with client._lock:  # noqa: SLF001
+        return client._pending_requests.get(sequence)  # noqa: SLF001
 
 
 def _consequence(error: BaseException, turn: Turn) -> str:

@@ -90,12 +90,7 @@ def no_service(node: Any, service: str, wanted_type: str, waited: float, except_
             "Client and server must use the same type."
         )
     message = f"No node serves {service} (waited {waited:g} s). "
-    near = nearest(service, services)
-    if near:
-        return message + f"The nearest name on the graph is {near} [{', '.join(sorted(services[near]))}]."
-    if services:
-        return message + f"On the graph: {', '.join(sorted(services)[:5])}."
-    return message + "No service at all is on the graph: has its server been started?"
+    return message + _instead(service, services, "service")
 
 
 def no_action(node: Any, action: str, wanted_type: str, waited: float) -> str:
@@ -108,12 +103,17 @@ def no_action(node: Any, action: str, wanted_type: str, waited: float) -> str:
             "Client and server must use the same type."
         )
     message = f"No node runs the action {action} (waited {waited:g} s). "
-    near = nearest(action, actions)
+    return message + _instead(action, actions, "action")
+
+
+def _instead(name: str, there: dict[str, list[str]], kind: str) -> str:
+    """What is on the graph when a name is not, of those of its kind with their types."""
+    near = nearest(name, there)
     if near:
-        return message + f"The nearest name on the graph is {near} [{', '.join(sorted(actions[near]))}]."
-    if actions:
-        return message + f"On the graph: {', '.join(sorted(actions)[:5])}."
-    return message + "No action at all is on the graph: has its server been started?"
+        return f"The nearest name on the graph is {near} [{', '.join(sorted(there[near]))}]."
+    if there:
+        return f"On the graph: {', '.join(sorted(there)[:5])}."
+    return f"No {kind} at all is on the graph: has its server been started?"
 
 
 def actions_run(node: Any) -> dict[str, list[str]]:

@@ -27,12 +27,13 @@ def main() -> None:
     sys.exit(run(sys.argv[1:]))
 
 
-def run(arguments: Sequence[str], context: Any = None) -> int:
+def run(arguments: Sequence[str], context: Any = None, guests: set[Any] | None = None) -> int:
     """Run one command of the course kit's own.
 
     Args:
         arguments: without the leading `ros2`.
         context: rclpy context of a kernel to run in; None in a process of its own.
+        guests: see `session.Session`.
 
     Returns:
         The exit code.
@@ -47,7 +48,7 @@ def run(arguments: Sequence[str], context: Any = None) -> int:
         if not hasattr(options, "run"):
             (getattr(options, "parser", None) or parser).print_help()
             return 0
-        return _run_verb(options, context)
+        return _run_verb(options, context, guests)
     except CommandError as error:
         _print_error(str(error))
         return error.exit_code
@@ -60,11 +61,11 @@ def run(arguments: Sequence[str], context: Any = None) -> int:
         return 0
 
 
-def _run_verb(options: Any, context: Any) -> int:
+def _run_verb(options: Any, context: Any, guests: set[Any] | None) -> int:
     from course_kit import environment
     from course_kit.ros2.session import Session
 
-    session = Session(context)
+    session = Session(context, guests)
     try:
         code: int | None = options.run(options, session)
         sys.stdout.flush()

@@ -24,4 +24,5 @@ def ros2_line(line: str) -> None:
     except ValueError as error:
         sys.stderr.write(f"%ros2 {line}: {error}.\n")
         return
-    run(words, lab.current().engine.node.context)
+    engine = lab.current().engine
+    run(words, engine.node.context, engine.guests)

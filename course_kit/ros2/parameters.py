@@ -83,8 +83,7 @@ class ParameterClient:
             if not self._session.wait_on_graph(client.service_is_ready, self._timeout):
                 raise CommandError(f"{self._name} offers no parameter services within {self._timeout:g} s.")
             request = service_type.Request(**fields)
-            silent = f"{self._name} has not answered within {self._timeout:g} s. Is it spinning?"
-            return self._session.result_of(client.call_async(request), self._timeout, silent)
+            return self._session.answer_of(client, request, self._timeout, self._name)
         finally:
             self._session.node.destroy_client(client)
 

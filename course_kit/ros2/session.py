@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _SPIN = 0.05  # seconds in C between two looks for a Ctrl-C
 _LOOK_EVERY = 0.003
+_LAST_WORDS = 0.5  # seconds for an answer that was under way when its server left
 
 
 class Session:
@@ -22,11 +23,14 @@ class Session:
 
     Args:
         context: rclpy context of a kernel to work in; None for one of the command's own.
+        guests: where a kernel's lab looks for nodes that wait for its services, besides its own; it then tells them
+            when a callback fails.
     """
 
-    def __init__(self, context: Any = None) -> None:
+    def __init__(self, context: Any = None, guests: set[Any] | None = None) -> None:
         self.in_kernel = context is not None
         self._context = context
+        self._guests = set() if guests is None else guests
         self._node: Any = None
         self._executor: Any = None
 
@@ -54,6 +58,7 @@ class Session:
             )
             self._executor = SingleThreadedExecutor(context=self._context)
             self._executor.add_node(self._node)
+            self._guests.add(self._node)
         return self._node
 
     def observe(self, patience: float) -> Graph:
@@ -81,7 +86,29 @@ class Session:
         """
         if not self.spin_until(future.done, timeout):
             raise CommandError(missing)
+        if error := future.exception():
+            raise CommandError(str(error)) from error
         return future.result()
+
+    def answer_of(self, client: Any, request: Any, timeout: float, server: str) -> Any:
+        """What a service that is there answers within `timeout` seconds; `server` is what to call it.
+
+        Raises:
+            CommandError: no answer came, or none can come any more.
+        """
+        future = client.call_async(request)
+        self.spin_until(lambda: future.done() or not client.service_is_ready(), timeout)
+        if not future.done() and not client.service_is_ready():
+            gone = (
+                f"{server} went away before it answered: its program has ended. Its own output says why; an exception "
+                "in a callback does that."
+            )
+            return self.result_of(future, _LAST_WORDS, gone)
+        silent = (
+            f"{server} has not answered within {timeout:g} s. Is its callback still running, has it raised an "
+            "exception, or is its node not spinning? Its own output may say. A longer wait: --timeout SECONDS."
+        )
+        return self.result_of(future, 0.0, silent)
 
     def wait_on_graph(self, is_true: Callable[[], bool], timeout: float) -> bool:
         """Wait for something on the graph, which has no events in rclpy; False when it took longer than `timeout`."""
@@ -95,6 +122,7 @@ class Session:
     def close(self) -> None:
         """Leave the graph."""
         if self._node is not None:
+            self._guests.discard(self._node)
             self._executor.shutdown()
             self._node.destroy_node()
         if not self.in_kernel and self._context is not None:

@@ -29,6 +29,8 @@ FORKS, DAEMONISES = "forks without end", "leaves daemons that ignore every signa
 HIDES_A_SERVER = "hides a right server for the submission after it"
 LISTENS, REACHES = "listens on a port", "calls another student's node, in that node's ROS domain"
 STAYS = "drops sitecustomize files for the submission after it"
+KILLS = "kills_its_parents"
+OUR_PROCESSES = os.readlink("/proc/self/ns/pid")  # noqa: PTH115 - no path, but the name of this PID namespace
 OTHER_TRIES = (FORKS, DAEMONISES, HIDES_A_SERVER, LISTENS, REACHES, STAYS)
 ATTACKS = {
     "prints_a_report": """
@@ -57,9 +59,13 @@ for note in (b'{"note": 3}', b'{"note": {"functions": 5, "returned": [], "node_c
             pass
 """,
     "leaves_at_once": "import os\nos._exit(0)\n",
-    "kills_its_parents": """
+    KILLS: f"""
 import os, signal
-for victim in (os.getppid(), 1, -1, *range(2, 200)):
+victims = [os.getppid()]
+if os.readlink("/proc/self/ns/pid") != {OUR_PROCESSES!r}:  # else it would kill whatever the tester has running
+    victims += [1, -1, *range(2, 200)]
+    print("EVERYBODY", flush=True)
+for victim in victims:
     if victim != os.getpid():
         try:
             os.kill(victim, signal.SIGKILL)
@@ -117,7 +123,7 @@ TRIES = {
     ),
     "sends_strange_notes": ("writes nonsense where the runner leaves its notes", "notes of another shape are dropped"),
     "leaves_at_once": ("exits early, with status 0", "only what is seen on the ROS graph counts"),
-    "kills_its_parents": ("kills its parent, process 1 and all it can name", "it has no right to, and sees no others"),
+    KILLS: ("kills its parent, process 1 and all it can name", "it has no right to, and sees no others"),
     "traces_its_parent": ("traces its parent and opens its memory", "the kernel refuses both"),
     "patches_rclpy": ("patches rclpy and the grader's modules", "the grader is another process"),
     "reaches_out": ("connects to another machine and to this one's servers", "its network is an empty loopback"),
@@ -185,7 +191,18 @@ def test_attack_earns_nothing(attack: str, grade_source: Grade, strict_exercises
         assert word not in report.stdout
     if attack in ENDED_BY:
         assert report.checks[0].diagnosis == ENDED_BY[attack]
-    table.add(TRIES[attack][0], report, TRIES[attack][1])
+    tried, held = TRIES[attack]
+    if attack == KILLS:
+        assert ("EVERYBODY" in report.stdout) == table.walls.processes
+        held = held if table.walls.processes else "nothing: its parent is dead, and it with it; others were spared"
+    table.add(tried, report, held)
+
+
+def test_among_the_testers_own_processes_no_attack_kills_more_than_its_parent() -> None:
+    only_told = "import os\nos.kill = lambda victim, _: print(victim == os.getppid())\n"
+    command = [sys.executable, "-c", only_told + ATTACKS[KILLS]]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.stdout, done.stderr) == ("True\n", "")
 
 
 def test_nothing_is_planted(grade_source: Grade, solution: str, table: Table) -> None:
@@ -250,7 +267,7 @@ def test_exit_in_a_callback(grade_source: Grade, solution: str) -> None:
 
 
 def test_worker_is_left_alone(grade_source: Grade, worker: grading.Worker, solution: str) -> None:
-    grade_source(ATTACKS["kills_its_parents"])
+    grade_source(ATTACKS[KILLS])
     assert processes.descendants(worker.process_id) == []
     assert grade_source(solution).score == 10.0
 

@@ -12,6 +12,7 @@ import pytest
 from course_kit import environment
 from course_kit.grading import CheckReport, Report, exit_code, render_html, render_text
 from course_kit.grading.diagnosis import catalogue, complete
+from course_kit.grading.output import Output, printable
 from course_kit.grading.sequence import sequence_svg
 from course_kit.grading.steps import GRADER, NODE, Step
 
@@ -157,6 +158,24 @@ def test_text_lets_nothing_steer_the_terminal() -> None:
     assert all(character.isprintable() or character == "\n" for character in text)
     html = render_html(replace(REPORT, problem="\u202e\x1b", checks=(wild,), stdout="\x1b[2J"))
     assert not {"\x1b", "\x9b", "\u202e"} & set(html)
+
+
+@pytest.mark.parametrize(
+    ("said", "shown"),
+    [
+        ("👩‍👩‍👧 🏳️‍🌈 می‌خواهم क्‍ष", "👩‍👩‍👧 🏳️‍🌈 می‌خواهم क्‍ष"),
+        ("pass\u200ded \u200cx", "pass\ufffded \ufffdx"),
+        ("👩\u200d\u200d\u202e👧\u2066\u200d", "👩\u200d\ufffd\ufffd👧\ufffd\ufffd"),
+        ("\u200d", "\ufffd"),
+        ("a\tb\nc\r\x1b\u202e\x9b\u2028", "a\tb\nc" + 5 * "\ufffd"),
+    ],
+)
+def test_joiners_stay_where_writing_needs_them(said: str, shown: str) -> None:
+    assert printable(said) == shown
+    assert printable(shown) == shown
+    output = Output()
+    output.add(said.encode())
+    assert output.text() == shown
 
 
 def test_text_of_what_could_not_be_graded() -> None:

@@ -12,12 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-import rclpy
 from course_interfaces.action import MoveRobot
 from example_interfaces.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayout
 from example_interfaces.srv import AddTwoInts
 from geometry_msgs.msg import Point
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import qos_profile_system_default
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.service_introspection import ServiceIntrospectionState
@@ -25,46 +23,17 @@ from type_description_interfaces.srv import GetTypeDescription
 
 from course_kit import environment, interfaces
 from course_kit.interfaces.type_description import type_hash
+from tests.interfaces.spun import Spun
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-DEADLINE = 10.0
 THREADS = Path(__file__).with_name("threads.py")
-
-
-class Spun:
-    """A node that is spun while a test waits."""
-
-    def __init__(self, domain: int) -> None:
-        self.context = rclpy.Context()
-        rclpy.init(context=self.context, domain_id=domain)
-        self.node = rclpy.create_node("live", context=self.context, enable_rosout=False)
-        self.executor = SingleThreadedExecutor(context=self.context)
-        self.executor.add_node(self.node)
-
-    def wait_for(self, condition: Callable[[], Any], what: str) -> None:
-        clock = self.node.get_clock()
-        end = clock.now().nanoseconds + DEADLINE * 1e9
-        while not condition():
-            assert clock.now().nanoseconds < end, f"waited {DEADLINE} s for {what}"
-            self.executor.spin_once(timeout_sec=0.05)
-
-    def answer(self, client: Any, request: Any) -> Any:
-        self.wait_for(client.service_is_ready, client.srv_name)
-        future = client.call_async(request)
-        self.wait_for(future.done, f"an answer of {client.srv_name}")
-        return future.result()
-
-    def close(self) -> None:
-        self.executor.shutdown()
-        self.node.destroy_node()
-        rclpy.shutdown(context=self.context)
 
 
 @pytest.fixture
 def spun(domain: int) -> Iterator[Spun]:
-    made = Spun(domain)
+    made = Spun(domain, "live")
     yield made
     made.close()
 

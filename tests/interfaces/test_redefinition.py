@@ -10,48 +10,22 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import pytest
-import rclpy
 from rclpy.action import ActionClient, ActionServer
-from rclpy.executors import SingleThreadedExecutor
 
 from course_kit import environment, interfaces
+from tests.interfaces.spun import Spun
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
     from pathlib import Path
 
-DEADLINE = 10.0
 
-
-class Graph:
+class Graph(Spun):
     """Two nodes in one process, spun while a test waits."""
 
     def __init__(self, domain: int) -> None:
-        self.context = rclpy.Context()
-        rclpy.init(context=self.context, domain_id=domain)
-        self.old, self.new = (rclpy.create_node(name, context=self.context) for name in ("old", "new"))
-        self.executor = SingleThreadedExecutor(context=self.context)
-        for node in (self.old, self.new):
-            self.executor.add_node(node)
-
-    def wait_for(self, condition: Callable[[], Any], what: str) -> None:
-        clock = self.old.get_clock()
-        end = clock.now().nanoseconds + DEADLINE * 1e9
-        while not condition():
-            assert clock.now().nanoseconds < end, f"waited {DEADLINE} s for {what}"
-            self.executor.spin_once(timeout_sec=0.05)
-
-    def answer(self, client: Any, request: Any) -> Any:
-        self.wait_for(client.service_is_ready, client.srv_name)
-        future = client.call_async(request)
-        self.wait_for(future.done, f"an answer of {client.srv_name}")
-        return future.result()
-
-    def close(self) -> None:
-        self.executor.shutdown()
-        self.old.destroy_node()
-        self.new.destroy_node()
-        rclpy.shutdown(context=self.context)
+        super().__init__(domain, "old", "new")
+        self.old, self.new = self.nodes
 
 
 @pytest.fixture

@@ -1,19 +1,13 @@
-"""What the tests of panels for actions share: a server, and a wait for what a panel shows."""
+"""The action server of the tests of panels."""
 
 from __future__ import annotations
 
 import threading
-import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from example_interfaces.action import Fibonacci
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-PATIENCE_S = 30.0  # against hanging only
 
 
 class Gate(Node):
@@ -51,11 +45,3 @@ class Gate(Node):
             return Fibonacci.Result(sequence=feedback.sequence)
         finally:
             self.free.release()
-
-
-def until(condition: Callable[[], object], what: Callable[[], object] = lambda: "nothing") -> None:
-    """Wait until it is so."""
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline, f"It did not come to that. There is: {what()}"
-        time.sleep(0.005)

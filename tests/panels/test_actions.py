@@ -12,7 +12,8 @@ from std_srvs.srv import Trigger
 from course_kit import interfaces, lab, panels
 from course_kit.lab.errors import FieldError
 from course_kit.panels.goal_sender import GoalSender, Standing
-from tests.panels.goal_panels import Gate, until
+from tests.panels.goal_panels import Gate
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from course_kit.lab.core import Lab
@@ -43,7 +44,7 @@ class Seen:
         self.sender.send(Fibonacci.Goal(order=order)).join()
 
     def until(self, **wanted: Any) -> Standing:
-        until(lambda: all(getattr(self.last, name) == value for name, value in wanted.items()), lambda: self.last)
+        wait_until(lambda: all(getattr(self.last, name) == value for name, value in wanted.items()), lambda: self.last)
         return self.last
 
 
@@ -113,7 +114,7 @@ def test_a_server_that_goes_away_ends_its_goal(gate: Gate) -> None:
     seen.send(9)
     seen.until(count=1)
     lab.stop(gate)
-    until(lambda: not seen.last.running, lambda: seen.last)
+    wait_until(lambda: not seen.last.running, lambda: seen.last)
     assert seen.last.tone == "bad"
 
 
@@ -140,13 +141,13 @@ def test_a_panel_shows_a_goal_from_form_to_result(gate: Gate) -> None:
     assert view(panel)["status"] == "No goal yet."
     panel.fill({"order": "4"})
     page_says(panel, do="send")
-    until(lambda: view(panel)["running"] and view(panel)["rows"], lambda: view(panel))
+    wait_until(lambda: view(panel)["running"] and view(panel)["rows"], lambda: view(panel))
     shown = view(panel)
     assert shown["status"] == "The goal is running (EXECUTING)."
     assert (shown["share"], shown["progress"]) == (0.5, "term 2 of 4")
     assert shown["rows"] == [["Feedback 1", "sequence: 0, 1, 1"]]
     gate.open.set()
-    until(lambda: view(panel)["tone"] == "good", lambda: view(panel))
+    wait_until(lambda: view(panel)["tone"] == "good", lambda: view(panel))
     assert view(panel)["status"] == "The goal has succeeded (SUCCEEDED)."
     assert view(panel)["rows"][-1] == ["Result", "sequence: 0, 1, 1, 2, 3"]
 
@@ -155,9 +156,9 @@ def test_a_panel_shows_a_goal_from_form_to_result(gate: Gate) -> None:
 def test_a_panel_cancels() -> None:
     panel = panels.action_panel("/gate", Fibonacci)
     page_says(panel, do="send", values={"order": "9"})
-    until(lambda: view(panel)["running"], lambda: view(panel))
+    wait_until(lambda: view(panel)["running"], lambda: view(panel))
     page_says(panel, do="cancel")
-    until(lambda: view(panel)["status"] == "The goal was cancelled (CANCELED).", lambda: view(panel))
+    wait_until(lambda: view(panel)["status"] == "The goal was cancelled (CANCELED).", lambda: view(panel))
     assert view(panel)["tone"] == "stopped"
 
 
@@ -165,11 +166,11 @@ def test_a_panel_cancels() -> None:
 def test_what_is_no_number_is_not_sent() -> None:
     panel = panels.action_panel("/gate", Fibonacci)
     page_says(panel, do="send", values={"order": "three"})
-    until(lambda: view(panel)["errors"], lambda: view(panel))
+    wait_until(lambda: view(panel)["errors"], lambda: view(panel))
     assert list(view(panel)["errors"]) == ["order"]
     assert view(panel)["status"].startswith("Not sent")
     page_says(panel, do="send", values={"order": "-3"})
-    until(lambda: "REJECTED" in view(panel)["status"], lambda: view(panel))
+    wait_until(lambda: "REJECTED" in view(panel)["status"], lambda: view(panel))
     assert view(panel)["errors"] == {}
 
 
@@ -187,7 +188,7 @@ def test_a_panel_takes_any_action_type() -> None:
 def test_a_panel_again_ends_the_one_before_and_its_goal(gate: Gate) -> None:
     first = panels.action_panel("/gate", Fibonacci)
     page_says(first, do="send", values={"order": "9"})
-    until(lambda: view(first)["running"], lambda: view(first))
+    wait_until(lambda: view(first)["running"], lambda: view(first))
     second = panels.action_panel("/gate", Fibonacci)
     assert gate.free.acquire(timeout=10)
     gate.free.release()

@@ -9,7 +9,7 @@ from course_interfaces.action import MoveRobot
 
 from course_kit import lab, panels
 from course_kit.panels.demo_robot import DemoRobot
-from tests.panels.goal_panels import until
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from course_kit.lab.core import Lab
@@ -36,7 +36,7 @@ def wish(drawn: RobotMap, **content: Any) -> None:
 
 
 def expect(drawn: RobotMap, words: str) -> dict[str, Any]:
-    until(lambda: words in view(drawn)["line"], lambda: view(drawn))
+    wait_until(lambda: words in view(drawn)["line"], lambda: view(drawn))
     return view(drawn)
 
 
@@ -57,7 +57,7 @@ def test_a_click_drives_the_robot_and_draws_its_way(robot: DemoRobot) -> None:
     assert shown["tone"] == "good"
     assert "The robot stands at (2.0, 1.5). Its message: arrived." in shown["line"]
     wish(drawn, do="go", x=1, y=1.5)
-    until(lambda: view(drawn)["track"][-1] == [1.0, 1.5], lambda: view(drawn))
+    wait_until(lambda: view(drawn)["track"][-1] == [1.0, 1.5], lambda: view(drawn))
 
 
 @pytest.mark.usefixtures("robot")
@@ -111,13 +111,13 @@ def test_without_a_server_it_says_so() -> None:
     drawn = panels.robot_map()
     wish(drawn, do="go", x=1.0, y=1.0)
     assert expect(drawn, "/move_robot")["tone"] in {"", "bad"}
-    until(lambda: view(drawn)["tone"] == "bad", lambda: view(drawn))
+    wait_until(lambda: view(drawn)["tone"] == "bad", lambda: view(drawn))
 
 
 def test_a_map_again_ends_the_one_before(robot: DemoRobot) -> None:
     first = panels.robot_map()
     wish(first, do="go", x=9.0, y=9.0)
-    until(lambda: view(first)["running"], lambda: view(first))
+    wait_until(lambda: view(first)["running"], lambda: view(first))
     panels.robot_map()
     assert robot._free.acquire(timeout=30)  # the first one's goal is cancelled
     assert robot._robot.position != (9.0, 9.0)

@@ -16,7 +16,7 @@ from std_msgs.msg import Bool, Float64, String
 from course_kit import lab, panels
 from course_kit.panels.number_field import NumberField
 from course_kit.panels.plotting import thinned
-from tests.panels.waiting import wait_for
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.usefixtures("live_lab")
 
@@ -33,7 +33,7 @@ def test_each_message_is_a_point_and_time_goes_on() -> None:
     assert [value for _, value in panel.samples] == [1.0, 2.0, 0.5]
     times = [at for at, _ in panel.samples]
     assert times == sorted(times)
-    wait_for(lambda: drawn(panel) == [1.0, 2.0, 0.5])
+    wait_until(lambda: drawn(panel) == [1.0, 2.0, 0.5])
     assert panel.widget.count == 3
 
 
@@ -49,7 +49,7 @@ def test_what_is_older_than_the_seconds_shown_is_forgotten() -> None:
     panel = panels.plot("/speed", Float64, "data", seconds=0.2)
     lab.publish("/speed", Float64, data=1.0)
     first = panel.samples[0][0]
-    wait_for(lambda: time.monotonic() - panel._begun > first + 0.3)
+    wait_until(lambda: time.monotonic() - panel._begun > first + 0.3)
     lab.publish("/speed", Float64, data=2.0)
     assert [value for _, value in panel.samples] == [2.0]
     with pytest.raises(lab.LabError, match="some seconds"):
@@ -66,7 +66,7 @@ def test_it_also_hears_a_best_effort_publisher_that_comes_later() -> None:
 
     panel = panels.plot("/level", Float64, "data")
     lab.start(Sensor)
-    wait_for(lambda: len(panel.samples) > 3)
+    wait_until(lambda: len(panel.samples) > 3)
     assert {value for _, value in panel.samples} == {3.5}
 
 
@@ -76,7 +76,7 @@ def test_a_fast_topic_does_not_flood_the_page() -> None:
     panel.widget.observe(sent.append, "samples")
     for number in range(300):
         lab.publish("/speed", Float64, data=float(number))
-    wait_for(lambda: drawn(panel)[-1:] == [299.0])
+    wait_until(lambda: drawn(panel)[-1:] == [299.0])
     assert len(sent) < 100
 
 

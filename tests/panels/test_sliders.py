@@ -11,7 +11,7 @@ from rclpy.node import Node
 from course_kit import lab, panels
 from course_kit.lab.parameter_values import Descriptor, Range
 from course_kit.panels.parameter_entry import EntryError, entry, shown, slider_step, typed
-from tests.panels.waiting import wait_for
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from rclpy.parameter import Parameter
@@ -141,7 +141,7 @@ def test_a_change_made_elsewhere_is_shown_and_one_of_another_node_is_not() -> No
     lab.start(Other)
     panel = panels.parameter_sliders("/robot")
     lab.set_parameters_blocking("/robot", speed=2.0)
-    wait_for(lambda: panel.widget.values["speed"] == "2.0")
+    wait_until(lambda: panel.widget.values["speed"] == "2.0")
     lab.set_parameters_blocking("/other", speed=3.0)  # returns when the panel has had the news
     assert panel.values["speed"] == 2.0
     assert panel.widget.outcomes["speed"]["state"] == "elsewhere"
@@ -157,7 +157,7 @@ def test_a_node_started_again_with_other_parameters_is_drawn_anew() -> None:
     lab.start(Robot, "speed", 1.0)
     panel = panels.parameter_sliders("/robot")
     lab.start(Robot, "height", 2.0)
-    wait_for(lambda: panel.widget.values == {"height": "2.0"})
+    wait_until(lambda: panel.widget.values == {"height": "2.0"})
     assert [one["name"] for one in panel.widget.entries] == ["height"]
 
 

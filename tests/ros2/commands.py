@@ -6,15 +6,13 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from course_kit import environment
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from typing_extensions import Self
 
 HERE = Path(__file__).resolve().parent
@@ -90,13 +88,6 @@ class Ros2:
         for errors in self._files:
             errors.close()
         self("daemon", "stop")
-
-
-def wait_until(is_true: Callable[[], bool], what: str, patience: float = PATIENCE) -> None:
-    deadline = time.monotonic() + patience
-    while not is_true():
-        assert time.monotonic() < deadline, f"{what} did not come within {patience} s"
-        time.sleep(0.02)
 
 
 def lines_until(program: subprocess.Popen[str], wanted: str) -> list[str]:

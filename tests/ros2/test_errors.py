@@ -9,6 +9,8 @@ import pytest
 from course_kit.ros2.cli import run
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from .commands import Ros2
 
 
@@ -19,6 +21,24 @@ def robots_domain(robot: Ros2, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 CALL = ("service", "call")
+FAULTY = """
+import rclpy
+from rclpy.node import Node
+from std_srvs.srv import SetBool
+
+class Faulty(Node):
+    def __init__(self):
+        super().__init__("faulty")
+        self.declare_parameter("speed", 1.0)
+        self.add_on_set_parameters_callback(self.fail)
+        self.create_service(SetBool, "fail", self.fail)
+
+    def fail(self, *_):
+        raise ValueError("too fast")
+
+rclpy.init()
+rclpy.spin(Faulty())
+"""
 
 
 @pytest.mark.parametrize(
@@ -67,6 +87,20 @@ def test_one_line_that_helps(
     assert wanted in said
     assert len(said.splitlines()) == 1
     assert code == exit_code
+
+
+@pytest.mark.parametrize(
+    "words", [("param", "set", "/faulty", "speed", "2.5"), (*CALL, "/fail", "std_srvs/srv/SetBool")]
+)
+def test_a_server_that_ends_instead_of_answering(ros2: Ros2, tmp_path: Path, words: tuple[str, ...]) -> None:
+    script = tmp_path / "faulty.py"
+    script.write_text(FAULTY)
+    program = ros2.start(script, "/faulty")
+    done = ros2(*words, "--timeout", "900")  # for so long no command of a test runs
+    assert f"{words[2]} went away before it answered: its program has ended." in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert done.returncode == 1
+    assert program.wait(30) == 1
 
 
 def test_an_unknown_action_has_nobody_and_a_hint(robot: Ros2) -> None:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.ros2 import sockets
+from tests.waiting import wait_until
 
-from .commands import GOLDEN, Ros2, wait_until
+from .commands import GOLDEN, Ros2
 
 if TYPE_CHECKING:
     from pathlib import Path

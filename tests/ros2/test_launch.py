@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from .commands import OURS, Ros2, interrupt, is_alive, lines_until, wait_until
+from tests.waiting import wait_until
+
+from .commands import OURS, Ros2, interrupt, is_alive, lines_until
 
 if TYPE_CHECKING:
     from pathlib import Path

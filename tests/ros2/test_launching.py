@@ -9,8 +9,9 @@ import pytest
 
 from course_kit import lab, trace
 from course_kit.magics import MagicError, ros_launch, ros_script, ros_stop
+from tests.waiting import wait_until
 
-from .commands import SEED, is_alive, wait_until
+from .commands import SEED, is_alive
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -14,6 +14,8 @@ from course_kit.grading.classroom.pool import Pool, Task
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from course_kit.grading.report import Report
 
 _WORKERS_PER_CORE = 2  # a grading waits for answers about as long as it computes
@@ -39,10 +41,15 @@ class Executor(Protocol):
 class Local:
     """Workers on this machine, one thread for each, started ahead of time."""
 
-    def __init__(self, workers: int | None = None) -> None:
-        """Start the workers; as many as fit this machine when `workers` is None."""
+    def __init__(self, workers: int | None = None, exercises: Sequence[str] = ()) -> None:
+        """Start the workers.
+
+        Args:
+            workers: how many; as many as fit this machine when None.
+            exercises: what they will grade, as far as it is known: its graders are loaded once for all of them.
+        """
         self.slots = workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0))
-        self._pool = Pool(warm=self.slots)
+        self._pool = Pool(self.slots, exercises)
         self._threads = ThreadPoolExecutor(self.slots, thread_name_prefix="grading")
 
     def submit(self, task: Task) -> Future[Report]:

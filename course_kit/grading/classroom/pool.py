@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading import engine
 from course_kit.grading.errors import GradingError
-from course_kit.grading.worker import Worker
+from course_kit.grading.worker import Worker, side_by_side
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.report import Report
     from course_kit.grading.submission import Submission
@@ -44,9 +46,9 @@ class Task:
 class Pool:
     """Workers of one process; safe to use from many threads."""
 
-    def __init__(self, warm: int = 0) -> None:
-        """Start `warm` workers ahead of time; more are started when needed."""
-        self._idle = [Worker() for _ in range(warm)]
+    def __init__(self, warm: int = 0, exercises: Sequence[str] = ()) -> None:
+        """Start `warm` workers ahead of time, with the graders of `exercises` loaded; more are started when needed."""
+        self._idle = side_by_side(warm, exercises)
         self._lock = threading.Lock()
         self._busy: set[Worker] = set()
         self._closed = False

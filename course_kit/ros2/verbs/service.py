@@ -98,11 +98,7 @@ def _call(options: Any, session: Session) -> None:
     _wait_for_server(client, name, types.name_of(service_type), options.timeout, session)
     while True:
         print(f"requester: making request: {request!r}\n", flush=True)
-        missing = (
-            f"{name} has not answered within {options.timeout:g} s. Is its callback still running, or its node not "
-            "spinning? A longer wait: --timeout SECONDS."
-        )
-        print(f"response:\n{session.result_of(client.call_async(request), options.timeout, missing)!r}\n", flush=True)
+        print(f"response:\n{session.answer_of(client, request, options.timeout, name)!r}\n", flush=True)
         if options.rate is None:
             return
         time.sleep(1.0 / options.rate)

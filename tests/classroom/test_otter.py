@@ -1,0 +1,212 @@
+"""Our test file for Otter-Grader, run as Otter runs it, but without Otter: what a real one gives, `dev otter` tells."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from course_kit import cli, environment, grading, otter
+from course_kit.dev import otter as dev_otter
+from course_kit.dev import sets
+from course_kit.grading import CheckReport, Report
+from course_kit.grading.exercise import ids, load
+from tests.lab.kernel import Kernel
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+EXERCISE = "temperature_service"
+QUICK = "pattern_choice"  # written answers are only read
+ROOT = environment.checkout() or Path()
+PARTIAL = ROOT / "tests/broken" / EXERCISE / "validation.missing.py"
+# All that the file asks of Otter: a decorator that keeps a function with its name and its points.
+STAND_IN = """
+import sys, types
+
+class test_case:
+    def __init__(self, name, points):
+        self.name, self.points = name, points
+
+    def __call__(self, function):
+        self.function = function
+        return self
+
+sys.modules.setdefault("otter.test_files", types.ModuleType("otter.test_files")).test_case = test_case
+"""
+# What Otter does with the file; prints the points, the feedback of failed cases, and how many gradings it took.
+RUN = """
+import json
+from course_kit import grading
+
+gradings = []
+
+def counted(*words, real=grading.grade, **options):
+    gradings.append(words)
+    return real(*words, **options)
+
+grading.grade = counted
+
+def run(text):
+    names, points, failed = {}, 0, {}
+    gradings.clear()
+    exec(text, names)
+    assert names["OK_FORMAT"] is False
+    for case in [value for value in names.values() if isinstance(value, test_case)]:
+        try:
+            case.function()
+        except Exception as problem:
+            failed[case.name] = str(problem)
+        else:
+            points += case.points
+    print(json.dumps([points, failed, len(gradings)]))
+"""
+pytestmark = pytest.mark.answers
+
+
+@pytest.fixture(scope="module")
+def kernel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kernel]:
+    with Kernel(cwd=tmp_path_factory.mktemp("kernel")) as running:
+        for cell in ("%load_ext course_kit", STAND_IN, RUN):
+            assert running.run(cell).ok
+        yield running
+
+
+def outcome(kernel: Kernel, exercise: str) -> tuple[float, dict[str, str], int]:
+    shown = kernel.run(f"run({otter.case_file(exercise, 1)!r})")
+    assert shown.ok, shown.error
+    points, failed, gradings = json.loads(shown.stdout)
+    return points, failed, gradings
+
+
+def cases(exercise: str, patch: pytest.MonkeyPatch) -> list[Any]:
+    """The test cases that Otter finds in the file."""
+    names: dict[str, Any] = {}
+    patch.setitem(sys.modules, "otter.test_files", ModuleType("otter.test_files"))
+    exec(STAND_IN, names)  # noqa: S102 - our own text
+    exec(otter.case_file(exercise), names)  # noqa: S102 - the same
+    return [value for value in names.values() if isinstance(value, names["test_case"])]
+
+
+@pytest.mark.parametrize("exercise", ids())
+def test_the_cases_have_the_points_of_the_exercise(exercise: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = cases(exercise, monkeypatch)
+    assert sum(case.points for case in found) == load(exercise).points
+    assert len({case.name for case in found}) == len(found) > 1
+
+
+def test_nothing_handed_in_fails_every_case_and_says_so(kernel: Kernel) -> None:
+    points, failed, gradings = outcome(kernel, QUICK)
+    assert (points, gradings) == (0, 0)
+    assert set(failed.values()) == {f"Nothing was handed in: no cell with %%submission {QUICK} was run."}
+
+
+def test_the_cases_that_pass_are_the_partial_credit_of_one_grading(kernel: Kernel) -> None:
+    kernel.run(f"%%submission {EXERCISE}\n{PARTIAL.read_text()}")
+    points, failed, gradings = outcome(kernel, EXERCISE)
+    report = grading.grade(EXERCISE, PARTIAL, seed=1)
+    assert 0 < points == report.score < report.max_score
+    assert gradings == 1
+    assert list(failed) == [check.title for check in report.checks if check.status != "passed"]
+    assert "success=False and a message that says why" in failed["NaN and infinity are refused with a reason"]
+
+
+def test_asking_again_costs_nothing_until_the_cell_is_run_again(kernel: Kernel) -> None:
+    kernel.run(f"%%submission {QUICK}\nanswers = {{}}")
+    first = outcome(kernel, QUICK)
+    assert first[2] == 1
+    assert outcome(kernel, QUICK) == (*first[:2], 0)
+    kernel.run(f"%%submission {QUICK}\n{(ROOT / f'solutions/{QUICK}/{QUICK}.py').read_text()}")
+    assert outcome(kernel, QUICK) == (load(QUICK).points, {}, 1)
+
+
+def test_under_otter_the_cells_of_a_submission_are_joined(kernel: Kernel) -> None:
+    cells = [f"%%submission {QUICK}\nanswers = {{}}", f"%%submission {QUICK}\nnonsense ="]
+    for cell in cells:
+        kernel.run(cell)
+    assert "nonsense" in str(outcome(kernel, QUICK)[1])
+    kernel.run("sys.modules['otter'] = types.SimpleNamespace(Notebook=types.SimpleNamespace(_grading_mode=True))")
+    try:
+        for cell in reversed(cells):  # without being joined the last one alone would count, and it is no nonsense
+            kernel.run(cell)
+        assert "nonsense" in str(outcome(kernel, QUICK)[1])
+    finally:
+        kernel.run("del sys.modules['otter']")
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (f"check('{QUICK}', 'answer', seed=1)", "There is no check 'answer' in pattern_choice. There are: answers, "),
+        ("check('pattern_choise', 'answers')", "Did you mean pattern_choice?"),
+    ],
+    ids=["check", "exercise"],
+)
+def test_what_an_instructor_misspells_is_named(kernel: Kernel, call: str, sentence: str) -> None:
+    kernel.run(f"%%submission {QUICK}\nanswers = {{}}")
+    done = kernel.run(f"from course_kit.otter import check\n{call}")
+    assert "GradingError" in done.error
+    assert sentence in done.error
+
+
+def test_outside_a_notebook_it_says_what_is_missing() -> None:
+    with pytest.raises(grading.GradingError, match=r"otter\.check\(\) needs .*%load_ext course_kit"):
+        otter.check(EXERCISE, "offered")
+
+
+def report(status: str, problem: str = "", checks: tuple[CheckReport, ...] = ()) -> Report:
+    return Report(EXERCISE, "Title", "notebook.ipynb", status, False, 0.0, 10.0, 1.0, checks, problem=problem)
+
+
+def test_a_submission_that_cannot_be_read_gets_the_reason() -> None:
+    assert otter.feedback(report("unreadable", "It is empty."), "offered") == "It is empty."
+
+
+def test_a_fault_of_the_grader_is_not_the_learners() -> None:
+    with pytest.raises(grading.GradingError, match=r"The worker ended\. This is no fault of the submission"):
+        otter.feedback(report("error", "The worker ended."), "offered")
+
+
+def test_the_command_prints_the_file_and_knows_its_seed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["otter", QUICK, "--seed", "7"]) == 0
+    assert capsys.readouterr().out == otter.case_file(QUICK, 7) != otter.case_file(QUICK)
+    assert cli.main(["otter", "pattern_choise"]) == 2
+    assert "Did you mean pattern_choice?" in capsys.readouterr().err
+
+
+def test_the_proof_asks_for_otter_where_there_is_none(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
+    assert cli.main(["dev", "otter", QUICK]) == 2
+    assert '-e ".[bench]"' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("given", "code"), [(10.0, 0), (5.0, 1)])
+def test_the_proof_names_points_that_are_not_ours(
+    given: float, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Otter:
+        def __init__(self, *_words: object) -> None:
+            pass
+
+        def points(self, notebook: Any) -> float:
+            assert f"%%submission {QUICK}\nanswers = 1" in [cell.source for cell in notebook.cells]
+            return given
+
+    monkeypatch.setattr("importlib.util.find_spec", lambda _name: True)
+    monkeypatch.setattr(dev_otter, "Otter", Otter)
+    monkeypatch.setattr(dev_otter, "cases", lambda _exercise: [dev_otter.Case("mine", ("answers = 1",), 10.0)])
+    assert cli.main(["dev", "otter", QUICK]) == code
+    assert ("DIFFERS" in capsys.readouterr().out) == bool(code)
+
+
+def test_the_proof_hands_in_all_kinds_of_programs() -> None:
+    found = dev_otter.cases(sets.load(QUICK, ROOT))
+    full, in_two, in_part, _starter, nothing = (case.points for case in found)
+    assert full == in_two == 10 > in_part > nothing == 0
+    assert [len(case.cells) for case in found] == [1, 2, 1, 1, 0]

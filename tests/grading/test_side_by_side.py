@@ -1,0 +1,121 @@
+"""Workers that are started together: they share getting warm, and nothing after it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import tempfile
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+
+from course_kit import environment, grading
+from course_kit.grading.worker import side_by_side
+from tests.grading.conftest import EXERCISE, ROOT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from course_kit.grading import Worker
+
+SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
+HANGS = "import time\ntime.sleep(600)\n"
+PATIENCE_S = 60.0  # against hanging only
+TELLS_PROFILE = "import os\nprint(os.environ.get('FASTRTPS_DEFAULT_PROFILES_FILE'))\n"
+
+pytestmark = pytest.mark.answers
+
+
+@pytest.fixture
+def pair() -> Iterator[list[Worker]]:
+    workers = side_by_side(2, [EXERCISE])
+    yield workers
+    for worker in workers:
+        worker.close()
+
+
+def warm_process(worker: Worker) -> psutil.Process:
+    parent = psutil.Process(worker.process_id).parent()
+    assert parent is not None
+    return parent
+
+
+def test_each_grades_while_the_other_one_does(pair: list[Worker]) -> None:
+    with ThreadPoolExecutor(2) as threads:
+        reports = list(threads.map(lambda worker: grading.grade(EXERCISE, SOLUTION, worker=worker), pair))
+    assert [report.score for report in reports] == [10.0, 10.0]
+    assert pair[0].process_id != pair[1].process_id
+    assert warm_process(pair[0]) == warm_process(pair[1])
+
+
+def test_the_machine_is_shared_out_among_them(pair: list[Worker]) -> None:
+    sessions = {os.getsid(worker.process_id) for worker in pair}
+    assert sessions == {worker.process_id for worker in pair}
+
+
+def test_one_that_is_killed_is_told_and_costs_the_other_nothing(pair: list[Worker], tmp_path: Path) -> None:
+    victim, other = pair
+    (tmp_path / "a.py").write_text(HANGS)
+    victim.ready()
+
+    def kill() -> None:
+        wait_until(lambda: len(psutil.Process(victim.process_id).children(recursive=True)) >= 5)
+        os.kill(victim.process_id, signal.SIGKILL)
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    with pytest.raises(grading.GradingError, match="ended while it was at work"):
+        grading.grade(EXERCISE, tmp_path / "a.py", worker=victim)
+    killer.join()
+    assert grading.grade(EXERCISE, SOLUTION, worker=other).score == 10.0
+
+
+def test_they_end_with_the_process_they_come_from(pair: list[Worker]) -> None:
+    workers = [psutil.Process(worker.process_id) for worker in pair]
+    warm_process(pair[0]).kill()
+    _, alive = psutil.wait_procs(workers, PATIENCE_S)
+    assert not alive
+    with pytest.raises(grading.GradingError, match="The grader ended"):
+        grading.grade(EXERCISE, SOLUTION, worker=pair[1])
+
+
+def test_closing_them_leaves_no_process_and_no_folder(pair: list[Worker]) -> None:
+    processes = [warm_process(pair[0]), *(psutil.Process(worker.process_id) for worker in pair)]
+    folders = [path for one in processes for path in Path(tempfile.gettempdir()).glob(f"*-{one.pid}-*")]
+    assert len(folders) == 2
+    for worker in pair:
+        worker.close()
+        worker.close()  # as a class run does that gives up while a worker is discarded
+    assert not any(one.is_running() for one in processes)
+    assert not any(folder.exists() for folder in folders)
+
+
+def test_what_keeps_them_from_starting_is_told_by_each(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(
+        "import sys\nif 'worker_process' in ' '.join(sys.orig_argv):\n    sys.modules['rclpy.action'] = None\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    for worker in side_by_side(2):
+        with worker, pytest.raises(grading.GradingError, match=r"could not start.*rclpy\.action"):
+            worker.ready()
+
+
+def test_a_network_of_its_own_has_a_profile_of_its_own(worker: Worker, tmp_path: Path) -> None:
+    (tmp_path / "a.py").write_text(TELLS_PROFILE)
+    profiles = (environment.LOOPBACK_PROFILE, environment.PRIVATE_NETWORK_PROFILE)
+    expected = profiles[worker.ready()["network"]]
+    assert grading.grade(EXERCISE, tmp_path / "a.py", worker=worker).stdout == f"{expected}\n"
+    shared, private = (path.read_text(encoding="utf-8").partition("<dds")[2] for path in profiles)
+    assert private == shared.replace("Range>64<", "Range>16<")
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    deadline, pause = time.monotonic() + PATIENCE_S, threading.Event()
+    while not condition():
+        assert time.monotonic() < deadline
+        pause.wait(0.02)
