@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def feedback_of_a_move(bench: Bench) -> Evidence:
     """A move comes with enough feedback, all along."""
     move = drive_on(bench, LONGEST_M)
-    times = [heard.sent_s for heard in move.goal.wait_for_last_feedback()]
+    times = [heard.sent_s for heard in move.goal.wait_for_last_feedback(lambda all_told: len(all_told) >= ENOUGH)]
     expected = f"at least {ENOUGH} feedback messages, spread over the move of {move.length:.2g} m"
     if len(times) < ENOUGH:
         told_so = f"{len(times)} feedback message{'' if len(times) == 1 else 's'}"
@@ -33,7 +33,9 @@ def feedback_of_a_move(bench: Bench) -> Evidence:
 def progress_of_a_move(bench: Bench) -> Evidence:
     """What feedback tells of a move makes sense."""
     move = drive_on(bench, SHORTEST_M)
-    heard = move.goal.wait_for_last_feedback()
+    heard = move.goal.wait_for_last_feedback(
+        lambda all_told: bool(all_told) and all_told[-1].feedback.progress >= NEARLY_DONE
+    )
     expected = (
         f"progress from 0 up to {NEARLY_DONE} or more, distance_remaining shrinking, {move.begin} to {move.target}"
     )

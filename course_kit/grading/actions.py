@@ -6,12 +6,13 @@ themselves, not rclpy's ActionClient: that one drops feedback which arrives afte
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
-from course_kit.grading import offers
+from course_kit.grading import asking, offers
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from course_kit.grading.bench import Bench
     from course_kit.grading.tester import Heard
 
-_NUDGE_S = 1.0  # how long a program that offers an action and ends at once is given to do so
 _FEEDBACK = QoSProfile(depth=1000)
 _STATUS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -54,8 +54,8 @@ class Line:
     def __init__(self, bench: Bench, action: Action) -> None:
         parts, self._tester, self._name = action.interface.Impl, bench.tester, action.name
         self.goals = self._client(parts.SendGoalService, "send_goal")
-        self.results = self._client(parts.GetResultService, "get_result")
         self.cancels = self._client(parts.CancelGoalService, "cancel_goal")
+        self.results = self._client(parts.GetResultService, "get_result")  # the last: see `_get_known`
         self.feedback: Heard = self._listen(parts.FeedbackMessage, "feedback", _FEEDBACK)
         self.status: Heard = self._listen(parts.GoalStatusMessage, "status", _STATUS)
 
@@ -82,8 +82,7 @@ def expect_action(bench: Bench, action: Action) -> Evidence:
     line = Line(bench, action)
     offers.await_offer(bench, action.wanted, line.ready, bench.tester.actions)
     try:
-        # Asks for the result of a goal that does not exist: whether that is answered does not matter.
-        bench.wait_until(line.results.call_async(action.interface.Impl.GetResultService.Request()).done, _NUDGE_S)
+        _get_known(bench, action)
     except SubmissionEndedError as ended:
         if ended.diagnosis == "start.exit":
             evidence = Evidence("", expected, "a program that has ended")
@@ -97,13 +96,21 @@ def ensure_ready(bench: Bench, action: Action) -> None:
     Raises:
         Failed: it does not come up a second time.
     """
-    offers.ensure_running(bench, action.wanted, lambda: Line(bench, action).ready())
+    if bench.spoiled:
+        start_again(bench, action)
 
 
-def start_again(bench: Bench, action: Action, variables: Mapping[str, str]) -> None:
-    """Start the submission anew with other environment variables.
+def start_again(bench: Bench, action: Action, variables: Mapping[str, str] | None = None) -> None:
+    """Start the submission anew, with other environment variables if wanted.
 
     Raises:
         Failed: it does not come up a second time.
     """
     offers.start_again(bench, action.wanted, lambda: Line(bench, action).ready(), variables)
+    with suppress(SubmissionEndedError):  # whoever needs it will notice
+        _get_known(bench, action)
+
+
+def _get_known(bench: Bench, action: Action) -> None:
+    """Ask for the result of a goal that does not exist; whether that is answered does not matter."""
+    asking.get_known(bench, Line(bench, action).results, action.interface.Impl.GetResultService.Request())

@@ -17,6 +17,8 @@ from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.steps import GRADER, NODE, Followed, Step, Turn, tell
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from course_kit.grading.bench import Bench, Life
 
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
@@ -25,6 +27,7 @@ NAMES = {
 }
 _NUDGE_S = 1.0  # an executor with several threads notices a callback's exception with the next event only
 _QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
+_REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's next heartbeat, each 3 s in Fast DDS
 
 
 @dataclass(frozen=True)
@@ -168,15 +171,19 @@ class Goal:
         self._turn.missed(evidence.got)
         raise Failed(evidence, message, diagnosis)
 
-    def wait_for_last_feedback(self) -> list[Told]:
-        """The feedback of a goal that has ended, once no more comes."""
+    def wait_for_last_feedback(self, complete: Callable[[list[Told]], bool]) -> list[Told]:
+        """The feedback of a goal that has ended, once no more comes.
+
+        Args:
+            complete: whether it looks complete; if not, it is waited for longer.
+        """
         count, clock = -1, self._bench.clock()
 
         def quiet() -> bool:
             nonlocal count, clock
             if count != len(self._line.feedback.messages):
                 count, clock = len(self._line.feedback.messages), self._bench.clock()
-            return clock.past(_QUIET_S)
+            return clock.past(_QUIET_S) and (clock.past(_REPAIRED_S) or complete(self.feedback))
 
         self._bench.wait_until(quiet, silence.ANSWER_S)
         return self.feedback

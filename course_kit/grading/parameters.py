@@ -13,6 +13,7 @@ from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, Set
 from rclpy.parameter import Parameter, parameter_value_to_python
 
 from course_kit.grading import callbacks, graph, silence
+from course_kit.grading.asking import get_known
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
 
@@ -59,7 +60,7 @@ class Remote:
         self._bench = bench
         self._clients = {
             verb: bench.tester.client(interface, f"{node}/{verb}")
-            for verb, interface in zip(_VERBS, INTERFACES, strict=True)
+            for verb, interface in reversed(tuple(zip(_VERBS, INTERFACES, strict=True)))
         }
 
     def ready(self) -> bool:
@@ -132,8 +133,8 @@ def expect_served(bench: Bench, node: str) -> Evidence:
         bench.wait_for_start(lambda: remote.ready() or settled())
         if not remote.ready():
             raise _not_served(bench, node, expected)
-        asked = bench.tester.client(ListParameters, f"{node}/list_parameters").call_async(ListParameters.Request())
-        if not bench.wait_until(asked.done, silence.ANSWER_S):
+        client = bench.tester.client(ListParameters, f"{node}/list_parameters")  # the last that `remote` has made
+        if not get_known(bench, client, ListParameters.Request(), silence.ANSWER_S):
             raise callbacks.unanswered(bench, Evidence("list_parameters", expected))
     except SubmissionEndedError as ended:
         diagnosis, message = callbacks.of_start(ended.life, bench.job)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import offers, silence
+from course_kit.grading.asking import NUDGE_S, Asked, get_known
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.offers import Wanted, await_offer, ensure_running
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
     from course_kit.grading.bench import Bench
 
-_NUDGE_S = 1.0  # an executor with several threads notices a callback's exception with the next request only
 _STUCK_S = 3.0  # a callback seen waiting in rclpy for so long waits for itself
 
 
@@ -59,7 +59,7 @@ def expect_offered(bench: Bench, service: Service, request: Any) -> Evidence:
     client = _client(bench, service)
     await_offer(bench, _wanted(service), client.service_is_ready, bench.tester.services)
     try:
-        bench.wait_until(client.call_async(request).done, _NUDGE_S)
+        get_known(bench, client, request)
     except SubmissionEndedError as ended:
         if ended.diagnosis == "start.exit":
             evidence = Evidence("", expected, "a program that has ended")
@@ -102,17 +102,15 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
     if bench.time_is_up():
         message = f"Each answer came, but so slowly that the {bench.deadline_s:g} s for this check were over."
         raise Failed(Evidence(shown, expected, "too late to be asked"), message, "service.blocks")
-    clock = bench.clock()
     turn = bench.record.sent(f"request {service.name}: {tell(request)}", about=shown)
-    futures = [_client(bench, service).call_async(request)]
+    asked = Asked(bench, request, _client(bench, service), lambda: _client(bench, service, 1))
+    clock = asked.clock
     looked = False
 
     def decided() -> bool:
         nonlocal looked
-        if any(future.done() for future in futures):
+        if asked.answered():
             return True
-        if len(futures) == 1 and clock.wall() > _NUDGE_S:
-            futures.append(_client(bench, service, 1).call_async(request))
         if not looked and clock.wall() > _STUCK_S and clock.past(_STUCK_S):
             looked = True
             return silence.doing(bench).waits_for_ros
@@ -123,10 +121,9 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
     except SubmissionEndedError as ended:
         evidence = Evidence(shown, expected, "no answer: the program ended")
         raise Failed(evidence, ended.message, ended.diagnosis) from None
-    for future in futures:
-        if future.done():
-            turn.came(f"response: {tell(future.result())}")
-            return Answer(future.result(), clock.fair() if clock.wall() > _NUDGE_S else clock.wall())
+    if (response := asked.response()) is not None:
+        turn.came(f"response: {tell(response)}")
+        return Answer(response, clock.fair() if clock.wall() > NUDGE_S else clock.wall())
     raise silence.unanswered(bench, shown, expected)
 
 

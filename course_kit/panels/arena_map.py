@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anywidget
 import traitlets
 
 from course_kit.panels import goal_words
-from course_kit.panels.base import Latest, Panel
+from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.goal_sender import GoalSender
 from course_kit.panels.track import Place, Track
 from course_kit.robot import SimulatedRobot
@@ -18,15 +17,14 @@ from course_kit.robot import SimulatedRobot
 if TYPE_CHECKING:
     from course_kit.panels.goal_sender import Standing
 
-_HERE = Path(__file__).parent
 _ENDED = "This map has ended. Run its cell again to use it."
 
 
 class _MapWidget(anywidget.AnyWidget):
     """The drawing. Python sends it `view`; it sends {"do": "go", "x", "y"} and {"do": "cancel"}."""
 
-    _esm = (_HERE / "arena_map.js").read_text("utf-8")
-    _css = "\n".join((_HERE / name).read_text("utf-8") for name in ("panels.css", "arena_map.css"))
+    _esm = of_files("arena_map.js")
+    _css = of_files("frame.css", "panels.css", "arena_map.css")
     size = traitlets.Float(SimulatedRobot.ARENA_SIZE).tag(sync=True)
     view = traitlets.Dict().tag(sync=True)
 

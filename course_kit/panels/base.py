@@ -18,8 +18,8 @@ _JOIN = 2.0  # seconds an update is given to end
 T = TypeVar("T")
 
 
-def script(*names: str) -> str:
-    """The JavaScript of a panel's page, as one module: files of this folder, one after the other."""
+def of_files(*names: str) -> str:
+    """The JavaScript of a panel's page as one module, or its style sheet: files of this folder, one after the other."""
     return "\n".join((_HERE / name).read_text(encoding="utf-8") for name in names)
 
 

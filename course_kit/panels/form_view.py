@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -14,13 +13,12 @@ from course_kit import lab
 from course_kit.lab.errors import FieldError, LabError
 from course_kit.lab.messages import is_service_type, type_name
 from course_kit.lab.snapshot import snapshot
-from course_kit.panels.base import Panel, script
+from course_kit.panels.base import Panel, of_files
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_HERE = Path(__file__).parent
 _LINES = 12  # of the exchange; other nodes may talk meanwhile
 
 
@@ -35,8 +33,8 @@ class FormWidget(anywidget.AnyWidget):
         ended: why the form no longer works; "" while it does.
     """
 
-    _esm = script("dom.js", "message_form.js", "form_view.js")
-    _css = (_HERE / "panels.css").read_text(encoding="utf-8")
+    _esm = of_files("dom.js", "message_form.js", "form_view.js")
+    _css = of_files("frame.css", "panels.css")
     title = traitlets.Dict().tag(sync=True)
     entries: Any = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)

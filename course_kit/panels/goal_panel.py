@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -11,14 +10,13 @@ import traitlets
 from course_kit.lab.errors import FieldError
 from course_kit.lab.messages import is_action_type, type_name
 from course_kit.panels import goal_words
-from course_kit.panels.base import Latest, Panel, script
+from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.goal_sender import GoalSender
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 
 if TYPE_CHECKING:
     from course_kit.panels.goal_sender import Standing
 
-_HERE = Path(__file__).parent
 _ENDED = "This panel has ended. Run its cell again to use it."
 _NOT_SENT = "Not sent: see what is marked above."
 
@@ -29,8 +27,8 @@ class _ActionWidget(anywidget.AnyWidget):
     It sends {"do": "send"}, {"do": "cancel"}, and {"do": "add" or "remove", "path"} for lists, each with `values`.
     """
 
-    _esm = script("dom.js", "message_form.js", "goal_panel.js")
-    _css = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("panels.css", "goal_panel.css"))
+    _esm = of_files("dom.js", "message_form.js", "goal_panel.js")
+    _css = of_files("frame.css", "panels.css", "goal_panel.css")
     title = traitlets.Dict().tag(sync=True)
     entries: traitlets.List[Any] = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)

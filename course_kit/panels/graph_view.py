@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -12,12 +11,11 @@ import traitlets
 from course_kit import lab
 from course_kit.lab import overview
 from course_kit.lab.describe import display_name
-from course_kit.panels.base import RATE, Panel
+from course_kit.panels.base import RATE, Panel, of_files
 
 if TYPE_CHECKING:
     from course_kit.lab.overview import Overview, Use
 
-_HERE = Path(__file__).parent
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
 _EMPTY = "No node is on the ROS graph."
@@ -35,8 +33,8 @@ class GraphWidget(anywidget.AnyWidget):
         ended: whether the picture no longer changes.
     """
 
-    _esm = (_HERE / "graph_view.js").read_text(encoding="utf-8")
-    _css = (_HERE / "panels.css").read_text(encoding="utf-8") + (_HERE / "graph_view.css").read_text(encoding="utf-8")
+    _esm = of_files("graph_view.js")
+    _css = of_files("frame.css", "panels.css", "graph_view.css")
     nodes: Any = traitlets.List().tag(sync=True)
     channels: Any = traitlets.List().tag(sync=True)
     text = traitlets.Unicode().tag(sync=True)

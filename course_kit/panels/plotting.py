@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from pathlib import Path
 from typing import Any
 
 import anywidget
@@ -14,10 +13,9 @@ import traitlets
 
 from course_kit import lab
 from course_kit.lab.messages import type_name
-from course_kit.panels.base import Latest, Panel
+from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.number_field import NumberField
 
-_HERE = Path(__file__).parent
 _KEPT = 20_000  # samples, however fast they come
 _DRAWN = 600  # points a line has at most; a screen has hardly more
 _DEPTH = 100
@@ -36,8 +34,8 @@ class PlotWidget(anywidget.AnyWidget):
         ended: why nothing more is drawn; "" while it is.
     """
 
-    _esm = (_HERE / "plotting.js").read_text(encoding="utf-8")
-    _css = (_HERE / "plotting.css").read_text(encoding="utf-8")
+    _esm = of_files("plotting.js")
+    _css = of_files("frame.css", "plotting.css")
     topic = traitlets.Unicode().tag(sync=True)
     field = traitlets.Unicode().tag(sync=True)
     span = traitlets.Float().tag(sync=True)

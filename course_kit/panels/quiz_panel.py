@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -11,7 +10,7 @@ import traitlets
 
 from course_kit import quiz
 from course_kit.panels import quiz_answers
-from course_kit.panels.base import Panel
+from course_kit.panels.base import Panel, of_files
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
 
 AT_ONCE, AT_THE_END = "at once", "at the end"
 FILE_NAME = "my_answers.py"
-_HERE = Path(__file__).parent
 _DESCRIPTION = (
     "Quiz: which communication pattern fits? {count} scenarios (seed {seed}), to be answered here in a live notebook. "
     "As text: quiz.show({argument})."
@@ -30,8 +28,8 @@ _DESCRIPTION = (
 class QuizForm(anywidget.AnyWidget):
     """What the browser shows. The questions carry no answer: what is right stays in the kernel."""
 
-    _esm = (_HERE / "quiz_panel.js").read_text(encoding="utf-8")
-    _css = (_HERE / "quiz_panel.css").read_text(encoding="utf-8")
+    _esm = of_files("quiz_panel.js")
+    _css = of_files("quiz_panel.css")
     patterns = traitlets.List(traitlets.Unicode()).tag(sync=True)
     questions = traitlets.List(traitlets.Dict()).tag(sync=True)
     choices = traitlets.Dict().tag(sync=True)

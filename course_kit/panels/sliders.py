@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -13,13 +12,12 @@ from course_kit import lab
 from course_kit.lab.errors import LabError
 from course_kit.lab.parameter_values import from_message, is_of_every_node
 from course_kit.lab.parameters import full_name
-from course_kit.panels.base import Latest, Panel, script
+from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.parameter_entry import EntryError, entry, shown, typed
 
 if TYPE_CHECKING:
     from course_kit.lab.parameter_values import Descriptor
 
-_HERE = Path(__file__).parent
 _EVENTS = "/parameter_events"
 _ENDED = "These sliders have ended. Run their cell again to use them."
 
@@ -36,8 +34,8 @@ class SlidersWidget(anywidget.AnyWidget):
         ended: why they no longer work; "" while they do.
     """
 
-    _esm = script("dom.js", "sliders.js")
-    _css = (_HERE / "sliders.css").read_text(encoding="utf-8")
+    _esm = of_files("dom.js", "sliders.js")
+    _css = of_files("frame.css", "sliders.css")
     node = traitlets.Unicode().tag(sync=True)
     entries: traitlets.List[Any] = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)

@@ -6,8 +6,6 @@ import json
 import signal
 import subprocess
 import sys
-import threading
-import time
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,9 +14,10 @@ import psutil
 import pytest
 
 from course_kit import environment
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 SOLUTION = REPOSITORY / "solutions/temperature_service/temperature_service.py"
@@ -62,13 +61,6 @@ def class_run(handed_in: Path, *more: object) -> tuple[object, ...]:
 
 def records(handed_in: Path) -> dict[str, Path]:
     return {path.parent.name: path for path in (handed_in.parent / "out/students").glob("*/*.json")}
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    deadline, pause = time.monotonic() + PATIENCE_S, threading.Event()
-    while not condition():
-        assert time.monotonic() < deadline
-        pause.wait(0.02)
 
 
 def finish(handed_in: Path, *more: object) -> None:

@@ -23,9 +23,7 @@ if TYPE_CHECKING:
 EXERCISE = "temperature_service"
 QUICK = "pattern_choice"  # written answers are only read
 ROOT = environment.checkout() or Path()
-BROKEN = ROOT / "tests/broken" / EXERCISE
-PARTIAL = (BROKEN / "validation.missing.py").read_text()
-MARK = f"%%submission {EXERCISE}\n"
+PARTIAL = ROOT / "tests/broken" / EXERCISE / "validation.missing.py"
 # All that the file asks of Otter: a decorator that keeps a function with its name and its points.
 STAND_IN = """
 import sys, types
@@ -107,12 +105,10 @@ def test_nothing_handed_in_fails_every_case_and_says_so(kernel: Kernel) -> None:
     assert set(failed.values()) == {f"Nothing was handed in: no cell with %%submission {QUICK} was run."}
 
 
-def test_the_cases_that_pass_are_the_partial_credit_of_one_grading(kernel: Kernel, tmp_path: Path) -> None:
-    path = tmp_path / "program.py"
-    path.write_text(PARTIAL)
-    kernel.run(MARK + PARTIAL)
+def test_the_cases_that_pass_are_the_partial_credit_of_one_grading(kernel: Kernel) -> None:
+    kernel.run(f"%%submission {EXERCISE}\n{PARTIAL.read_text()}")
     points, failed, gradings = outcome(kernel, EXERCISE)
-    report = grading.grade(EXERCISE, path, seed=1)
+    report = grading.grade(EXERCISE, PARTIAL, seed=1)
     assert 0 < points == report.score < report.max_score
     assert gradings == 1
     assert list(failed) == [check.title for check in report.checks if check.status != "passed"]

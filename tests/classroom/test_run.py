@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.grading import GradingError, exercise
-from course_kit.grading.classroom.records import Entry, Record, Records, safe_name, write_atomically
+from course_kit.grading.classroom.records import Entry, Record, Records, safe_name
 from course_kit.grading.classroom.run import ClassRun, Plan
 from course_kit.grading.classroom.watching import Tally
 from course_kit.grading.report import CheckReport, Report
@@ -167,15 +167,6 @@ def test_a_full_disk_ends_the_run_and_costs_nothing_that_was_written(
     assert executor.closed
     assert {record.entry.student for record in Records(out)} >= {"ada", "cem"}
     assert run(handed_in, out, StandInForGrading(), resume=True).complete
-
-
-def test_an_unwritten_file_leaves_the_old_one_and_no_rest(tmp_path: Path) -> None:
-    path = tmp_path / "a.json"
-    write_atomically(path, "old")
-    with pytest.raises(UnicodeEncodeError):
-        write_atomically(path, "new \ud800")
-    assert path.read_text() == "old"
-    assert [one.name for one in tmp_path.iterdir()] == ["a.json"]
 
 
 def test_a_record_survives_its_file(tmp_path: Path) -> None:

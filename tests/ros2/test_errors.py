@@ -96,7 +96,7 @@ def test_a_server_that_ends_instead_of_answering(ros2: Ros2, tmp_path: Path, wor
     script = tmp_path / "faulty.py"
     script.write_text(FAULTY)
     program = ros2.start(script, "/faulty")
-    done = ros2(*words, "--timeout", "30")
+    done = ros2(*words, "--timeout", "900")  # for so long no command of a test runs
     assert f"{words[2]} went away before it answered: its program has ended." in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert done.returncode == 1

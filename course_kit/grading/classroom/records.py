@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from course_kit.environment import write_atomically as write_atomically  # noqa: PLC0414 - for those who write beside
+from course_kit.environment import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -12,9 +12,10 @@ from concurrent.futures import FIRST_COMPLETED, wait
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+from course_kit.environment import write_atomically
 from course_kit.grading.classroom import handed, intake
 from course_kit.grading.classroom.gradebook import Gradebook
-from course_kit.grading.classroom.records import Records, write_atomically
+from course_kit.grading.classroom.records import Records
 from course_kit.grading.errors import GradingError
 from course_kit.grading.render_page import render_page
 
