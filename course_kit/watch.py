@@ -39,6 +39,8 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
     """
     task = exercise.load(exercise_id)
     path = task.folder / task.starter if path is None else path
+    if path.is_dir():
+        raise GradingError(f"{path} is a folder. Name the .py or .ipynb file in it.")
     if not path.is_file():
         raise GradingError(f"There is no file {path}.")
     best = None

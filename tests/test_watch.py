@@ -14,7 +14,7 @@ import psutil
 import pytest
 
 from course_kit import watch
-from course_kit.grading import CheckReport, Report
+from course_kit.grading import CheckReport, GradingError, Report
 from tests.course_copy import SOLUTION, TEMPERATURE, Course, starter
 
 if TYPE_CHECKING:
@@ -219,3 +219,10 @@ def test_the_card_of_a_file_that_cannot_be_read_says_why() -> None:
     assert "Not graded." in text
     assert "f.py is empty." in text
     assert "since" not in text
+
+
+def test_a_folder_or_a_name_that_is_not_there_is_said_at_once(tmp_path: Path) -> None:
+    with pytest.raises(GradingError, match=r"is a folder. Name the .py or .ipynb file in it.$"):
+        watch.watch(TEMPERATURE, tmp_path)
+    with pytest.raises(GradingError, match="There is no file"):
+        watch.watch(TEMPERATURE, tmp_path / "nothing.py")
