@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from course_kit.grading.wire import Channel
 
 _STEP_S = 0.004  # how often the graph is looked at: rclpy has no event for its changes
+_CALM_STEP_S = 0.02  # the same for a long wait: looking costs computing, which others need
+_SOON_S = 1.0  # what has not come until then makes it a long wait
 _WATCH_S = 0.02  # how often it is asked whether the submission lives, while an answer is waited for
 PHASES = ("start", "discovery")  # where time goes beside checking: the program's making, and its way onto the graph
 _MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a very busy machine, twelve times as long
@@ -184,13 +186,17 @@ class Bench:
         """What each thread of the submission is executing, by faulthandler; empty for other than Python source."""
         return str(self._ask("stacks")["stacks"]) if self.job.mode == "run" else ""
 
-    def wait_until(self, condition: Callable[[], bool], seconds: float, most: float | None = None) -> bool:
+    def wait_until(
+        self, condition: Callable[[], bool], seconds: float, most: float | None = None, *, calmly: bool = False
+    ) -> bool:
         """Wait until `condition` holds; False when it does not within `seconds`, fairly counted.
 
         Args:
             condition: asked again and again.
             seconds: the patience.
             most: the largest part of the time that a busy machine may take away; the usual one when None.
+            calmly: whether it may be noticed some milliseconds late that a change of the graph, after a long wait, has
+                made it hold. What a message changes is noticed at once.
 
         Raises:
             SubmissionEndedError: the submission has ended meanwhile.
@@ -198,12 +204,13 @@ class Bench:
         clock = self.clock() if most is None else FairClock(self._waiting, self._own_waiting, most)
         watched = 0.0
         while not condition():
+            step = _CALM_STEP_S if calmly and watched > _SOON_S else _STEP_S
             if clock.wall() - watched >= _WATCH_S:
                 watched = clock.wall()
                 self.require_running()
                 if clock.past(seconds):
                     return False
-            self.tester.spin_once(_STEP_S)
+            self.tester.spin_once(step)
         return True
 
     def wait_for_start(self, condition: Callable[[], bool]) -> bool:
@@ -214,7 +221,7 @@ class Bench:
         """
         began = time.monotonic()
         try:
-            return self.wait_until(condition, self.job.limits.start_s, _MOST_OF_A_START)
+            return self.wait_until(condition, self.job.limits.start_s, _MOST_OF_A_START, calmly=True)
         finally:
             self.spent["discovery"] += time.monotonic() - began
 

@@ -48,17 +48,25 @@ class FairClock:
         self._of_submission, self._own = of_submission, own
         self._began = time.monotonic()
         self._waited = (of_submission.lately(), own.lately())
+        self._counted = (0.0, 0.0)  # seconds on the wall and fair ones, when it was counted last
 
     def wall(self) -> float:
         """Seconds on the wall."""
         return time.monotonic() - self._began
 
     def past(self, seconds: float) -> bool:
-        """Whether `seconds` have gone by, fairly counted."""
-        return self.wall() >= seconds and self.fair() >= seconds
+        """Whether `seconds` have gone by, fairly counted.
+
+        Counting takes a look at every thread, so it is done only when they can have gone by: since the last count no
+        more fair seconds have passed than seconds on the wall.
+        """
+        wall, fair = self._counted
+        return fair + self.wall() - wall >= seconds and self.fair() >= seconds
 
     def fair(self) -> float:
         """Seconds, fairly counted."""
         wall = self.wall()
         lost = max(self._of_submission() - self._waited[0], self._own() - self._waited[1])
-        return wall - min(max(lost, 0.0), self._most * wall)
+        fair = wall - min(max(lost, 0.0), self._most * wall)
+        self._counted = (wall, fair)
+        return fair

@@ -7,18 +7,20 @@ An executor has `slots`, takes a `Task` by `submit` and returns a future of its 
 from __future__ import annotations
 
 import os
-from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.grading.classroom.pool import Pool, Task
+from course_kit.grading.classroom.turns import Turns
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from concurrent.futures import Future
 
     from course_kit.grading.report import Report
 
 _WORKERS_PER_CORE = 2  # a grading waits for answers about as long as it computes
+_MORE_WHEN_IDLE = 2  # times as many, while submissions that are silent hold workers and leave processors idle
 _PLUGIN = "course-kit"
 _CONNECT_S = 10
 _RETRIES = 3  # a task whose machine died is done again elsewhere, so often
@@ -39,28 +41,29 @@ class Executor(Protocol):
 
 
 class Local:
-    """Workers on this machine, one thread for each, started ahead of time."""
+    """Workers on this machine, started ahead of time."""
 
     def __init__(self, workers: int | None = None, exercises: Sequence[str] = ()) -> None:
         """Start the workers.
 
         Args:
-            workers: how many; as many as fit this machine when None.
+            workers: how many; when None as many as fit this machine, and more while its processors idle.
             exercises: what they will grade, as far as it is known: its graders are loaded once for all of them.
         """
-        self.slots = workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0))
+        usual = workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0))
+        self.slots = usual if workers else _MORE_WHEN_IDLE * usual
         self._pool = Pool(self.slots, exercises)
-        self._threads = ThreadPoolExecutor(self.slots, thread_name_prefix="grading")
+        self._turns = Turns(self._pool.grade, usual, self.slots)
 
     def submit(self, task: Task) -> Future[Report]:
         """See `Executor`."""
-        return self._threads.submit(self._pool.grade, task)
+        return self._turns.submit(task)
 
     def close(self) -> None:
         """See `Executor`."""
-        self._threads.shutdown(wait=False, cancel_futures=True)
+        self._turns.end()
         self._pool.close()
-        self._threads.shutdown(wait=True)
+        self._turns.join()
 
 
 class Cluster:

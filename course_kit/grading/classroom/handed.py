@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from course_kit.grading.classroom.records import Entry
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.report import Report
+
+_WHILE = re.compile(r"^\s*while\b", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,11 @@ class Handed:
     def key(self) -> tuple[str, str, int]:
         """Equal for submissions that get the same report; what could not be read is equal to nothing else."""
         return (self.exercise.id, self.digest or self.entry.source, self.seed)
+
+    @property
+    def may_last(self) -> bool:
+        """Whether its program has a loop that may be endless; a guess, good enough to begin with such programs."""
+        return self.text is not None and _WHILE.search(self.text.source) is not None
 
     def task(self, hidden: tuple[str, ...]) -> Task | None:
         """What an executor is asked to do, with the folders it must hide; None when there is nothing to run."""

@@ -48,7 +48,7 @@ class Pool:
 
     def __init__(self, warm: int = 0, exercises: Sequence[str] = ()) -> None:
         """Start `warm` workers ahead of time, with the graders of `exercises` loaded; more are started when needed."""
-        self._idle = side_by_side(warm, exercises)
+        self._idle = side_by_side(warm, exercises)[::-1]  # the first to be ready is the first to be taken
         self._lock = threading.Lock()
         self._busy: set[Worker] = set()
         self._closed = False
@@ -57,6 +57,8 @@ class Pool:
         """Grade with a worker that is free; a report comes whatever happens."""
         problem = ""
         for _ in range(_TRIES):
+            if self._closed:
+                break
             worker = self._take()
             try:
                 report = engine.grade_text(task.exercise, task.text, task.shown, task.seed, worker, hidden=task.hidden)

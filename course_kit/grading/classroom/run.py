@@ -147,7 +147,10 @@ class ClassRun:
             )
 
     def _take_stock(self) -> list[list[Handed]]:
-        """Read all submissions; returns those without a result, identical ones together."""
+        """Read all submissions; returns those without a result, identical ones together.
+
+        What may last comes first: its patience passes beside the work on the others, not after it.
+        """
         exercises = {exercise.id: exercise for exercise in self._plan.exercises}
         groups: dict[tuple[str, str, int], list[Handed]] = {}
         for entry in self.intake.entries:
@@ -160,7 +163,7 @@ class ClassRun:
             else:
                 groups.setdefault(one.key, []).append(one)
         self._watcher.begin(len(self.intake.entries), len(self._done))
-        return list(groups.values())
+        return sorted(groups.values(), key=lambda group: not group[0].may_last)
 
     def _work_through(self, groups: list[list[Handed]], executor: Executor) -> None:
         waiting = iter(groups)

@@ -1,0 +1,142 @@
+"""Gradings take turns: so many side by side as keep the processors busy, and no more.
+
+A submission that is silent, or asleep, holds a worker for seconds and computes nothing. While processors idle for that
+reason, more gradings are begun than usual; on a busy machine it stays at the usual number.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections import deque
+from concurrent.futures import Future
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.grading.classroom.pool import Task
+    from course_kit.grading.report import Report
+
+_LOOK_S = 0.25  # over which it is seen whether processors idle
+_IDLE, _BUSY = 0.3, 0.1  # share of the processors' time that was idle: above, one more; below, one less
+
+
+class Turns:
+    """Threads that take tasks in the order they come, when it is their turn."""
+
+    def __init__(
+        self, grade: Callable[[Task], Report], usual: int, most: int, idle: Callable[[], float] | None = None
+    ) -> None:
+        """Start the threads.
+
+        Args:
+            grade: does a task.
+            usual: so many are done side by side.
+            most: so many when processors idle.
+            idle: what share of the processors' time was idle since it was asked last, 0 to 1; this machine's if None.
+        """
+        self._grade = grade
+        self._usual, self._most = usual, most
+        self._idle = idle or IdleShare()
+        self._waiting: deque[tuple[Future[Report], Task]] = deque()
+        self._changed = threading.Condition()
+        self._running = 0
+        self._allowed = usual
+        self._looked: float | None = None  # not before a task is done: until then workers may still be starting
+        self._ended = False
+        self._threads = [threading.Thread(target=self._work, name=f"grading {place}") for place in range(most)]
+        for thread in self._threads:
+            thread.start()
+
+    def submit(self, task: Task) -> Future[Report]:
+        """Have a task done; its future can be cancelled until its turn comes."""
+        future: Future[Report] = Future()
+        with self._changed:
+            self._waiting.append((future, task))
+            self._changed.notify()
+        return future
+
+    def end(self) -> None:
+        """Begin no more, and cancel what has not begun."""
+        with self._changed:
+            self._ended = True
+            for future, _ in self._waiting:
+                future.cancel()
+            self._changed.notify_all()
+
+    def join(self) -> None:
+        """After `end`: wait for what is under way."""
+        for thread in self._threads:
+            thread.join()
+
+    def _work(self) -> None:
+        while (following := self._next()) is not None:
+            future, task = following
+            if future.set_running_or_notify_cancel():
+                try:
+                    report = self._grade(task)
+                except BaseException as problem:  # noqa: BLE001 - whoever asks for the result meets it
+                    future.set_exception(problem)
+                else:
+                    future.set_result(report)
+            self._done()
+
+    def _next(self) -> tuple[Future[Report], Task] | None:
+        with self._changed:
+            while not self._ended:
+                if self._waiting and self._running < self._limit():
+                    self._running += 1
+                    return self._waiting.popleft()
+                self._changed.wait(_LOOK_S if self._waiting else None)
+            return None
+
+    def _done(self) -> None:
+        with self._changed:
+            self._running -= 1
+            if self._looked is None:
+                self._look()
+            self._changed.notify()
+
+    def _limit(self) -> int:
+        """How many may run now."""
+        if self._looked is not None and time.monotonic() - self._looked > _LOOK_S:
+            idle = self._look()
+            if idle > _IDLE and self._running >= self._allowed:
+                self._allowed = min(self._allowed + 1, self._most)
+            elif idle < _BUSY:
+                self._allowed = max(self._allowed - 1, self._usual)
+        return self._allowed
+
+    def _look(self) -> float:
+        self._looked = time.monotonic()
+        return self._idle()
+
+
+class IdleShare:
+    """The share of time in which the processors of this process had nothing to do, by /proc/stat (proc(5))."""
+
+    def __init__(self) -> None:
+        self._before = _processor_times()
+
+    def __call__(self) -> float:
+        """Of the time since it was asked last, 0 to 1; 0 where the kernel does not tell."""
+        now = _processor_times()
+        idle, total = (after - before for after, before in zip(now, self._before, strict=True))
+        self._before = now
+        return idle / total if total > 0 else 0.0
+
+
+def _processor_times() -> tuple[int, int]:
+    """Idle and total time of all processors this process may use together, in ticks since the machine was started."""
+    own = {f"cpu{number}" for number in os.sched_getaffinity(0)}
+    idle = total = 0
+    with suppress(OSError, ValueError), open("/proc/stat", encoding="utf-8") as file:  # noqa: PTH123 - a plain path
+        for line in file:
+            name, *times = line.split()
+            if name in own:
+                idle += int(times[3])
+                total += sum(map(int, times[:8]))
+    return idle, total

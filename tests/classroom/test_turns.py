@@ -1,0 +1,131 @@
+"""How many gradings run side by side; the gradings themselves are stood in for."""
+
+from __future__ import annotations
+
+import threading
+from concurrent.futures import CancelledError, Future, wait
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from course_kit.grading.classroom import turns
+from course_kit.grading.classroom.turns import IdleShare, Turns
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+USUAL, MOST = 2, 4
+PATIENCE_S = 30.0  # against hanging only
+
+
+class StandInForGrading:
+    """Each task is an event it waits for, or a text it gives back at once; counts how many run side by side."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._running = self.most = 0
+        self.begun = threading.Semaphore(0)
+
+    def __call__(self, task: Any) -> Any:
+        with self._lock:
+            self._running += 1
+            self.most = max(self.most, self._running)
+        self.begun.release()
+        try:
+            if isinstance(task, Exception):
+                raise task
+            return task.wait(PATIENCE_S) if isinstance(task, threading.Event) else task
+        finally:
+            with self._lock:
+                self._running -= 1
+
+    def wait_for(self, number: int) -> None:
+        for _ in range(number):
+            assert self.begun.acquire(timeout=PATIENCE_S)
+
+
+@pytest.fixture
+def grade() -> StandInForGrading:
+    return StandInForGrading()
+
+
+@pytest.fixture
+def made(grade: StandInForGrading) -> Iterator[Callable[[float], Turns]]:
+    running: list[Turns] = []
+
+    def make(idle: float) -> Turns:
+        running.append(Turns(grade, USUAL, MOST, lambda: idle))
+        return running[-1]
+
+    yield make
+    for one in running:
+        one.end()
+        one.join()
+
+
+def submit(turns_: Turns, *tasks: Any) -> list[Future[Any]]:
+    return [turns_.submit(task) for task in tasks]
+
+
+def test_a_busy_machine_gets_no_more_than_usual(grade: StandInForGrading, made: Callable[[float], Turns]) -> None:
+    numbers = [str(number) for number in range(40)]
+    futures: list[Future[Any]] = submit(made(0.0), *numbers)
+    assert [future.result(PATIENCE_S) for future in futures] == numbers
+    assert grade.most <= USUAL
+
+
+def test_while_processors_idle_more_are_begun_up_to_the_most(
+    grade: StandInForGrading, made: Callable[[float], Turns]
+) -> None:
+    idle, silent = made(1.0), threading.Event()
+    submit(idle, "one that ends")[0].result(PATIENCE_S)
+    futures = submit(idle, *[silent] * (MOST + 2))
+    grade.wait_for(1 + MOST)
+    assert not futures[-1].running()
+    silent.set()
+    assert not wait(futures, PATIENCE_S).not_done
+    assert grade.most == MOST
+
+
+def test_what_waits_for_its_turn_can_be_cancelled(grade: StandInForGrading, made: Callable[[float], Turns]) -> None:
+    busy, silent = made(0.0), threading.Event()
+    futures = submit(busy, *[silent] * USUAL, "late", "later")
+    grade.wait_for(USUAL)
+    assert futures[-2].cancel()
+    assert not futures[0].cancel()
+    silent.set()
+    assert futures[-1].result(PATIENCE_S) == "later"
+
+
+def test_the_end_cancels_what_waits_and_lets_the_rest_finish(
+    grade: StandInForGrading, made: Callable[[float], Turns]
+) -> None:
+    busy, silent = made(0.0), threading.Event()
+    futures = submit(busy, *[silent] * USUAL, "late")
+    grade.wait_for(USUAL)
+    busy.end()
+    silent.set()
+    busy.join()
+    assert [future.result(PATIENCE_S) for future in futures[:USUAL]] == [True] * USUAL
+    with pytest.raises(CancelledError):
+        futures[-1].result(PATIENCE_S)
+
+
+def test_what_a_grading_raises_meets_whoever_asks(made: Callable[[float], Turns]) -> None:
+    turns_ = made(0.0)
+    failed, good = submit(turns_, OSError("disk"), "good")
+    with pytest.raises(OSError, match="disk"):
+        failed.result(PATIENCE_S)
+    assert good.result(PATIENCE_S) == "good"
+
+
+def test_the_idle_share_is_that_since_the_last_question(monkeypatch: pytest.MonkeyPatch) -> None:
+    times = iter([(10, 100), (40, 200), (40, 300), (40, 300)])
+    monkeypatch.setattr(turns, "_processor_times", lambda: next(times))
+    share = IdleShare()
+    assert [share(), share(), share()] == [0.3, 0.0, 0.0]
+
+
+def test_processors_have_been_idle_for_a_part_of_the_time() -> None:
+    idle, total = turns._processor_times()
+    assert 0 < idle < total
