@@ -192,8 +192,16 @@ def test_progress_counts_and_estimates(handed_in: Path, tmp_path: Path) -> None:
     now = [0.0]
     tally = Tally(io.StringIO(), clock=lambda: now[0])
     book = run(handed_in, tmp_path / "out", StandInForGrading())
-    tally.begin(total=104, ready=0)
+    tally.begin(total=104, ready=[])
     for record in book.records[:4]:
         tally.done(record)
     now[0] = 4.0
     assert tally.line() == "[  4/104] 2 passed, 1 not passed, 1 unreadable; about 1 min 40 s left"
+
+
+def test_progress_counts_what_an_earlier_run_has_done(handed_in: Path, tmp_path: Path) -> None:
+    tally = Tally(io.StringIO(), clock=lambda: 0.0)
+    book = run(handed_in, tmp_path / "out", StandInForGrading())
+    tally.begin(total=4, ready=book.records[:3])
+    tally.done(book.records[3])
+    assert tally.line() == "[4/4] 2 passed, 1 not passed, 1 unreadable"

@@ -41,8 +41,8 @@ _AT_ONCE = 2  # requests to stop
 class Watcher(Protocol):
     """Told how a run goes."""
 
-    def begin(self, total: int, ready: int) -> None:
-        """So many submissions, of which so many have results already."""
+    def begin(self, total: int, ready: Sequence[Record]) -> None:
+        """So many submissions, and the results that are there already."""
 
     def done(self, record: Record) -> None:
         """One more has its result."""
@@ -162,7 +162,7 @@ class ClassRun:
                 self._done.append(known)
             else:
                 groups.setdefault(one.key, []).append(one)
-        self._watcher.begin(len(self.intake.entries), len(self._done))
+        self._watcher.begin(len(self.intake.entries), self._done)
         return sorted(groups.values(), key=lambda group: not group[0].may_last)
 
     def _work_through(self, groups: list[list[Handed]], executor: Executor) -> None:

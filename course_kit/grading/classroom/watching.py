@@ -9,7 +9,7 @@ from typing import IO, TYPE_CHECKING
 from course_kit.grading.classroom.gradebook import outcome
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from course_kit.grading.classroom.records import Record
 
@@ -31,11 +31,12 @@ class Tally:
         self._total = self._before = self._now = 0
         self._began = self._shown = clock()
 
-    def begin(self, total: int, ready: int) -> None:
+    def begin(self, total: int, ready: Sequence[Record]) -> None:
         """See `run.Watcher`."""
-        self._total, self._before = total, ready
+        self._total, self._before = total, len(ready)
+        self._counts.update(outcome(record) for record in ready)
         self._began = self._clock()
-        known = f", {ready} of them have their result from an earlier run" if ready else ""
+        known = f", {len(ready)} of them have their result from an earlier run" if ready else ""
         self._print(f"{total} submission{'s' * (total != 1)}{known}.")
 
     def done(self, record: Record) -> None:
