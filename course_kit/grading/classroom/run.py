@@ -20,7 +20,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.render_page import render_page
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from concurrent.futures import Future
     from pathlib import Path
 
