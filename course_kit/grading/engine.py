@@ -169,7 +169,8 @@ def _report(task: Exercise, shown: str, outcome: dict[str, Any], walls: str, beg
     checks = tuple(_check(task, result) for result in outcome["results"])
     score = sum(check.points for check in checks)
     if outcome["problem"] or not checks:
-        problem = f"The grading did not come to its end: {outcome['problem'] or 'no check was run'}."
+        why = outcome["problem"].rstrip(".") or "no check was run"
+        problem = f"The grading did not come to its end: {why}."
         status, score = "error", 0.0
     else:
         problem = ""
