@@ -168,6 +168,15 @@ def test_a_failed_installation_says_what_to_do_and_is_not_taken_for_done(clone: 
     assert clone.course("doctor").returncode == 0
 
 
+def test_test_tools_that_cannot_be_installed_leave_the_course_as_it_was(clone: Clone) -> None:
+    clone.course("doctor")
+    failed = clone.course("test", STAND_IN_RESULT="1")
+    assert failed.returncode == 2
+    assert "the installation did not finish" in failed.stderr
+    assert clone.course("doctor").stdout == f"cli {clone.root}/.venv doctor\n"
+    assert clone.calls() == ["venv", "pip", "pip"]
+
+
 @pytest.mark.parametrize(
     ("tool", "text", "sentence"),
     [
