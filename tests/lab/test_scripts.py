@@ -12,6 +12,7 @@ from example_interfaces.srv import AddTwoInts
 
 from course_kit import lab, trace
 from tests.lab.nodes import Switch
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from tests.lab.kernel import Kernel
@@ -63,8 +64,8 @@ def test_running_again_replaces_and_bugs_show_as_a_short_traceback(kernel: Kerne
     again = kernel.run(f"%%ros_script server\n{SERVER}")
     assert again.stdout == "server is running in the background (node minimal_service).\n"
     kernel.run("lab.current().engine.node\nlab.current().wait_for_nodes(['/minimal_service'], there=True)")
-    names = kernel.run("print(lab.current().engine.node.get_node_names().count('minimal_service'))")
-    assert names.stdout == "1\n"
+    count = "print(lab.current().engine.node.get_node_names().count('minimal_service'))"
+    wait_until(lambda: kernel.run(count).stdout == "1\n", lambda: kernel.run(count).stdout)  # the first one's end
     assert kernel.run("%%ros_script bug\nimport rclpy\ndef f():\n    raise ValueError('x')\nf()").stdout == (
         'Traceback (most recent call last):\n  File "bug.py", line 4, in <module>\n    f()\n'
         "  File \"bug.py\", line 3, in f\n    raise ValueError('x')\nValueError: x\n"

@@ -123,7 +123,7 @@ def test_starter_fails_with_a_useful_first_hint(exercise: str, proofs: Proofs) -
 def test_starter_of_exercise_3_is_told_what_is_missing(proofs: Proofs) -> None:
     report = proofs.report("robot_parameters", "starter", "robot_parameters.py")
     first = next(check for check in report.checks if check.status == "failed")
-    assert "robot_name and max_velocity and wheel_diameter and enabled" in first.message
+    assert "robot_name, max_velocity, wheel_diameter, enabled" in first.message
 
 
 @pytest.mark.parametrize(("exercise", "code", "fact"), FACTS)
