@@ -52,7 +52,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="all, when none is named")
     options = parser.parse_args(arguments)
     root = environment.checkout()
-    if root is None or importlib.util.find_spec("otter") is None:
+    if root is None or not (root / "solutions").is_dir() or importlib.util.find_spec("otter") is None:
         needs = 'course-kit: this needs a clone of the course and, in its environment, pip install -e ".[bench]"'
         print(needs, file=sys.stderr)
         return 2
