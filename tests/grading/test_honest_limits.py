@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import grading
 from course_kit.grading.isolation import Isolation
-from course_kit.grading.worker import _PASSED_ON, _PASSED_ON_PREFIXES
+from course_kit.grading.warm_process import _PASSED_ON, _PASSED_ON_PREFIXES
 from tests.grading.conftest import ROOT
 
 if TYPE_CHECKING:

@@ -212,11 +212,18 @@ def serve(node: Any) -> None:
 
     server, executor = Server(node), MultiThreadedExecutor(4)
     executor.add_node(node)
-    thread = threading.Thread(target=executor.spin)
+    stopping = threading.Event()
+
+    def spin() -> None:
+        while not stopping.is_set():  # rclpy's own spin() may miss the one wake-up that shutdown() gives, and wait on
+            executor.spin_once(timeout_sec=0.1)
+
+    thread = threading.Thread(target=spin)
     thread.start()
     sys.stdin.read()
-    executor.shutdown()
+    stopping.set()
     thread.join()
+    executor.shutdown()
     server.close()
 
 

@@ -31,7 +31,15 @@ node.create_service(AddTwoInts, "add", add, callback_group=group)
 client = node.create_client(AddTwoInts, "add", callback_group=group)
 executor = MultiThreadedExecutor(4)
 executor.add_node(node)
-spinning = threading.Thread(target=executor.spin)
+stopping = threading.Event()
+
+
+def spin() -> None:
+    while not stopping.is_set():  # rclpy's own spin() may miss the one wake-up that shutdown() gives, and wait on
+        executor.spin_once(timeout_sec=0.1)
+
+
+spinning = threading.Thread(target=spin)
 spinning.start()
 published, answered = [], []
 
@@ -59,7 +67,8 @@ for worker in workers:
 for worker in workers:
     worker.join()
 sys.stdout.write(f"published {len(published)}, answered {len(answered)}\n")
-executor.shutdown()
+stopping.set()
 spinning.join()
+executor.shutdown()
 node.destroy_node()
 rclpy.shutdown()
