@@ -19,6 +19,8 @@ ENOUGH = 5  # feedback messages of a move of 1 m to 2 m
 NEARLY_DONE = 0.9  # the progress that is reached in the end
 _ROUNDING = 1e-6
 _DRAWS = 24
+_ROUNDS = 5
+_APART = 0.12  # of the way, by which two distances differ that are not taken for each other
 _GOOD_PART = 0.4
 
 
@@ -39,13 +41,41 @@ _LEAST, _MOST = 0.6, 5.6
 
 def target_from(here: Place, length: float, random: random.Random) -> Place:
     """A target `length` metres away (5 at most), drawn from those in the middle of the arena where there are any."""
+    return _most_central(_drawn(here, length, random))
+
+
+def telling_target(here: Place, length: float, driven: float, random: random.Random) -> Place:
+    """As `target_from`, and where it can be had a target that tells mistaken distances apart.
+
+    These are the way from the origin, which is what a new robot for each goal measures, and all ways together.
+
+    Args:
+        here: where the robot is.
+        length: of the way, in metres.
+        driven: the ways so far together, in metres.
+        random: what is drawn from.
+    """
+
+    def tells(target: Place) -> bool:
+        mistaken = math.dist(ORIGIN, target)
+        return min(abs(mistaken - length), abs(mistaken - driven - length)) > _APART * length
+
+    drawn = [place for _ in range(_ROUNDS) for place in _drawn(here, length, random)]
+    return _most_central([place for place in drawn if tells(place)] or drawn)
+
+
+def _drawn(here: Place, length: float, random: random.Random) -> list[Place]:
     drawn: list[Place] = []
     while not drawn:
         for _ in range(_DRAWS):
             angle = random.uniform(0.0, 2.0 * math.pi)
             drawn.append(Place(here.x + length * math.cos(angle), here.y + length * math.sin(angle)))
         drawn = [place for place in drawn if all(0.0 <= value <= ARENA for value in place)]
-    return next((place for place in drawn if all(_LEAST <= value <= _MOST for value in place)), drawn[0])
+    return drawn
+
+
+def _most_central(places: Sequence[Place]) -> Place:
+    return next((place for place in places if all(_LEAST <= value <= _MOST for value in place)), places[0])
 
 
 def farthest_corner(here: Place) -> Place:

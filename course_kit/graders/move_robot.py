@@ -18,6 +18,7 @@ from course_kit.graders._driving import (
     SHORTEST_M,
     Move,
     arrive,
+    drive,
     drive_on,
     driven,
     fairly,
@@ -37,6 +38,7 @@ from course_kit.graders._moves import (
     TOLERANCE,
     Place,
     place_of,
+    telling_target,
 )
 from course_kit.graders._watching import feedback_of_a_move, progress_of_a_move
 from course_kit.grading.actions import ensure_ready, expect_action
@@ -99,7 +101,8 @@ def arrives(bench: Bench) -> Evidence:
 @check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
 def distance(bench: Bench) -> Evidence:
     """The distance travelled is the way of this move."""
-    return _require_distance(bench, drive_on(bench, LONGEST_M))
+    target = telling_target(here(bench), LONGEST_M, driven(bench), bench.random)
+    return _require_distance(bench, drive(bench, target))
 
 
 @check(points=1.0, depends_on=["arrives"], deadline_s=30.0)

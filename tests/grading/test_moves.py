@@ -11,7 +11,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_kit.graders._moves import ARENA, ORIGIN, Place, beside, farthest_corner, is_spread, jump, target_from
+from course_kit.graders._moves import (
+    ARENA,
+    ORIGIN,
+    Place,
+    beside,
+    farthest_corner,
+    is_spread,
+    jump,
+    target_from,
+    telling_target,
+)
 from course_kit.grading import goal_endings
 from course_kit.grading.bench import Life
 from course_kit.grading.goals import Told
@@ -26,6 +36,18 @@ def test_targets_are_in_the_arena_and_as_far_as_wanted(here: Place, length: floa
     target = target_from(here, length, random.Random(seed))  # noqa: S311 - places, not secrets
     assert all(0.0 <= value <= ARENA for value in target)
     assert math.isclose(math.dist(here, target), length, rel_tol=1e-9)
+
+
+@pytest.mark.parametrize("here", [Place(1.0, 1.2), Place(1.9, 2.3), Place(5.0, 0.6), Place(9.0, 5.0)])
+def test_a_target_tells_mistaken_distances_apart(here: Place) -> None:
+    length, tolerance = 1.8, 0.09
+    driven = math.dist(ORIGIN, here)  # straight away from the origin: one more such move would tell nothing
+    for seed in range(300):
+        target = telling_target(here, length, driven, random.Random(seed))  # noqa: S311 - places, not secrets
+        assert math.isclose(math.dist(here, target), length)
+        from_origin = math.dist(ORIGIN, target)
+        assert abs(from_origin - length) > 2 * tolerance
+        assert abs(from_origin - (driven + length)) > 2 * tolerance
 
 
 @given(places)
