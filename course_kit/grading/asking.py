@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.bench import Bench
 
-NUDGE_S = 1.0  # how long a program that offers something and ends at once is given to do so
+NUDGE_S = 1.0  # when nothing has come for so long it is asked again; also what a program that ends at once is given
 _SOON_S = 0.5
 
 

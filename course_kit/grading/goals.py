@@ -12,6 +12,7 @@ from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading import goal_endings, silence
 from course_kit.grading.actions import Action, Line, ensure_ready
+from course_kit.grading.asking import NUDGE_S
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.steps import GRADER, NODE, Followed, Step, Turn, tell
@@ -25,7 +26,6 @@ SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CA
 NAMES = {
     getattr(GoalStatus, name): name.removeprefix("STATUS_") for name in dir(GoalStatus) if name.startswith("STATUS_")
 }
-_NUDGE_S = 1.0  # an executor with several threads notices a callback's exception with the next event only
 _QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
 _REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's next heartbeat, each 3 s in Fast DDS
 
@@ -127,7 +127,7 @@ class Goal:
 
         def decided() -> bool:
             nonlocal nudged
-            if not nudged and self.clock.wall() > _NUDGE_S:
+            if not nudged and self.clock.wall() > NUDGE_S:
                 nudged = True
                 self._line.results.call_async(self._parts.GetResultService.Request())
             return self.answered
@@ -207,7 +207,7 @@ class Goal:
         return replace(life, stderr=life.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
 
     def _result_came(self) -> bool:
-        if len(self._results) == 1 and self.over_at is not None and self.clock.wall() > _NUDGE_S:
+        if len(self._results) == 1 and self.over_at is not None and self.clock.wall() > NUDGE_S:
             self._ask_for_result()
         return any(future.done() for future in self._results)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import processes
+from course_kit.grading.asking import NUDGE_S
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.services import Service, ensure_ready
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from course_kit.grading.bench import Bench
 
 _WORTHWHILE = 0.4  # of the requests answered when half the time is over
-_NUDGE_S = 1.0  # when nothing has come for so long, a client's first request may have been lost
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Exchange:
             self._send(self._waiting.popleft())
         if came:
             self._moved = time.monotonic()
-        elif time.monotonic() - self._moved > _NUDGE_S:
+        elif time.monotonic() - self._moved > NUDGE_S:
             self._send_first_ones_again()
         return not self._flying
 
