@@ -7,6 +7,7 @@ child processes and the grader alike. A value the user has set always wins.
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,6 +30,7 @@ __all__ = [
     "exclusive_domain",
     "run_dir",
     "state_dir",
+    "trusted_python",
     "write_atomically",
     "write_new",
 ]
@@ -142,6 +144,25 @@ def child_environment(**changes: str | None) -> dict[str, str]:
         else:
             environ[name] = value
     return environ
+
+
+def trusted_python(module: str, function: str, *arguments: str) -> list[str]:
+    """The command that calls a function of the kit in a fresh Python, to be run with `cwd="/"`.
+
+    Neither `-m` nor `-c` as they are would do: both put the working directory, where submissions may lie, before Python's
+    own modules. `-P` does not exist in Python 3.10, and `-I` would lose the PYTHONPATH of a sourced ROS; relative and
+    empty entries of that mean the working directory, too, which is why it has to be "/".
+
+    Args:
+        module: where the function is.
+        function: its name; it is called without arguments.
+        arguments: what it finds in `sys.argv[1:]`.
+    """
+    program = (
+        f"import sys; sys.path[:] = [entry for entry in sys.path if entry not in ('', '/')]; "
+        f"from {module} import {function}; {function}()"
+    )
+    return [sys.executable, "-c", program, *arguments]
 
 
 def _domain_set_by_user(environ: os._Environ[str]) -> int | None:

@@ -18,13 +18,13 @@ import sys
 import tempfile
 import threading
 import traceback
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import limits, namespaces, values
+from course_kit.grading import file_view, isolation, landlock, limits, namespaces, seccomp, values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -64,19 +64,34 @@ class Program:
     folder: str = ""
     variable: str = ""
 
+    @classmethod
+    def from_mapping(cls, values: Mapping[str, Any]) -> Program:
+        """The inverse of `to_mapping`."""
+        program = cls(**values)
+        return replace(program, arguments=tuple(program.arguments), command=tuple(program.command))
 
-def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
-    """Turn this process into the submission; never returns."""
+    def to_mapping(self) -> dict[str, Any]:
+        """The program as plain data."""
+        return asdict(self)
+
+
+def main(program: Program, cell: Cell, inside: Streams) -> None:
+    """Turn this process into the submission; never returns but where it cannot be locked in."""
+    folder = cell.scratch
     os.setsid()
-    atexit._clear()  # noqa: SLF001 - what the warm process has registered is not the program's
+    atexit._clear()  # noqa: SLF001 - what the launcher has registered is not the program's
+    os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
+    try:
+        _lock_in(cell)
+    except OSError as problem:  # it worked when it was tried out
+        inside.tell(problem=f"the sandbox cannot be closed: {problem}")
+        return
     evidence = _arrange_streams(inside)
     variables = {**cell.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}
     os.environ.update(variables)
     tempfile.tempdir = None  # the grader's own choice; TMPDIR counts now
     os.chdir(program.folder or folder)
-    os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
     limits.apply_to_this_process(cell.limits, cell.others)
-    namespaces.drop_privileges()
     program = _with_files(program, Path(folder))
     if program.command:
         _execute(program)
@@ -92,6 +107,25 @@ def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
         _show(problem)
         _note_exception(problem, evidence)
     _finish(status)
+
+
+def _lock_in(cell: Cell) -> None:
+    """Give up every right for good; after this the process can do no more than the submission may."""
+    if not cell.isolation.files and cell.isolation.landlock:
+        landlock.restrict(file_view.readable(cell.view), (cell.scratch, "/dev/null", "/dev/shm"))  # noqa: S108
+    if cell.user:
+        isolation.become(cell.user)
+    namespaces.drop_privileges()
+    namespaces.allow_tracing()  # what it starts may look into /proc/self, as everywhere
+    if cell.isolation.syscalls:
+        seccomp.install()
+    for name in [name for name in sys.modules if name.startswith("course_kit.") and not _is_for_programs(name)]:
+        del sys.modules[name]
+
+
+def _is_for_programs(module: str) -> bool:
+    """Whether a module of the kit exists for a submission."""
+    return module.split(".")[1] in file_view.MODULES_OF_KIT
 
 
 def _arrange_streams(inside: Streams) -> int:

@@ -12,7 +12,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.grading import guard, namespaces, processes
+from course_kit.grading import file_view, guard, namespaces, processes
 from course_kit.grading.bench import PHASES
 from course_kit.grading.isolation import enter_network
 from course_kit.grading.life import Life
@@ -24,7 +24,9 @@ from course_kit.grading.wire import Channel, ChannelClosedError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from course_kit.grading.file_view import FileView
     from course_kit.grading.job import Job
+    from course_kit.grading.launcher import Launcher
 
 _ANSWER_S = 5.0  # how long the guard is waited for; it has answered long before, unless the machine is very busy
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
@@ -37,8 +39,11 @@ _PROBE_GRACE_S = 20.0  # the probe stops by itself at the wall time; a probe tha
 class Warden:
     """The master of one grading."""
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, launcher: Launcher) -> None:
         self._job = job
+        self._launcher = launcher
+        self._profile: dict[str, str] = {}
+        self._network: tuple[int, ...] = ()  # descriptors of the namespaces that the submission is to join
         self._began = time.monotonic()
         self._totals = (Output(), Output())
         self._sandbox: Sandbox | None = None
@@ -55,13 +60,14 @@ class Warden:
         namespaces.die_with_parent()
         namespaces.adopt_orphans()
         if self._job.isolation.network and self._job.mode != "attach":
-            enter_network()
+            enter_network(self._job.user)
             namespaces.die_with_parent()  # entering a user namespace has cleared it
-            _expect_few_participants()
+            self._network = tuple(os.open(f"/proc/self/ns/{kind}", os.O_RDONLY) for kind in ("user", "net"))
+            self._profile = _expect_few_participants()
         probe_end = self._start_probe()
         problem = self._serve(probe_end)
         stopping = time.monotonic()
-        self._stop(with_probe=True)
+        self._stop()
         processes.end_descendants()
         return {
             "results": self._results,
@@ -147,11 +153,26 @@ class Warden:
             folder=job.folder,
             variable=job.variable,
         )
-        variables = {**variables, "ROS_DOMAIN_ID": str(domain)}
-        cell = Cell(job.limits, job.isolation, job.scratch, variables, job.hidden, job.priority, self._others())
-        self._sandbox = Sandbox(program, cell)
+        variables = {**variables, **self._profile, "ROS_DOMAIN_ID": str(domain)}
+        cell = Cell(
+            limits=job.limits,
+            isolation=job.isolation,
+            scratch=job.scratch,
+            view=self._view(),
+            environment=variables,
+            priority=job.priority,
+            others=self._others(),
+            user=job.user,
+        )
+        self._sandbox = Sandbox(program, cell, self._launcher, self._network)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain}
+
+    def _view(self) -> FileView:
+        """The files that the submission sees."""
+        job = self._job
+        view = file_view.of_a_command(job.command[0], job.folder) if job.command else file_view.of_a_program()
+        return view.with_more(masked=job.hidden)
 
     def _finish(self) -> None:
         """Wait until the submission has ended, or end it when its time is up."""
@@ -174,6 +195,8 @@ class Warden:
 
     def _others(self) -> int:
         """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""
+        if self._job.user:  # nobody else's
+            return 0
         version = tuple(int(part) for part in os.uname().release.split(".")[:2])
         counted_apart = self._job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
         return 0 if counted_apart else processes.tasks_of_user(os.getuid())
@@ -231,26 +254,32 @@ class Warden:
             self._life.stopped_by_us(limit)
         self._kill()
 
-    def _kill(self, *, with_probe: bool = False) -> None:
+    def _kill(self) -> None:
         if self._sandbox is None or self._life is None:
             return
-        self._sandbox.end(keep=() if with_probe else {self._probe_id})
+        self._sandbox.end()
         # All writers are dead: the streams end, and reading them cannot block.
         while streams := self._life.open_streams():
             for name in streams.values():
                 self._life.take(name)
         self._sandbox.streams.close()
 
-    def _stop(self, *, with_probe: bool = False) -> None:
-        self._kill(with_probe=with_probe)
+    def _stop(self) -> None:
+        self._kill()
         if self._arguments and self._life is not None and self._life.facts()["stderr"]:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.
             self._totals[1].add(f"[The lines above are of a start with: {' '.join(self._arguments)}]\n".encode())
         self._sandbox = self._life = None
 
 
-def _expect_few_participants() -> None:
-    """Have Fast DDS announce itself to fewer ports than on a graph that a whole machine shares."""
+def _expect_few_participants() -> dict[str, str]:
+    """Have Fast DDS announce itself to fewer ports than on a graph that a whole machine shares.
+
+    Returns:
+        the variables for that, which are set in this process as well.
+    """
     name = "FASTRTPS_DEFAULT_PROFILES_FILE"
-    if os.environ.get(name) == str(environment.LOOPBACK_PROFILE):
-        os.environ[name] = str(environment.PRIVATE_NETWORK_PROFILE)
+    if os.environ.get(name) != str(environment.LOOPBACK_PROFILE):
+        return {}
+    os.environ[name] = str(environment.PRIVATE_NETWORK_PROFILE)
+    return {name: os.environ[name]}

@@ -10,7 +10,6 @@ import os
 import signal
 import socket
 import subprocess
-import sys
 import tempfile
 import threading
 from contextlib import suppress
@@ -67,10 +66,11 @@ class WarmProcess:
         theirs = [end for _, end in pairs]
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 - closed at the end; a pipe nobody reads would fill up
         descriptors = [end.fileno() for end in theirs]
-        module = ("-W", _FORKS_ARE_MEANT, "-m", "course_kit.grading.worker_process")
+        python, *call = environment.trusted_python("course_kit.grading.worker_process", "main")
         try:
             self._process = subprocess.Popen(
-                [sys.executable, *module, ",".join(map(str, descriptors)), *exercises],
+                [python, "-W", _FORKS_ARE_MEANT, *call, ",".join(map(str, descriptors)), *exercises],
+                cwd="/",
                 env=dict(variables),
                 stdin=subprocess.DEVNULL,
                 stdout=self._said,
