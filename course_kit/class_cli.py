@@ -36,6 +36,7 @@ def add_to(verbs: Any) -> None:
     parser.add_argument("--layout", default="auto", help="canvas, moodle, nbgrader, github, folders or files")
     parser.add_argument("--seed", type=int, help="draw the same random values as an earlier run")
     parser.add_argument("--seeds", type=Path, metavar="CSV", help="two columns, student and seed, as for exercise 4")
+    parser.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", type=_positive, metavar="N", help="gradings side by side on this machine")
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://10.0.0.1:8786")
@@ -66,13 +67,17 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.grading import GradingError, exercise
+    from course_kit.grading import GradingError, advice_for_root, exercise, isolation_status
     from course_kit.grading.classroom.run import ClassRun, Plan
     from course_kit.grading.classroom.watching import Tally
 
     chosen = {one: exercise.load(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
         raise GradingError(f"{options.out} is a file. --out names the folder for the results.")
+    if options.require_isolation:
+        isolation_status().require()
+    if advice := advice_for_root():
+        print(f"course-kit: {advice}", file=sys.stderr)
     plan = Plan(
         source=options.submissions,
         out=options.out,

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 
 _ON_LIMITS = (
-    "A submission runs behind walls; --exec leaves two doors open and --attach has no walls. What holds and what does "
-    "not: course_kit/grading/LIMITS.md"
+    "A submission runs sandboxed; --exec relaxes two restrictions, and --attach has no sandbox. What holds and what "
+    "does not: course_kit/grading/LIMITS.md"
 )
 
 
@@ -35,6 +35,7 @@ def build_parser() -> argparse.ArgumentParser:
     grade.add_argument("path", nargs="?", help="your .py or .ipynb file")
     grade.add_argument("--format", choices=("text", "json"), default="text")
     grade.add_argument("--seed", type=int, help="draw the same random values again")
+    grade.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     running = grade.add_mutually_exclusive_group()
     running.add_argument("--attach", action="store_true", help="grade the node that is running on the ROS graph")
     running.add_argument("--exec", dest="exec_command", metavar="CMD", help="start CMD and grade its node")
@@ -164,6 +165,7 @@ def _quiz(options: argparse.Namespace) -> int:
 def _grade(options: argparse.Namespace) -> int:
     from course_kit import grading, progress
 
+    _tell(grading.advice_for_root())
     try:
         report = grading.grade(
             options.exercise,
@@ -171,6 +173,7 @@ def _grade(options: argparse.Namespace) -> int:
             seed=options.seed,
             attach=options.attach,
             exec_command=options.exec_command,
+            require_isolation=options.require_isolation,
         )
     except grading.GradingError as problem:
         return _cannot(problem)

@@ -31,7 +31,7 @@ class Course:
         self.progress = folder / "progress.json"
 
     def command(self, *arguments: str) -> list[str]:
-        return [sys.executable, "-m", "course_kit.cli", *arguments]
+        return [sys.executable, "-m", "course_kit", *arguments]
 
     def environ(self, **variables: str) -> dict[str, str]:
         changes = {"COURSE_KIT_PROGRESS": str(self.progress), "PYTHONPATH": str(self.root), **variables}

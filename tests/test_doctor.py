@@ -12,7 +12,7 @@ from course_kit import environment
 
 def doctor(**changes: str | None) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "course_kit.cli", "doctor"],
+        [sys.executable, "-m", "course_kit", "doctor"],
         env=environment.child_environment(**changes), capture_output=True, text=True, timeout=100, check=False,
     )  # fmt: skip
 

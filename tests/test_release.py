@@ -62,7 +62,7 @@ def test_its_own_tests_are_found_and_those_of_the_notebooks_pass(student: Path) 
 
 def test_a_learner_is_graded_in_it(student: Path) -> None:
     starter = "exercises/temperature_service/temperature_service.py"
-    graded = run(student, "course_kit.cli", "grade", "temperature_service", starter, "--format", "json")
+    graded = run(student, "course_kit", "grade", "temperature_service", starter, "--format", "json")
     assert json.loads(graded.stdout)["status"] == "graded", graded.stderr
     assert graded.returncode == 1
 

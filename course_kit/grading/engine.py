@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.submission import Submission
 
-_HIDDEN = ("solutions", "tests", "course_kit/quiz/data")  # where the answers are
 _NOT_STARTED = ("start.", "limit.")
 
 
@@ -38,6 +37,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
     exec_command: str | None = None,
     worker: Worker | None = None,
     exercises: Path | None = None,
+    require_isolation: bool = False,
 ) -> Report:
     """Grade one submission.
 
@@ -51,9 +51,11 @@ def grade(  # noqa: PLR0913 - the options of one verb
         exec_command: start this command and grade its node.
         worker: a running worker to use; one is started and ended when None.
         exercises: the folder of exercises, the course's own when None.
+        require_isolation: refuse to run a submission where it would not be fully isolated.
 
     Raises:
-        GradingError: usage, an unknown exercise, or a broken installation; the text is for the user.
+        GradingError: usage, an unknown exercise, a broken installation or a lack of isolation; the text is for the
+            user.
     """
     task = exercise.load(exercise_id, exercises)
     if sum((path is not None, attach, exec_command is not None)) != 1:
@@ -67,10 +69,12 @@ def grade(  # noqa: PLR0913 - the options of one verb
             text = submission.read(Path(path), exercise_id)
         except submission.UnreadableError as problem:
             return unreadable(task, str(path), str(problem))
-        return grade_text(task, text, str(path), seed, worker)
+        return grade_text(task, text, str(path), seed, worker, require_isolation=require_isolation)
+    if attach and require_isolation:
+        raise GradingError("A node that is running already, as with --attach, is not isolated.")
     shown = exec_command or f"the node on ROS domain {_domain()}"
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
-        return _grade(task, _job(task, None, seed, exec_command), shown, used)
+        return _grade(task, _job(task, None, seed, exec_command), shown, used, require_isolation)
 
 
 def grade_text(  # noqa: PLR0913 - the options of one grading
@@ -81,6 +85,7 @@ def grade_text(  # noqa: PLR0913 - the options of one grading
     worker: Worker | None = None,
     *,
     hidden: Sequence[str] = (),
+    require_isolation: bool = False,
 ) -> Report:
     """Grade a submission that has been read.
 
@@ -90,15 +95,16 @@ def grade_text(  # noqa: PLR0913 - the options of one grading
         shown: what the report calls it.
         seed: what the checks draw their random values from.
         worker: a running worker to use; one is started and ended when None.
-        hidden: folders the submission must not see, beside those of the course.
+        hidden: folders the submission must not see, wherever they lie.
+        require_isolation: refuse to run it where it would not be fully isolated.
 
     Raises:
-        GradingError: a broken installation, or the worker ended.
+        GradingError: a broken installation, a lack of isolation, or the worker ended.
     """
     job = _job(task, text, seed, None)
-    job = replace(job, hidden=(*job.hidden, *hidden))
+    job = replace(job, hidden=tuple(hidden))
     with Worker() if worker is None else nullcontext(worker) as used:
-        return _grade(task, job, shown, used)
+        return _grade(task, job, shown, used, require_isolation)
 
 
 def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
@@ -116,13 +122,16 @@ def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadab
     )
 
 
-def _grade(task: Exercise, job: Job, shown: str, worker: Worker) -> Report:
+def _grade(task: Exercise, job: Job, shown: str, worker: Worker, require_isolation: bool) -> Report:
     began = time.monotonic()
-    walls = _walls(Isolation.from_mapping(worker.ready()), job.mode)
+    found = Isolation.from_mapping(worker.ready())
+    if require_isolation:
+        found.require()
+    isolation = _told(found, job.mode)
     waited_s = time.monotonic() - began
     outcome = worker.grade(job)
     outcome["timings"]["worker_s"] = waited_s
-    return _report(task, shown, outcome, walls, began)
+    return _report(task, shown, outcome, isolation, began)
 
 
 def _domain() -> int:
@@ -132,12 +141,8 @@ def _domain() -> int:
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
     job = Job(task.id, "attach", "", seed, class_name=task.class_name, variable=task.variable, limits=task.limits)
     if text is not None:
-        root = environment.checkout()
-        hidden = tuple(str(root / folder) for folder in _HIDDEN) if root else ()
         fault = _fault(text)
-        return replace(
-            job, mode="run", name=text.program, source=text.source, fault=fault, places=text.places, hidden=hidden
-        )
+        return replace(job, mode="run", name=text.program, source=text.source, fault=fault, places=text.places)
     if command is None:
         return job
     try:
@@ -149,8 +154,8 @@ def _job(task: Exercise, text: Submission | None, seed: int, command: str | None
     return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
 
 
-def _walls(found: Isolation, mode: str) -> str:
-    """What stood around the submission, in one line."""
+def _told(found: Isolation, mode: str) -> str:
+    """What isolated the submission, in one line."""
     if mode == "attach":
         return "none: the node was running already, and the grader only talked to it"
     text = found.describe()
@@ -165,7 +170,7 @@ def _fault(text: Submission) -> str:
     return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."
 
 
-def _report(task: Exercise, shown: str, outcome: dict[str, Any], walls: str, began: float) -> Report:
+def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: str, began: float) -> Report:
     checks = tuple(_check(task, result) for result in outcome["results"])
     score = sum(check.points for check in checks)
     if outcome["problem"] or not checks:
@@ -190,7 +195,7 @@ def _report(task: Exercise, shown: str, outcome: dict[str, Any], walls: str, beg
         stdout=outcome["stdout"],
         stderr=outcome["stderr"],
         problem=problem,
-        isolation=walls,
+        isolation=isolation,
         timings=outcome["timings"],
     )
 

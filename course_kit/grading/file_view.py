@@ -112,8 +112,7 @@ def _mapped() -> set[str]:
 
 
 def _is_safe(path: str) -> bool:
-    """Whether a folder that some variable names may be shown: one around a home, this kit
-    or other people's temporary files would show far too much."""
+    """Whether a folder that a variable names may be shown; one around a home, this kit or /tmp would show too much."""
     guarded = [_PACKAGE.parent, Path(tempfile.gettempdir()), Path(os.path.expanduser("~"))]  # noqa: PTH111 - never fails
     return path != "/" and not any(path == str(place) or Path(path) in place.parents for place in guarded)
 
@@ -142,7 +141,7 @@ def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int =
     _make_devices(f"{root}/dev")
     mounts.make_read_only(root)
     _open_devices(f"{root}/dev")
-    mounts.memory(f"{root}/dev/shm", megabytes, mode=0o1777, user=user)
+    mounts.memory(f"{root}/dev/shm", megabytes, mode=0o1777, user=user)  # noqa: S108 - of the new root
     mounts.memory(f"{root}{scratch}", megabytes, mode=0o700, user=user)
     try:
         mounts.processes(f"{root}/proc")

@@ -116,13 +116,15 @@ class _Watch:
         if usage.tasks > self._limits.tasks:
             return "processes"
         allowed = self._limits.memory_mb * _MB
-        if usage.memory > allowed and processes.own_memory(everything, _PATIENCE_S) > allowed:
+        files = processes.memory_files(everything, _PATIENCE_S)  # their pages take memory without being mapped, too
+        if usage.memory + files > allowed and processes.own_memory(everything, files, _PATIENCE_S) > allowed:
             return "memory"
         return ""
 
     def _usage(self) -> dict[str, Any]:
         usage = processes.usage(processes.descendants(self._root))
         return {"cpu_s": usage.cpu_s, "waited_s": usage.waited_s, "tasks": usage.tasks, "memory": usage.memory}
+
 
 def _how(status: int) -> dict[str, Any]:
     if os.WIFSIGNALED(status):

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 from course_kit.grading import file_view, landlock, namespaces, seccomp
+from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -77,6 +78,19 @@ class Isolation:
         """Whether all holds that LIMITS.md promises of a machine which allows namespaces."""
         return self.network and self.processes and self.files and self.syscalls and (self.user or not self.root)
 
+    def require(self) -> None:
+        """Insist on all of it.
+
+        Raises:
+            GradingError: something is missing; the text says what, why, and what to do.
+        """
+        if not self.full:
+            raise GradingError(
+                f"Nothing was graded, because full isolation was asked for and this machine does not give it. It "
+                f"offers: {self.describe()}. Grade on another machine, or leave --require-isolation out and read "
+                "course_kit/grading/LIMITS.md."
+            )
+
     def describe(self) -> str:
         """One line for people."""
         kinds = [
@@ -92,7 +106,21 @@ class Isolation:
         holds = [text for text, _, there in kinds if there]
         missing = [name for _, name, there in kinds if not there]
         text = ", ".join([*holds, "resource limits, own session, own ROS domain, scratch directory"])
-        return f"{text}. Missing: {', '.join(missing)}, because {self.reason or 'of an unknown reason'}" if missing else text
+        return (
+            f"{text}. Missing: {', '.join(missing)}, because {self.reason or 'of an unknown reason'}"
+            if missing
+            else text
+        )
+
+
+def advice_for_root() -> str:
+    """What to tell somebody who grades as root; empty for everybody else."""
+    if os.geteuid():
+        return ""
+    return (
+        "you are grading as root. Use an ordinary account if you can: what keeps submissions apart from root is less "
+        "than what keeps them apart from a user. See course_kit/grading/LIMITS.md."
+    )
 
 
 def guest(worker: int) -> int:

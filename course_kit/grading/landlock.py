@@ -34,7 +34,7 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 def version() -> int:
     """The kernel's version of Landlock, 0 where it has none or it is switched off."""
-    return max(0, _libc.syscall(ctypes.c_long(_SYS_CREATE), None, ctypes.c_size_t(0), ctypes.c_uint(_VERSION)))
+    return max(0, int(_libc.syscall(ctypes.c_long(_SYS_CREATE), None, ctypes.c_size_t(0), ctypes.c_uint(_VERSION))))
 
 
 def restrict(readable: Iterable[str], writable: Iterable[str]) -> None:
@@ -75,9 +75,7 @@ def _allow(rules: int, path: str, rights: int) -> None:
             if not stat.S_ISDIR(os.fstat(opened).st_mode):
                 rights &= _OF_FILES
             rule = struct.pack("=Qi", rights, opened)
-            result = _libc.syscall(
-                ctypes.c_long(_SYS_ADD), rules, ctypes.c_int(_PATH_BENEATH), rule, ctypes.c_uint(0)
-            )
+            result = _libc.syscall(ctypes.c_long(_SYS_ADD), rules, ctypes.c_int(_PATH_BENEATH), rule, ctypes.c_uint(0))
             _checked(result, f"landlock_add_rule {path}")
         finally:
             os.close(opened)

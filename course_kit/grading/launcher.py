@@ -1,12 +1,13 @@
 """Where submissions are started: a process that has everything loaded and was never told anything.
 
 A submission is a fork of it, so what this process has ever held in memory the submission can read. So it receives
-orders of one word and descriptors; the program to run, and nothing else of the grading, is read by the fork. The grader,
-its checks, the seed and other submissions exist only in processes that are no ancestors of it.
+orders of one word and descriptors; the program to run, and nothing else of the grading, is read by the fork. The
+grader, its checks, the seed and other submissions exist only in processes that are no ancestors of it.
 
-Between it and the program stand two processes: the *gate* enters the namespaces and waits; the *guard*, process 1 of the
-new PID namespace, arranges the files, counts, and enforces what the kernel does not (see `guard`). When the guard ends,
-the kernel ends all the program has started. Where there are no namespaces, this process adopts every orphan and kills it.
+Between it and the program stand two processes: the *gate* enters the namespaces and waits; the *guard*, process 1 of
+the new PID namespace, arranges the files, counts, and enforces what the kernel does not (see `guard`). When the guard
+ends, the kernel ends all the program has started. Where there are no namespaces, this process adopts every orphan and
+kills it.
 """
 
 from __future__ import annotations

@@ -18,6 +18,7 @@ _LISTS = ("node_classes", "classes", "functions", "set_names")
 _TEXTS = ("returned", "result", "value")
 _FACTS = ("exit_in_callback", "ended_itself", "too_large")
 _NOTE_ITEMS, _NOTE_LENGTH = 20, 80
+_ENDS = {"exit_code", "signal", "limit"}  # one of these facts says how a program has ended
 _LAST_WORDS = 1 << 20  # the most a pipe holds
 _THREAD = re.compile(rb"^(?:Current thread|Thread) 0x(?P<id>[0-9a-f]+)\b.*\n", re.MULTILINE)
 _EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
@@ -69,6 +70,14 @@ class Life:
     def too_much_output(self) -> bool:
         """Whether it has printed more than it may."""
         return sum(output.count for output in self._output.values()) > self._limit
+
+    def fault(self) -> str:
+        """What of the sandbox has failed by itself, for people; empty while all is well."""
+        if told := self._facts.get("problem"):
+            return str(told)
+        if self.over and not _ENDS & set(self._facts):
+            return "the process that watches the submission was killed, perhaps because the machine is out of memory"
+        return ""
 
     def stopped_by_us(self, limit: str) -> None:
         """Remember that a limit was hit."""

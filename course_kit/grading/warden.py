@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import os
 import select
+import stat
 import time
 from contextlib import ExitStack
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 from course_kit.grading import file_view, guard, namespaces, processes
 from course_kit.grading.bench import PHASES
 from course_kit.grading.isolation import enter_network
+from course_kit.grading.launcher import LaunchError
 from course_kit.grading.life import Life
 from course_kit.grading.output import Output
 from course_kit.grading.runner import Program
@@ -108,7 +111,9 @@ class Warden:
             if now > deadline and self._life is not None and not self._life.over:
                 self._end_life("time")
             if now > deadline + _PROBE_GRACE_S:
-                return "the grader's probe did not finish in time"
+                return "the grader's own process did not finish in time"
+            if self._life is not None and (fault := self._life.fault()):
+                return fault
             if not self._pump(0.25, probe):
                 continue
             try:
@@ -120,7 +125,9 @@ class Warden:
                 if answer is not None:
                     probe.send(answer)
             except (ChannelClosedError, TimeoutError) as gone:
-                return f"the grader's probe ended unexpectedly ({gone})"
+                return f"the grader's own process ended unexpectedly ({gone})"
+            except (LaunchError, OSError) as problem:  # the machine has run out of something
+                return f"the submission could not be started: {problem}"
 
     def _obey(self, message: dict[str, Any]) -> dict[str, Any] | None:
         what = message["do"]
@@ -162,7 +169,7 @@ class Warden:
             environment=variables,
             priority=job.priority,
             others=self._others(),
-            user=job.user,
+            user=self._user(),
         )
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
@@ -173,6 +180,13 @@ class Warden:
         job = self._job
         view = file_view.of_a_command(job.command[0], job.folder) if job.command else file_view.of_a_program()
         return view.with_more(masked=job.hidden)
+
+    def _user(self) -> int:
+        """Whom the submission runs as: a command of root's own stays root where others cannot get at its folder."""
+        folder = Path(self._job.folder)
+        if self._job.command and not all(place.stat().st_mode & stat.S_IXOTH for place in (folder, *folder.parents)):
+            return 0
+        return self._job.user
 
     def _finish(self) -> None:
         """Wait until the submission has ended, or end it when its time is up."""
@@ -195,7 +209,7 @@ class Warden:
 
     def _others(self) -> int:
         """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""
-        if self._job.user:  # nobody else's
+        if self._user():  # nobody else's
             return 0
         version = tuple(int(part) for part in os.uname().release.split(".")[:2])
         counted_apart = self._job.isolation.processes and version >= _COUNTS_BY_NAMESPACE

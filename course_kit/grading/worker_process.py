@@ -68,7 +68,9 @@ def serve(channels: Sequence[Channel], exercises: Sequence[str]) -> None:
     processes.end_descendants()
 
 
-def _fork_launchers(pairs: Sequence[tuple[Launcher, socket.socket]], channels: Sequence[Channel]) -> tuple[int, socket.socket]:
+def _fork_launchers(
+    pairs: Sequence[tuple[Launcher, socket.socket]], channels: Sequence[Channel]
+) -> tuple[int, socket.socket]:
     """Start the process from which submissions are forked, before anything is loaded that is not for them.
 
     Returns:
@@ -121,9 +123,7 @@ def _fork_worker(
         os._exit(status)
 
 
-def _work(
-    channel: Channel, launcher: Launcher, found: Isolation, usual: int, keep: Container[int] = ()
-) -> None:
+def _work(channel: Channel, launcher: Launcher, found: Isolation, usual: int, keep: Container[int] = ()) -> None:
     """One worker: it ends with ChannelClosedError.
 
     Args:

@@ -56,7 +56,7 @@ def started(*command: object) -> Iterator[subprocess.Popen[str]]:
 
 def class_run(handed_in: Path, *more: object) -> tuple[object, ...]:
     out = handed_in.parent / "out"
-    return ("-m", "course_kit.cli", "class", handed_in, "--exercise", "temperature_service", "--out", out, *more)
+    return ("-m", "course_kit", "class", handed_in, "--exercise", "temperature_service", "--out", out, *more)
 
 
 def records(handed_in: Path) -> dict[str, Path]:
