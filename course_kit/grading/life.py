@@ -21,6 +21,7 @@ _NOTE_ITEMS, _NOTE_LENGTH = 20, 80
 _ENDS = {"exit_code", "signal", "limit"}  # one of these facts says how a program has ended
 _LAST_WORDS = 1 << 20  # the most a pipe holds
 _THREAD = re.compile(rb"^(?:Current thread|Thread) 0x(?P<id>[0-9a-f]+)\b.*\n", re.MULTILINE)
+_EVIDENCE_TAKEN = 4 * 1024 * 1024  # bytes of one program; nobody listens any more after that
 _EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
 
 
@@ -39,6 +40,7 @@ class Life:
         self._notes: dict[str, Any] = {}
         self._status = b""
         self._evidence = b""
+        self._evidence_taken = 0
 
     def open_streams(self) -> dict[int, str]:
         """The descriptors that may still bring something, with their names."""
@@ -64,8 +66,7 @@ class Life:
         elif name == "status":
             self._take_status(data)
         else:
-            self.evidence_bytes += len(data)
-            self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
+            self._take_evidence(data)
 
     def too_much_output(self) -> bool:
         """Whether it has printed more than it may."""
@@ -117,13 +118,21 @@ class Life:
             "stderr": self._output["stderr"].text(),
         }
 
+    def _take_evidence(self, data: bytes) -> None:
+        self.evidence_bytes += len(data)
+        self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
+        self._evidence_taken += len(data)
+        if self._evidence_taken > _EVIDENCE_TAKEN:  # written by the submission itself, to keep the grader busy
+            os.close(self._streams.evidence)
+            self._streams.evidence = -1
+
     def _drain(self) -> None:
         """Read what the program had still written when it ended: its last words explain the end."""
         for name in ("stdout", "stderr", "evidence"):
             with suppress(OSError):
                 data = os.read(getattr(self._streams, name), _LAST_WORDS)
                 if name == "evidence":
-                    self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
+                    self._take_evidence(data)
                 else:
                     self._output[name].add(data)
                     self._totals[name].add(data)

@@ -7,6 +7,7 @@ import os
 import time
 from typing import TYPE_CHECKING, Any
 
+from course_kit.grading import limits
 from course_kit.grading.bench import Bench
 from course_kit.grading.checks import run_all
 from course_kit.grading.wire import ChannelClosedError
@@ -53,6 +54,7 @@ def checks_of(grader: Any, job: Job) -> Sequence[Check]:
 def main(warden: Channel, job: Job) -> None:
     """Run all checks of the job's exercise; returns when each is told, or why they could not be run."""
     os.setpriority(os.PRIO_PROCESS, 0, job.priority)
+    limits.bound_reader(job.limits.wall_s)
     told: dict[str, Any] = {"do": "done", "problem": "", "timings": {}}
     try:
         told["timings"] = _run(warden, job)

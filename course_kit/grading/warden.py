@@ -235,7 +235,8 @@ class Warden:
         self._sandbox.ask(guard.STACKS)
         self._pump_until(lambda life: life.has_whole_dump() or life.over, began + _DUMP_S - time.monotonic())
         size = -1
-        while size != self._life.evidence_bytes:  # the rest of the second, which would be in the next one's way
+        # The rest of the second, which would be in the next one's way; a submission can go on writing for ever.
+        while size != self._life.evidence_bytes and time.monotonic() < began + _DUMP_S:
             size = self._life.evidence_bytes
             self._pump(_QUIET_S, None)
         return self._life.stacks()

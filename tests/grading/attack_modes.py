@@ -10,19 +10,43 @@ from __future__ import annotations
 import json
 import os
 import stat
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from course_kit.grading import isolation, launcher, mounts, namespaces, probing, processes, seccomp
 from course_kit.grading.job import Job
 from course_kit.grading.warden import Warden
+from tests.grading.conftest import EXERCISE, ROOT
 
-USER, USER_ALONE, ROOT, ROOT_ALONE = "user", "user without namespaces", "root", "root without namespaces"
+USER, USER_ALONE, AS_ROOT, ROOT_ALONE = "user", "user without namespaces", "root", "root without namespaces"
 BARE = "user without namespaces and Landlock"
-OF_USER, OF_ROOT = (USER, USER_ALONE, BARE), (ROOT, ROOT_ALONE)
+OF_USER, OF_ROOT = (USER, USER_ALONE, BARE), (AS_ROOT, ROOT_ALONE)
 _LANDLOCK = {"landlock_create_ruleset": 444}
 NOBODY = 65534
+
+
+_START = "import sys; sys.path.insert(0, sys.argv.pop(1)); from tests.grading import attack_modes; attack_modes.main()"
+
+
+def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
+    """Grade programs in a process of that mode.
+
+    Returns:
+        the outcome of each by its name, and what was found to isolate them as "isolation".
+    """
+    from tests.grading.attacks import SEED  # not above: the process that starts submissions must not know it
+
+    command = [sys.executable, "-c", _START, str(ROOT), mode, EXERCISE]
+    asked = json.dumps({**programs, "seed": SEED})
+    done = subprocess.run(command, input=asked, capture_output=True, text=True, cwd="/", timeout=110, check=False)
+    assert done.returncode == 0, done.stderr
+    first, *rows = (json.loads(line) for line in done.stdout.splitlines())
+    by_name = {row["name"]: row for row in rows}
+    assert set(by_name) == set(programs)
+    return {"isolation": isolation.Isolation.from_mapping(first["isolation"]), **by_name}
 
 
 def main() -> None:
@@ -33,7 +57,7 @@ def main() -> None:
     if mode in OF_USER and os.getuid() == 0:
         open_the_way(sys.base_prefix)
         become_nobody()
-    if mode not in (USER, ROOT):
+    if mode not in (USER, AS_ROOT):
         refuse_namespaces(_LANDLOCK if mode == BARE else {})
     namespaces.forbid_tracing()
     namespaces.adopt_orphans()

@@ -235,8 +235,8 @@ except (ValueError, OSError):
         ("syscalls",),
     ),
     "takes_descriptors": Attack(
-        "takes the supervisor's sockets, traces it and reads its memory",
-        "it sees no process but its own, and the calls are refused",
+        "takes sockets and other descriptors from the supervisor or any other process",
+        "it sees no process but its own, and the call is refused",
         _SYSCALL
         + """
 for name in [name for name in os.listdir("/proc") if name.isdigit() and name != os.readlink("/proc/self")]:
@@ -247,6 +247,19 @@ for name in [name for name in os.listdir("/proc") if name.isdigit() and name != 
             if call("pidfd_getfd", handle, number, 0) >= 0:
                 print("WON: a descriptor of", victim, open(f"/proc/{name}/comm").read())
                 break
+""",
+        ("syscalls",),
+    ),
+    "reads_processes": Attack(
+        "traces other processes, reads their memory and their variables",
+        "it sees no process but its own, and the calls are refused",
+        _SYSCALL
+        + """
+for name in [name for name in os.listdir("/proc") if name.isdigit() and name != os.readlink("/proc/self")]:
+    victim = int(name)
+    if call("ptrace", 16, victim, 0, 0) == 0:
+        print("WON: traces", victim)
+        call("ptrace", 17, victim, 0, 0)
     for file in ("mem", "environ", "maps"):
         try:
             with open(f"/proc/{name}/{file}", "rb") as opened:
@@ -255,7 +268,7 @@ for name in [name for name in os.listdir("/proc") if name.isdigit() and name != 
         except OSError:
             pass
 """,
-        ("syscalls",),
+        ("processes", "landlock"),
     ),
     "connects": Attack(
         "connects to servers of this machine: by a file, by an abstract name, by TCP",

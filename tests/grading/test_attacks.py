@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import os
 import secrets
 import socket
-import subprocess
-import sys
 import tempfile
 from contextlib import ExitStack
 from pathlib import Path
@@ -15,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading.isolation import Isolation
 from tests.grading import attack_modes
-from tests.grading.attacks import ATTACKS, SECRET_OF_A_STUDENT, SEED
-from tests.grading.conftest import EXERCISE, ROOT
+from tests.grading.attacks import ATTACKS, SECRET_OF_A_STUDENT
+from tests.grading.conftest import ROOT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from course_kit.grading import Isolation
 
-START = "import sys; sys.path.insert(0, sys.argv.pop(1)); from tests.grading import attack_modes; attack_modes.main()"
+
 BEFORE = "of a student graded before"
 MODES = (*attack_modes.OF_USER, *(attack_modes.OF_ROOT if os.getuid() == 0 else ()))
 
@@ -36,7 +33,7 @@ def outcomes() -> Iterator[dict[str, dict[str, Any]]]:
         # Not pytest's folder, which is private: what every user may read has to be safe.
         folder = stack.enter_context(tempfile.TemporaryDirectory())
         programs = prepared(stack, Path(folder))
-        yield {mode: run(mode, programs) for mode in MODES}
+        yield {mode: attack_modes.outcomes(mode, programs) for mode in MODES}
 
 
 def prepared(stack: ExitStack, folder: Path) -> dict[str, str]:
@@ -62,25 +59,6 @@ def prepared(stack: ExitStack, folder: Path) -> dict[str, str]:
     return programs
 
 
-def run(mode: str, programs: dict[str, str]) -> dict[str, Any]:
-    """Grade them all in one process."""
-    command = [sys.executable, "-c", START, str(ROOT), mode, EXERCISE]
-    done = subprocess.run(
-        command,
-        input=json.dumps({**programs, "seed": SEED}),
-        capture_output=True,
-        text=True,
-        cwd="/",
-        timeout=110,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    first, *rows = (json.loads(line) for line in done.stdout.splitlines())
-    by_name = {row["name"]: row for row in rows}
-    assert set(by_name) == set(programs)
-    return {"isolation": Isolation.from_mapping(first["isolation"]), **by_name}
-
-
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("attack", ATTACKS)
@@ -104,7 +82,7 @@ def test_everything_is_isolated_where_namespaces_are_allowed(outcomes: dict[str,
     if restricted.exists() and restricted.read_text().strip() == "1":
         assert outcomes[attack_modes.USER]["isolation"].reason
         return
-    for mode in {attack_modes.USER, attack_modes.ROOT}.intersection(MODES):
+    for mode in {attack_modes.USER, attack_modes.AS_ROOT}.intersection(MODES):
         assert outcomes[mode]["isolation"].full, outcomes[mode]["isolation"].describe()
 
 

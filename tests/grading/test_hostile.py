@@ -259,6 +259,22 @@ def test_exit_in_a_callback(grade_source: Grade, solution: str) -> None:
     assert report.score == 1.0
 
 
+def test_a_flood_of_notes_is_the_submissions_own_fault(grade_source: Grade, strict_exercises: Strict) -> None:
+    """It keeps the stream of notes and dumps full for ever, which is read while the grader asks what it is doing."""
+    flood = """
+import os
+while True:
+    for descriptor in range(190, 256):
+        try:
+            os.write(descriptor, b'{"note": {"functions": ["x"]}}\\n' * 2000)
+        except OSError:
+            pass
+"""
+    report = grade_source(flood, exercises=strict_exercises(start_s=1.0))
+    assert report.status == "crashed"
+    assert report.checks[0].diagnosis == "limit.time"
+
+
 def test_worker_is_left_alone(grade_source: Grade, worker: grading.Worker, solution: str) -> None:
     grade_source(ATTACKS[KILLS])
     assert len(processes.descendants(worker.process_id)) == 1  # where submissions are started
