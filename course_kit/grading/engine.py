@@ -53,7 +53,8 @@ def grade(  # noqa: PLR0913 - the options of one verb
         exercises: the folder of exercises, the course's own when None.
 
     Raises:
-        GradingError: usage, an unknown exercise, or a broken installation; the text is for the user.
+        GradingError: usage, an unknown exercise, no ROS domain to look for a running node in, or a broken
+            installation; the text is for the user.
     """
     task = exercise.load(exercise_id, exercises)
     if sum((path is not None, attach, exec_command is not None)) != 1:
@@ -68,7 +69,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
         except submission.UnreadableError as problem:
             return unreadable(task, str(path), str(problem))
         return grade_text(task, text, str(path), seed, worker)
-    shown = exec_command or f"the node on ROS domain {_domain()}"
+    shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
         return _grade(task, _job(task, None, seed, exec_command), shown, used)
 
@@ -126,7 +127,10 @@ def _grade(task: Exercise, job: Job, shown: str, worker: Worker) -> Report:
 
 
 def _domain() -> int:
-    return environment.apply().domain_id
+    try:
+        return environment.apply().domain_id
+    except environment.DomainError as problem:
+        raise GradingError(str(problem)) from None
 
 
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit.environment import ports
 from course_kit.ros2 import sockets
 from tests.waiting import wait_until
 
@@ -101,7 +102,7 @@ def test_sockets_tell_the_participants_of_a_domain(tmp_path: Path, monkeypatch: 
         for n, port in enumerate((8150, 8160, 8161, 8162, 8410))
     ]
     table.write_text("\n".join(["  sl  local_address ...", *rows]))
-    monkeypatch.setattr(sockets, "_TABLES", (str(table), str(tmp_path / "none")))
+    monkeypatch.setattr(ports, "_TABLES", (str(table), str(tmp_path / "none")))
     assert sockets.participants(3) == {1001, 1003}
 
 
