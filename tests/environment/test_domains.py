@@ -27,7 +27,6 @@ from course_kit.environment.domains import Leases
 scope, *owner = sys.argv[1:]
 lease = Leases(scope, frozenset).share(*owner) if owner else Leases(scope, frozenset).exclusive()
 print(lease.domain_id, flush=True)
-sys.stdin.read()
 """
 AS_NOBODY = "import course_kit.environment.domains, os\nos.setgroups([])\nos.setresuid(65534, 65534, 65534)\n"
 # Where even namespaces are refused, a stand-in: the name of the realm is all that another container changes.
@@ -45,6 +44,13 @@ except PermissionError:
         another_root()
     except OSError:
         domains._realm = lambda: "a stand-in for another container"
+"""
+AND_FORK = """
+if os.fork():
+    os._exit(0)
+os.read(0, 100)
+more = "import os; os.write(1, b'started\\\\n'); os.read(0, 100); os.write(1, b'yes\\\\n')"
+os.execv(sys.executable, [sys.executable, "-S", "-c", more])
 """
 IN_ANOTHER_NETWORK = """
 from course_kit.grading import isolation
@@ -103,12 +109,13 @@ class Holder:
         scope: of its lease.
         owner: the owner it shares with; none for an exclusive lease.
         before: what it does first.
+        after: what it does with the lease; to wait for its end when empty.
         environ: variables it has beside ours.
     """
 
-    def __init__(self, scope: str, *owner: str, before: str = "", **environ: str) -> None:
+    def __init__(self, scope: str, *owner: str, before: str = "", after: str = "", **environ: str) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-c", before + HOLD, scope, *owner],
+            [sys.executable, "-c", before + HOLD + (after or "sys.stdin.read()"), scope, *owner],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -120,8 +127,16 @@ class Holder:
         self.domain_id = int(told) if told else 0
         self.problem = "" if told else self.process.communicate()[1]
 
+    def tell(self, line: str) -> str:
+        """Write a line to it, and read one."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.process.stdin.write(f"{line}\n")
+        self.process.stdin.flush()
+        return self.process.stdout.readline()
+
     def kill(self) -> None:
-        if self.process.returncode is None:
+        if not self.problem:
             self.process.kill()
             self.process.communicate()
 
@@ -131,13 +146,36 @@ def hold(scope: str) -> Iterator[Hold]:
     """Starts holders, which end with the test."""
     started: list[Holder] = []
 
-    def start(*owner: str, before: str = "", **environ: str) -> Holder:
-        started.append(Holder(scope, *owner, before=before, **environ))
+    def start(*owner: str, **options: str) -> Holder:
+        started.append(Holder(scope, *owner, **options))
         return started[-1]
 
     yield start
     for holder in started:
         holder.kill()
+
+
+def raced(scope: str, *owner: str) -> list[int]:
+    """The domains of six processes that ask at the same time."""
+    command = [
+        sys.executable,
+        "-c",
+        f"from course_kit.environment import domains\nprint(flush=True)\ninput()\n{HOLD}input()",
+        scope,
+        *owner,
+    ]
+    racers = [subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) for _ in range(6)]
+    for racer in racers:
+        assert racer.stdin is not None
+        assert racer.stdout is not None
+        racer.stdout.readline()
+    for racer in racers:
+        racer.stdin.write("go\n")
+        racer.stdin.flush()
+    numbers = [int(racer.stdout.readline()) for racer in racers]
+    for racer in racers:
+        racer.communicate("end\n")
+    return numbers
 
 
 def owner_of(number: int) -> str:
@@ -184,22 +222,7 @@ def test_a_shared_domain_is_leased_until_its_last_process_has_gone(leases: Remem
 
 
 def test_processes_of_one_owner_that_start_in_the_same_moment_meet(scope: str) -> None:
-    program = HOLD.replace("lease =", "sys.stdin.readline()\nlease =")
-    racers = [
-        subprocess.Popen(
-            [sys.executable, "-c", program, scope, "me"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
-        for _ in range(6)
-    ]
-    for racer in racers:
-        assert racer.stdin is not None
-        racer.stdin.write("go\n")
-        racer.stdin.flush()
-    numbers = [int(racer.stdout.readline()) for racer in racers if racer.stdout]
-    for racer in racers:
-        racer.communicate()
-    assert len(numbers) == len(racers)
-    assert len(set(numbers)) == 1
+    assert len(set(raced(scope, "me"))) == 1
 
 
 def test_an_exclusive_domain_is_never_handed_out_twice_and_comes_back_after_a_kill(leases: Leases, hold: Hold) -> None:
@@ -225,15 +248,7 @@ def test_when_all_are_taken_the_message_says_what_to_do(leases: Leases) -> None:
 
 
 def test_racing_processes_get_different_domains(scope: str) -> None:
-    racers = [
-        subprocess.Popen([sys.executable, "-c", HOLD, scope], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        for _ in range(6)
-    ]
-    numbers = [int(racer.stdout.readline()) for racer in racers if racer.stdout]
-    for racer in racers:
-        racer.communicate("\n")
-    assert len(numbers) == len(racers)
-    assert len(set(numbers)) == len(racers)
+    assert len(set(raced(scope))) == 6
 
 
 def test_leases_do_not_depend_on_the_temporary_folder(hold: Hold, tmp_path: Path) -> None:
@@ -284,22 +299,13 @@ def test_without_a_loopback_interface_the_message_says_what_to_do() -> None:
         domains._bind("192.0.2.1", 7402)  # an address for documentation, which no machine has
 
 
-def test_a_fork_keeps_the_domain_and_a_program_it_starts_does_not(leases: Remembered) -> None:
-    lease = leases.exclusive()
-    end, keep = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(keep)
-        os.read(end, 1)
-        os.execv(sys.executable, [sys.executable, "-S", "-c", "import sys; sys.stdin.read()"])
-    os.close(end)
-    lease.release()
-    assert lease.domain_id not in leases.rest()
-    os.close(keep)
-    returned = leases.exclusive(patience_s=60.0)
-    assert returned.domain_id == lease.domain_id
-    os.kill(child, 9)
-    os.waitpid(child, 0)
+def test_a_fork_keeps_the_domain_and_a_program_it_starts_does_not(leases: Remembered, hold: Hold) -> None:
+    forked = hold(after=AND_FORK)
+    assert forked.process.wait(60) == 0
+    assert forked.domain_id not in leases.rest()
+    assert forked.tell("another program") == "started\n"
+    assert forked.domain_id in leases.rest()
+    assert forked.tell("still there?") == "yes\n"
 
 
 def test_one_who_keeps_others_from_choosing_costs_time_and_nothing_else(
