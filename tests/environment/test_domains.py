@@ -308,6 +308,19 @@ def test_a_fork_keeps_the_domain_and_a_program_it_starts_does_not(leases: Rememb
     assert forked.tell("still there?") == "yes\n"
 
 
+def test_one_chooses_after_the_other(leases: Leases) -> None:
+    other = domains._bind(leases._address, ports.port(0, domains._CHOICE))
+    assert other is not None
+    chosen: list[domains.Lease] = []
+    waiting = threading.Thread(target=lambda: chosen.append(leases.share("me")))
+    waiting.start()
+    waiting.join(0.2)
+    assert not chosen
+    os.close(other)
+    waiting.join(60)
+    assert len(chosen) == 1
+
+
 def test_one_who_keeps_others_from_choosing_costs_time_and_nothing_else(
     leases: Leases, monkeypatch: pytest.MonkeyPatch
 ) -> None:

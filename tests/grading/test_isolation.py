@@ -13,26 +13,18 @@ import pytest
 
 from course_kit.grading import isolation
 from tests.grading.conftest import EXERCISE, ROOT
+from tests.refused import COMMAND_WITHOUT_NAMESPACES, WITHOUT_NAMESPACES
 
 if TYPE_CHECKING:
     from course_kit import grading
 
-WITHOUT_NAMESPACES = """
-import sys
-from pathlib import Path
-from course_kit.grading import namespaces
-try:
-    namespaces.enter(0)
-    Path("/proc/sys/user/max_user_namespaces").write_text("0")
-except OSError:
-    pass  # this machine allows none anyhow
-"""
 GRADE = """
 from course_kit import grading
 report = grading.grade("temperature_service", sys.argv[1], seed=3)
 print(report.isolation, file=sys.stderr)
 print(report.to_json())
 """
+PATIENCE_S = 100.0  # against hanging only
 # Everything is imported first: the interpreter may lie where nobody may read.
 AS_NOBODY = """
 import ctypes, json, os, sys
@@ -132,6 +124,28 @@ def test_solution_is_graded_without_namespaces() -> None:
     report, told = grade_without_namespaces(ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py")
     assert report["score"] == 10.0
     assert "own network" not in told
+
+
+def test_graders_that_share_nothing_but_the_network_do_not_meet(tmp_path: Path) -> None:
+    """As of two containers on their host's network: each has temporary files of its own, and no namespaces."""
+    began = []
+    for exercise in ("move_robot", "move_robot", "temperature_service"):
+        folder = tmp_path / f"container {len(began)}"
+        folder.mkdir()
+        words = ("grade", exercise, str(ROOT / "solutions" / exercise / f"{exercise}.py"), "--format", "json")
+        own = {"TMPDIR": str(folder), "HOME": str(folder), "XDG_STATE_HOME": str(folder), "COURSE_KIT_PROGRESS": "off"}
+        began.append(
+            subprocess.Popen(
+                [sys.executable, "-c", COMMAND_WITHOUT_NAMESPACES, *words],
+                env={**os.environ, **own},
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+        )
+    ended = [(*process.communicate(timeout=PATIENCE_S), process.returncode) for process in began]
+    scores = [(json.loads(report)["score"], problem, code) for report, problem, code in ended]
+    assert scores == [(20.0, "", 0), (20.0, "", 0), (10.0, "", 0)]
 
 
 @pytest.mark.parametrize("code", ["service.exception", "limit.processes", "start.crash"])
