@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import class_cli, otter
+from course_kit import class_cli, environment, otter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -115,6 +115,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _speak_to_any_terminal()
     try:
         return int(options.run(options))
+    except environment.DomainError as problem:
+        return _cannot(problem)
     except KeyboardInterrupt:
         print("\ncourse-kit: stopped.", file=sys.stderr)
         return 130
@@ -165,7 +167,8 @@ def _quiz(options: argparse.Namespace) -> int:
 def _grade(options: argparse.Namespace) -> int:
     from course_kit import grading, progress
 
-    _tell(grading.advice_for_root())
+    if options.format == "text":
+        _tell(grading.advice_for_root())
     try:
         report = grading.grade(
             options.exercise,
@@ -215,7 +218,7 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _hint(options: argparse.Namespace) -> int:
-    from course_kit import environment, hints
+    from course_kit import hints
     from course_kit.grading import GradingError
 
     try:

@@ -54,8 +54,8 @@ def grade(  # noqa: PLR0913 - the options of one verb
         require_isolation: refuse to run a submission where it would not be fully isolated.
 
     Raises:
-        GradingError: usage, an unknown exercise, a broken installation or a lack of isolation; the text is for the
-            user.
+        GradingError: usage, an unknown exercise, no ROS domain to look for a running node in, a broken installation or
+            a lack of isolation; the text is for the user.
     """
     task = exercise.load(exercise_id, exercises)
     if sum((path is not None, attach, exec_command is not None)) != 1:
@@ -72,7 +72,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
         return grade_text(task, text, str(path), seed, worker, require_isolation=require_isolation)
     if attach and require_isolation:
         raise GradingError("A node that is running already, as with --attach, is not isolated.")
-    shown = exec_command or f"the node on ROS domain {_domain()}"
+    shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
         return _grade(task, _job(task, None, seed, exec_command), shown, used, require_isolation)
 
@@ -135,7 +135,10 @@ def _grade(task: Exercise, job: Job, shown: str, worker: Worker, require_isolati
 
 
 def _domain() -> int:
-    return environment.apply().domain_id
+    try:
+        return environment.apply().domain_id
+    except environment.DomainError as problem:
+        raise GradingError(str(problem)) from None
 
 
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.grading import file_view, guard, namespaces, processes
+from course_kit.grading import file_view, guard, limits, namespaces, processes
 from course_kit.grading.bench import PHASES
 from course_kit.grading.isolation import enter_network
 from course_kit.grading.launcher import LaunchError
@@ -35,8 +35,15 @@ _ANSWER_S = 5.0  # how long the guard is waited for; it has answered long before
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
 _COUNTS_BY_NAMESPACE = (5, 14)  # Linux
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
-_QUEUE_S = 60.0  # more gradings side by side than the machine has domains take turns
 _PROBE_GRACE_S = 20.0  # the probe stops by itself at the wall time; a probe that hangs is stopped this much later
+_NO_DOMAIN = (
+    "no ROS domain became free within {:g} s, because courses and graders on this machine use all of them. Close some, "
+    "then grade again"
+)
+
+
+class _BrokenOffError(Exception):
+    """The grading cannot go on, by no fault of the submission; the text says why."""
 
 
 class Warden:
@@ -52,6 +59,7 @@ class Warden:
         self._sandbox: Sandbox | None = None
         self._life: Life | None = None
         self._domains = ExitStack()
+        self._queued_s = 0.0
         self._launches = 0
         self._arguments: tuple[str, ...] = ()
         self._results: list[dict[str, Any]] = []
@@ -105,18 +113,12 @@ class Warden:
         return ours
 
     def _serve(self, probe: Channel) -> str:
-        deadline = self._began + self._job.limits.wall_s
-        while True:
-            now = time.monotonic()
-            if now > deadline and self._life is not None and not self._life.over:
-                self._end_life("time")
-            if now > deadline + _PROBE_GRACE_S:
-                return "the grader's own process did not finish in time"
-            if self._life is not None and (fault := self._life.fault()):
-                return fault
-            if not self._pump(0.25, probe):
-                continue
-            try:
+        """Obey the grader's process until it is done; returns why the grading came to no end, or nothing."""
+        try:
+            while True:
+                self._look_after_everything()
+                if not self._pump(0.25, probe):
+                    continue
                 message = probe.receive(_ANSWER_S)
                 if message["do"] == "done":
                     self._extra = message["timings"]
@@ -124,10 +126,28 @@ class Warden:
                 answer = self._obey(message)
                 if answer is not None:
                     probe.send(answer)
-            except (ChannelClosedError, TimeoutError) as gone:
-                return f"the grader's own process ended unexpectedly ({gone})"
-            except (LaunchError, OSError) as problem:  # the machine has run out of something
-                return f"the submission could not be started: {problem}"
+        except environment.NoDomainError:
+            return _NO_DOMAIN.format(limits.QUEUE_S)
+        except (environment.DomainError, _BrokenOffError) as problem:
+            return str(problem)
+        except (ChannelClosedError, TimeoutError) as gone:
+            return f"the grader's own process ended unexpectedly ({gone})"
+        except (LaunchError, OSError) as problem:  # the machine has run out of something
+            return f"the submission could not be started: {problem}"
+
+    def _look_after_everything(self) -> None:
+        """End a submission whose time is up.
+
+        Raises:
+            _BrokenOffError: the sandbox has failed, or the grader's process hangs.
+        """
+        deadline, now = self._began + self._job.limits.wall_s, time.monotonic()
+        if self._life is not None and (fault := self._life.fault()):
+            raise _BrokenOffError(fault)
+        if now > deadline and self._life is not None and not self._life.over:
+            self._end_life("time")
+        if now > deadline + _PROBE_GRACE_S:
+            raise _BrokenOffError("the grader's own process did not finish in time")
 
     def _obey(self, message: dict[str, Any]) -> dict[str, Any] | None:
         what = message["do"]
@@ -148,7 +168,7 @@ class Warden:
         self._stop()
         self._arguments = arguments
         self._launches += 1
-        domain = self._domain()
+        domain, queued_s = self._domain()
         job = self._job
         program = Program(
             name=job.name,
@@ -173,7 +193,7 @@ class Warden:
         )
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
-        return {"domain": domain}
+        return {"domain": domain, "queued_s": queued_s}
 
     def _view(self) -> FileView:
         """The files that the submission sees."""
@@ -197,15 +217,24 @@ class Warden:
                 return
             self._pump(_QUIET_S, None)
 
-    def _domain(self) -> int:
-        """A ROS domain nobody else uses: any in a network of our own, else one leased on this machine."""
+    def _domain(self) -> tuple[int, float]:
+        """A ROS domain nobody else uses, and for how many seconds we have queued for it.
+
+        In a network of our own that is any, else one leased on this machine. More gradings side by side than the
+        machine has domains take turns.
+
+        Raises:
+            DomainError: none became free in time.
+        """
         if self._job.isolation.network:
-            return self._launches
+            return self._launches, 0.0
         self._domains.close()
         asked = time.monotonic()
-        domain = self._domains.enter_context(environment.exclusive_domain(_QUEUE_S))
-        self._began += time.monotonic() - asked  # the queue is not the submission's fault
-        return domain
+        domain = self._domains.enter_context(environment.exclusive_domain(limits.QUEUE_S - self._queued_s))
+        queued_s = time.monotonic() - asked
+        self._queued_s += queued_s
+        self._began += queued_s  # that is not the submission's fault
+        return domain, queued_s
 
     def _others(self) -> int:
         """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""

@@ -138,11 +138,16 @@ def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
         whole: pass on all variables, for commands of the user's own.
         own_graph: False to grade nodes on the graph this environment belongs to.
     """
-    variables = environment.child_environment(
-        PYTHONDONTWRITEBYTECODE="1", PYTHONUNBUFFERED=None, OPENBLAS_NUM_THREADS="1", ROS_PYTHON_CHECK_FIELDS="1"
-    )
+    changes: dict[str, str | None] = {
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "PYTHONUNBUFFERED": None,
+        "OPENBLAS_NUM_THREADS": "1",
+        "ROS_PYTHON_CHECK_FIELDS": "1",
+    }
     if own_graph:
-        variables["ROS_DOMAIN_ID"] = "0"  # never joined: each grading has its own, and the worker needs no lease
+        changes["ROS_DOMAIN_ID"] = "0"  # never joined: each grading has its own, and the worker needs no lease
+    variables = environment.child_environment(**changes)
+    if own_graph:
         for name in _OTHER_GRAPHS:
             variables.pop(name, None)
         if variables.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps"):

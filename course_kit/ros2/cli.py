@@ -67,9 +67,11 @@ def _run_verb(options: Any, context: Any, guests: set[Any] | None) -> int:
 
     session = Session(context, guests)
     try:
+        if options.on_graph:
+            environment.apply()  # first: the import of rclpy would print a problem with the domain once more
         code: int | None = options.run(options, session)
         sys.stdout.flush()
-    except (environment.NoDomainError, environment.SettingsError) as problem:
+    except environment.DomainError as problem:
         raise CommandError(str(problem)) from problem
     else:
         return code or 0

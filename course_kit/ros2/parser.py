@@ -71,7 +71,7 @@ def build(commands: Sequence[str]) -> Parser:
     places = parser.add_subparsers(metavar="command", title="commands", parser_class=Parser)
     for name, purpose in COMMANDS.items():
         place = places.add_parser(name, help=purpose, description=f"{purpose}. {_SUBSET}")
-        place.set_defaults(parser=place)
+        place.set_defaults(parser=place, on_graph=name != "interface")
         if name in commands:
             verb_module(name).add_to(place)
     return parser

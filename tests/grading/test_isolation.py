@@ -16,23 +16,15 @@ from course_kit import grading
 from course_kit.grading import isolation
 from tests.grading import attack_modes
 from tests.grading.conftest import EXERCISE, ROOT
+from tests.refused import COMMAND_WITHOUT_NAMESPACES, WITHOUT_NAMESPACES
 
-WITHOUT_NAMESPACES = """
-import sys
-from pathlib import Path
-from course_kit.grading import namespaces
-try:
-    namespaces.enter(0)
-    Path("/proc/sys/user/max_user_namespaces").write_text("0")
-except OSError:
-    pass  # this machine allows none anyhow
-"""
 GRADE = """
 from course_kit import grading
 report = grading.grade("temperature_service", sys.argv[1], seed=3)
 print(report.isolation, file=sys.stderr)
 print(report.to_json())
 """
+PATIENCE_S = 100.0  # against hanging only
 DAEMON = """
 import os, signal, sys, time
 if os.fork() == 0:
@@ -117,11 +109,10 @@ def test_full_isolation_can_be_required() -> None:
 
 
 def test_a_command_that_requires_isolation_refuses_to_grade_without_namespaces(tmp_path: Path) -> None:
-    program = WITHOUT_NAMESPACES + "from course_kit.cli import main\nsys.exit(main(sys.argv[1:]))"
     solution = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
-    one = python(program, "grade", EXERCISE, str(solution), "--require-isolation")
+    one = python(COMMAND_WITHOUT_NAMESPACES, "grade", EXERCISE, str(solution), "--require-isolation")
     many = python(
-        program,
+        COMMAND_WITHOUT_NAMESPACES,
         "class",
         str(solution.parent),
         "--exercise",
@@ -140,6 +131,28 @@ def test_solution_is_graded_without_namespaces() -> None:
     report, told = grade_without_namespaces(ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py")
     assert report["score"] == 10.0
     assert "Missing: own network, own processes, own file system" in told
+
+
+def test_graders_that_share_nothing_but_the_network_do_not_meet(tmp_path: Path) -> None:
+    """As of two containers on their host's network: each has temporary files of its own, and no namespaces."""
+    began = []
+    for exercise in ("move_robot", "move_robot", "temperature_service"):
+        folder = tmp_path / f"container {len(began)}"
+        folder.mkdir()
+        words = ("grade", exercise, str(ROOT / "solutions" / exercise / f"{exercise}.py"), "--format", "json")
+        own = {"TMPDIR": str(folder), "HOME": str(folder), "XDG_STATE_HOME": str(folder), "COURSE_KIT_PROGRESS": "off"}
+        began.append(
+            subprocess.Popen(
+                [sys.executable, "-c", COMMAND_WITHOUT_NAMESPACES, *words],
+                env={**os.environ, **own},
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+        )
+    ended = [(*process.communicate(timeout=PATIENCE_S), process.returncode) for process in began]
+    scores = [(json.loads(report)["score"], problem, code) for report, problem, code in ended]
+    assert scores == [(20.0, "", 0), (20.0, "", 0), (10.0, "", 0)]
 
 
 @pytest.mark.parametrize("code", ["service.exception", "limit.processes", "start.crash"])
