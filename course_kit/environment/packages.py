@@ -10,6 +10,7 @@ pyproject.toml not to install the old one; pip cannot be told.
 from __future__ import annotations
 
 import base64
+import csv
 import hashlib
 import importlib.util
 import shlex
@@ -28,7 +29,7 @@ def damaged() -> dict[str, str]:
             distribution = metadata.distribution(name)
         except metadata.PackageNotFoundError:  # of a real ROS 2, which brings its own
             continue
-        if not all(map(_is_whole, distribution.files or [])):
+        if not _is_whole(distribution):
             found[f"{name}=={distribution.version}"] = other
     return found
 
@@ -41,16 +42,23 @@ def remedy(requirement: str) -> str:
     return shlex.join([*command, "--no-deps", requirement])
 
 
-def _is_whole(recorded: metadata.PackagePath) -> bool:
-    """Whether a file is the one that was installed."""
-    if recorded.suffix != ".py" or recorded.hash is None:
-        return True
-    try:
-        content = Path(recorded.locate()).read_bytes()
-    except OSError:
-        return False
-    digest = hashlib.new(recorded.hash.mode, content).digest()
-    return base64.urlsafe_b64encode(digest).rstrip(b"=").decode() == recorded.hash.value
+def _is_whole(distribution: metadata.Distribution) -> bool:
+    """Whether its programs are the ones that were installed.
+
+    `distribution.files` would not do: since Python 3.12 it leaves out those that are missing.
+    """
+    for name, checksum, _ in csv.reader((distribution.read_text("RECORD") or "").splitlines()):
+        algorithm, _, expected = checksum.partition("=")
+        if not name.endswith(".py") or not expected:
+            continue
+        try:
+            content = Path(str(distribution.locate_file(name))).read_bytes()
+        except OSError:
+            return False
+        digest = hashlib.new(algorithm, content).digest()
+        if base64.urlsafe_b64encode(digest).rstrip(b"=").decode() != expected:
+            return False
+    return True
 
 
 if __name__ == "__main__":
