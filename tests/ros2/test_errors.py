@@ -118,6 +118,21 @@ def test_help_says_that_it_is_a_subset(robot: Ros2, words: tuple[str, ...]) -> N
     assert done.returncode == 0
 
 
+@pytest.mark.parametrize(
+    ("words", "lines"),
+    [
+        (("--help",), ["    interface  show the text of messages, services and actions", "commands:"]),
+        (("topic", "pub", "--help"), ["  -r, --rate N                  messages a second (default: 1)"]),
+    ],
+)
+@pytest.mark.parametrize("columns", ["", "0", "wide"])  # none of which is a width
+def test_help_looks_alike_on_every_python(ros2: Ros2, words: tuple[str, ...], lines: list[str], columns: str) -> None:
+    """Jupyter's kernels set FORCE_COLOR, which Python 3.14 heeds."""
+    done = ros2(*words, FORCE_COLOR="1", COLUMNS=columns)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert set(lines) <= set(done.stdout.splitlines())
+
+
 def test_a_reader_that_has_seen_enough_is_no_error(robot: Ros2) -> None:
     import shlex
     import subprocess
