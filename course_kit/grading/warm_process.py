@@ -139,7 +139,11 @@ def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
         own_graph: False to grade nodes on the graph this environment belongs to.
     """
     variables = environment.child_environment(
-        PYTHONDONTWRITEBYTECODE="1", PYTHONUNBUFFERED=None, OPENBLAS_NUM_THREADS="1", ROS_PYTHON_CHECK_FIELDS="1"
+        PYTHONDONTWRITEBYTECODE="1",
+        PYTHONUNBUFFERED=None,
+        PYTHON_COLORS="0",  # where FORCE_COLOR is set, Python 3.13 colours tracebacks, which could not be read any more
+        OPENBLAS_NUM_THREADS="1",
+        ROS_PYTHON_CHECK_FIELDS="1",
     )
     if own_graph:
         variables["ROS_DOMAIN_ID"] = "0"  # never joined: each grading has its own, and the worker needs no lease

@@ -17,6 +17,7 @@ import os
 import runpy
 import signal
 import sys
+import threading
 import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -138,6 +139,7 @@ def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:
     """Run the program; returns its exit code."""
     sys.argv = [path, *arguments]
     sys.path[0] = os.getcwd()  # noqa: PTH109 - sys.path takes strings
+    threading.excepthook = lambda failure: _report_thread(failure, path)
     try:
         runpy.run_path(path, run_name="__main__")
     except SystemExit as end:
@@ -151,6 +153,13 @@ def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:
         sys.stderr.write(own_traceback(error, path))
         return 1
     return 0
+
+
+def _report_thread(failure: threading.ExceptHookArgs, path: str) -> None:
+    if failure.exc_value is None or isinstance(failure.exc_value, SystemExit):
+        return
+    name = failure.thread.name if failure.thread is not None else "?"
+    sys.stderr.write(f"Exception in thread {name}:\n{own_traceback(failure.exc_value, path)}")
 
 
 def own_traceback(error: BaseException, path: str) -> str:

@@ -75,6 +75,23 @@ def test_running_again_replaces_and_bugs_show_as_a_short_traceback(kernel: Kerne
     assert typo.endswith("SyntaxError: invalid syntax\n")
 
 
+@pytest.mark.usefixtures("own_lab")
+def test_an_error_in_a_thread_shows_as_a_short_traceback_without_colours(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")  # as Jupyter's kernels do; Python 3.13 heeds it
+    failing = "import subprocess, sys, threading\ndef work():\n    return 1 / 0\n"
+    child = "subprocess.run([sys.executable, '-c', 'x'])\n"
+    lab.script("bug", f"{failing}one = threading.Thread(target=work, name='one')\none.start()\none.join()\n{child}")
+    shown = capfd.readouterr().out
+    assert shown.startswith(
+        'Exception in thread one:\nTraceback (most recent call last):\n  File "bug.py", line 3, in work\n'
+        "    return 1 / 0\nZeroDivisionError: division by zero\nTraceback"
+    )
+    assert shown.endswith("\nNameError: name 'x' is not defined\n")
+    assert "\x1b" not in shown
+
+
 @pytest.mark.parametrize(
     "spoil",
     [
