@@ -68,6 +68,7 @@ class Program:
 def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
     """Turn this process into the submission; never returns."""
     os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it
     atexit._clear()  # noqa: SLF001 - what the warm process has registered is not the program's
     evidence = _arrange_streams(inside)
     variables = {**cell.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}

@@ -113,6 +113,20 @@ def test_output_of_the_submission_is_reported(grade_source: Callable[..., gradin
     assert report.stdout == "hello\n"
 
 
+def test_ctrl_c_of_a_child_is_what_it_is_everywhere(tmp_path: Path) -> None:
+    """The grader's own processes ignore Ctrl-C, and that is inherited."""
+    path = tmp_path / "a.py"
+    path.write_text(
+        "import signal, subprocess, sys\n"
+        "program = 'import time; print(0, flush=True); time.sleep(60)'\n"
+        "child = subprocess.Popen([sys.executable, '-c', program], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)\n"
+        "child.stdout.readline()\n"
+        "child.send_signal(signal.SIGINT)\n"
+        "print('ended by', child.wait(), signal.getsignal(signal.SIGINT) is signal.default_int_handler)\n"
+    )
+    assert grading.grade(EXERCISE, path).stdout == f"ended by {-signal.SIGINT} True\n"
+
+
 def test_field_checks_are_on_whatever_the_user_has_set(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "0")
     path = tmp_path / "a.py"
