@@ -107,6 +107,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0 when it went well or the grade is a pass, 1 for a grade below the pass mark or a failing check of
         `doctor`, 2 when it could not be done; 130 after Ctrl-C.
     """
+    environment.heed_interrupts()
     parser = build_parser()
     options, others = parser.parse_known_args(arguments)
     if others and "others" not in options:

@@ -74,7 +74,8 @@ def render(finding: Finding) -> str:
 
 def findings() -> Iterator[Finding]:
     """All findings, the quick ones first; whatever goes wrong in one is a finding of its own."""
-    yield guarded(python)
+    for check in (python, packages):
+        yield guarded(check)
     graph = guarded(settings)
     yield graph
     for check in (jupyter, shared_memory, isolation):
@@ -107,6 +108,22 @@ def python() -> Finding:
         return Finding("Python", found)
     return Finding(
         "Python", found, "bad", "The course needs Python 3.10 to 3.14; set COURSE_PYTHON to one and run ./course again."
+    )
+
+
+def packages() -> Finding:
+    """Whether packages have lost files to others."""
+    from course_kit.environment import packages as installed
+
+    damaged = installed.damaged()
+    if not damaged:
+        return Finding("packages", "no package has overwritten the files of another")
+    requirement, other = next(iter(damaged.items()))
+    return Finding(
+        "packages",
+        f"{other} has overwritten files of {requirement}, which JupyterLab uses",
+        "bad",
+        f"Install {requirement} again: {installed.remedy(requirement)}",
     )
 
 

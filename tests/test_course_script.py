@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from course_kit.cli import build_parser
+from tests.environment.overwritten import overwrite_lark
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 BASE_PYTHON = Path(sys.executable).resolve()  # without the packages of the kit
@@ -45,6 +46,7 @@ class Clone:
             "pyproject.toml",
             "hatch_build.py",
             "course_kit/course_kit.pth",
+            "course_kit/environment/packages.py",
             "course_kit/interfaces/native/helper.c",
         ):
             (self.root / name).parent.mkdir(parents=True, exist_ok=True)
@@ -175,6 +177,18 @@ def test_test_tools_that_cannot_be_installed_leave_the_course_as_it_was(clone: C
     assert "the installation did not finish" in failed.stderr
     assert clone.course("doctor").stdout == f"cli {clone.root}/.venv doctor\n"
     assert clone.calls() == ["venv", "pip", "pip"]
+
+
+def test_a_package_that_another_has_overwritten_is_installed_again(clone: Clone) -> None:
+    """The stand-in for uv installs nothing, so here the environment is given a package that has lost a file."""
+    clone.course("doctor")
+    [packages] = (clone.root / ".venv/lib").glob("python3*/site-packages")
+    overwrite_lark(packages)
+    with (clone.root / "pyproject.toml").open("a") as file:
+        file.write("# edited\n")
+    done = clone.course("doctor")
+    assert done.returncode == 0, done.stderr
+    assert clone.log.read_text().splitlines()[-1].endswith("--force-reinstall --no-deps lark==1.3.1")
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from course_kit.environment.domains import DomainError, Lease, NoDomainError, exclusive_domain, share
 from course_kit.environment.files import write_atomically, write_new
+from course_kit.environment.interrupts import heed_interrupts
 from course_kit.environment.places import checkout, command, run_dir, state_dir
 
 __all__ = [
@@ -29,6 +30,7 @@ __all__ = [
     "command",
     "defaults",
     "exclusive_domain",
+    "heed_interrupts",
     "run_dir",
     "state_dir",
     "trusted_python",

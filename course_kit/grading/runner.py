@@ -79,6 +79,7 @@ def main(program: Program, cell: Cell, inside: Streams) -> None:
     """Turn this process into the submission; never returns but where it cannot be locked in."""
     folder = cell.scratch
     os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it
     atexit._clear()  # noqa: SLF001 - what the launcher has registered is not the program's
     os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
     try:

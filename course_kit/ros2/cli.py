@@ -24,7 +24,16 @@ def main() -> None:
         from course_kit.ros2 import real
 
         real.step_aside()
-    sys.exit(run(sys.argv[1:]))
+    sys.exit(run_program())
+
+
+def run_program() -> int:
+    """Run the course kit's own command in a process of its own, with the words it was called with; the exit code."""
+    if "_ARGCOMPLETE" not in os.environ:
+        from course_kit import environment
+
+        environment.heed_interrupts()  # as programs with rclpy do
+    return run(sys.argv[1:])
 
 
 def run(arguments: Sequence[str], context: Any = None, guests: set[Any] | None = None) -> int:
