@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import unicodedata
 from html import escape
 
 _JOINERS = "\u200c\u200d"  # zero width non-joiner and joiner
 KEPT = 4096  # bytes, at the beginning and at the end
+_LONGEST_NAME = 200  # characters
+_FILLERS = dict.fromkeys(map(ord, "\u115f\u1160\u2800\u3164\uffa0"), " ")  # letters by their category that show nothing
 
 
 class Output:
@@ -44,6 +47,15 @@ def printable(text: str) -> str:
         character if character.isprintable() or character in "\n\t" or _joins(before, character) else "\ufffd"
         for before, character in zip(f" {text}", text, strict=False)
     )
+
+
+def one_line(text: str) -> str:
+    """A stranger's name as people read it: printable, composed letters, one line, single spaces, not endless.
+
+    Two different names can become the same one here; whoever tells people apart by them has to see to that.
+    """
+    short = text if len(text) <= _LONGEST_NAME else f"{text[:_LONGEST_NAME]}\u2026"
+    return printable(" ".join(unicodedata.normalize("NFC", short.translate(_FILLERS)).split()))
 
 
 def _joins(before: str, character: str) -> bool:
