@@ -99,7 +99,7 @@ def _enter(listing: Listing, layout: str, called: str) -> tuple[str, str]:
     for _ in range(_DEEPEST):
         items = _entries(listing, folder)
         names = {item.name for item in items}
-        likely = [item for item in items if item.kind == FOLDER or layouts.may_be_handed_in(item)]
+        likely = _likely(items)
         lone = likely[0] if len(likely) == 1 and likely[0].kind == FOLDER else None
         submitted = next((item for item in items if item.name == _SUBMITTED and item.kind == FOLDER), None)
         if submitted and (
@@ -122,7 +122,7 @@ def _require_a_top(listing: Listing, items: list[Item], called: str) -> None:
     Whoever is alone in a folder could name files in it like Moodle names other students'.
     """
     for layout, title in _TITLES.items():
-        if most(items, lambda item: layouts.read(layout, item)):  # noqa: B023 - it is called at once
+        if _looks_like(layout, items):
             return
         around = [item for item in items if _looks_like(layout, _inside(listing, item))]
         if not around or 2 * len(around) <= len(items):
@@ -140,7 +140,13 @@ def _require_a_top(listing: Listing, items: list[Item], called: str) -> None:
 
 
 def _looks_like(layout: str, items: list[Item]) -> bool:
-    return most(items, lambda item: layouts.read(layout, item))
+    """Whether most entries follow a platform's layout; an instructor's notes between them do not count."""
+    fitting = [item for item in items if layouts.read(layout, item)]
+    return 2 * len(fitting) > len({*fitting, *_likely(items)})
+
+
+def _likely(items: list[Item]) -> list[Item]:
+    return [item for item in items if item.kind == FOLDER or layouts.may_be_handed_in(item)]
 
 
 def _recognise(listing: Listing, items: list[Item], called: str) -> str:
@@ -154,8 +160,7 @@ def _recognise(listing: Listing, items: list[Item], called: str) -> str:
         return "nbgrader"
     if _slug(items, called) or most(items, lambda item: _holds_clones(listing, item) or _is_clone(listing, item)):
         return "github"
-    likely = [item for item in items if item.kind == FOLDER or layouts.may_be_handed_in(item)] or items
-    return "files" if most(likely, lambda item: item.kind != FOLDER) else "folders"
+    return "files" if most(_likely(items) or items, lambda item: item.kind != FOLDER) else "folders"
 
 
 def _has_timestamp(listing: Listing, student: Item) -> bool:
