@@ -31,6 +31,7 @@ _CANVAS = re.compile(
 )
 _CANVAS_ATTEMPT = re.compile(r"-(\d{1,9})(?=\.\w+\Z)", re.ASCII)
 _MOODLE = re.compile(r"_(?P<number>\d{1,18})_assignsubmission_(?:file|onlinetext)", re.ASCII)
+_MOST_NUMBERS = 3  # in a sentence
 _ARCHIVES = (".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".7z", ".rar")
 
 
@@ -84,20 +85,19 @@ def read_canvas(item: Item, _: str = "") -> Unit | None:
 def read_moodle(item: Item, _: str = "") -> Unit | None:
     """An entry of Moodle's archive.
 
-    A folder's name ends with what Moodle has added. In a file's name the student's name for the file follows; where it
-    looks like Moodle's addition once more, nobody can tell which of the two numbers is Moodle's.
+    A folder's name ends with what Moodle has added; in a file's name the student's name for the file follows. Where
+    Moodle's addition seems to stand there twice, one of the two is a student's, and nobody can tell which.
     """
     found = list(_MOODLE.finditer(item.name))
     if not found or not found[0].start():
         return None
-    mark = found[-1]
+    mark = found[0]
     rest = item.name[mark.end() :]
-    if item.kind == FOLDER:
-        if rest not in ("", "_"):
-            return None
-    elif len(found) > 1:
-        odd = f"its name can be read as that of participant {' or '.join(one['number'] for one in found)}"
-        return Unit(item, item.name, odd=odd)
+    if len(found) > 1:
+        numbers = " or ".join(one["number"] for one in found[:_MOST_NUMBERS])
+        return Unit(item, item.name, odd=f"its name can be read as that of participant {numbers}")
+    if item.kind == FOLDER and rest not in ("", "_"):
+        return None
     number = mark["number"]
     name, file = item.name[: mark.start()], rest.removeprefix("_")
     return Unit(item, number, name, file, platform={"moodle_participant": number})
