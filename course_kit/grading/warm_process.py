@@ -141,7 +141,7 @@ def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
     changes: dict[str, str | None] = {
         "PYTHONDONTWRITEBYTECODE": "1",
         "PYTHONUNBUFFERED": None,
-        "PYTHON_COLORS": "0",  # where FORCE_COLOR is set, Python 3.13 colours tracebacks, which could not be read any more
+        "PYTHON_COLORS": "0",  # where FORCE_COLOR is set, Python 3.13 colours tracebacks, and they could not be read
         "OPENBLAS_NUM_THREADS": "1",
         "ROS_PYTHON_CHECK_FIELDS": "1",
     }
