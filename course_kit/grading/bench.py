@@ -11,9 +11,9 @@ import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import endings, limits, processes
+from course_kit.grading import endings, limits, machine, processes
 from course_kit.grading.checks import Evidence, Failed, NotRun
-from course_kit.grading.patience import FairClock, Recent
+from course_kit.grading.patience import MOST, FairClock, Recent, State, Used
 from course_kit.grading.steps import Record
 from course_kit.grading.tester import Tester
 
@@ -81,7 +81,8 @@ class Bench:
         self.spent = dict.fromkeys(PHASES, 0.0)  # seconds
         self._clock: FairClock | None = None
         self._queued_s = 0.0  # for a ROS domain, which is not the submission's fault
-        self._waiting, self._own_waiting = Recent(self._waited), Recent(processes.own_waiting)
+        self._used = self._used_before = Used()  # by the submission, in all and until it was started last
+        self._state = Recent(self._look)
 
     @property
     def tester(self) -> Tester:
@@ -117,7 +118,7 @@ class Bench:
         began = time.monotonic()
         self.close()
         self._spoiled = False
-        self._waiting = Recent(self._waited)
+        self._used_before = self._used
         self.memory.clear()
         if arguments:
             self.record.sent(f"start with {' '.join(arguments)}", "message")
@@ -178,7 +179,9 @@ class Bench:
             own_waiting: seconds the grader has waited for a processor, for whoever knows better than the kernel, which
                 counts that of a grader too that only looks whether something has come yet.
         """
-        return FairClock(self._waiting, Recent(own_waiting) if own_waiting else self._own_waiting)
+        if own_waiting is None:
+            return self._clock_of(self._state)
+        return self._clock_of(Recent(lambda: self._look(own_waiting)))
 
     def life(self, *, fresh: bool = False) -> Life:
         """What is known of the submission; `fresh` has it counted now instead of up to 50 ms ago."""
@@ -205,7 +208,7 @@ class Bench:
         Raises:
             SubmissionEndedError: the submission has ended meanwhile.
         """
-        clock = self.clock() if most is None else FairClock(self._waiting, self._own_waiting, most)
+        clock = self.clock() if most is None else self._clock_of(self._state, most)
         watched = 0.0
         while not condition():
             step = _CALM_STEP_S if calmly and watched > _SOON_S else _STEP_S
@@ -236,8 +239,16 @@ class Bench:
             self._spoiled = True
             raise SubmissionEndedError(life, self.job)
 
-    def _waited(self) -> float:
-        return self.life(fresh=True).waited_s if self._tester is not None else 0.0
+    def _look(self, own_waiting: Callable[[], float] = processes.own_waiting) -> State:
+        if self._tester is not None:
+            life = self.life(fresh=True)
+            before = self._used_before
+            self._used = Used(before.cpu_s + life.cpu_s, before.waited_s + life.waited_s)
+        busy_s = machine.processor_times().busy
+        return State(self._used, Used(time.process_time(), own_waiting()), busy_s or None)
+
+    def _clock_of(self, state: Recent, most: float = MOST) -> FairClock:
+        return FairClock(state, most, machine.processor_share())
 
     def _ask(self, what: str, *, patience_s: float = 0.0, **more: Any) -> dict[str, Any]:
         self._warden.send({"do": what, **more})

@@ -176,12 +176,10 @@ def _fault(text: Submission) -> str:
 def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: str, began: float) -> Report:
     checks = tuple(_check(task, result) for result in outcome["results"])
     score = sum(check.points for check in checks)
-    if outcome["problem"] or not checks:
-        why = outcome["problem"].rstrip(".") or "no check was run"
-        problem = f"The grading did not come to its end: {why}."
+    problem = _no_grade(outcome["problem"], checks)
+    if problem:
         status, score = "error", 0.0
     else:
-        problem = ""
         first = checks[0]
         crashed = first.status == "failed" and (first.diagnosis or "").startswith(_NOT_STARTED)
         status = "crashed" if crashed else "graded"
@@ -201,6 +199,14 @@ def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: str,
         isolation=isolation,
         timings=outcome["timings"],
     )
+
+
+def _no_grade(problem: str, checks: Sequence[CheckReport]) -> str:
+    """Why there is no grade, in one sentence; empty when there is one."""
+    if problem or not checks:
+        return f"The grading did not come to its end: {problem.rstrip('.') or 'no check was run'}."
+    broken = next((check for check in checks if check.status == "error"), None)
+    return f'The grading did not come to its end, at the check "{broken.title}". {broken.message}' if broken else ""
 
 
 def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:

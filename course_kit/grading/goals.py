@@ -32,10 +32,10 @@ _REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's ne
 
 @dataclass(frozen=True)
 class Told:
-    """Feedback, and when it was published, in seconds of the server's clock."""
+    """Feedback, and when it was received, in seconds of the system's clock."""
 
     feedback: Any
-    sent_s: float
+    came_s: float
 
 
 @dataclass(frozen=True)
@@ -91,30 +91,30 @@ class Goal:
         """The feedback about this goal so far, oldest first."""
         heard = self._line.feedback
         return [
-            Told(message.feedback, sent_s)
-            for message, sent_s in zip(heard.messages, heard.sent, strict=True)
+            Told(message.feedback, came_s)
+            for message, came_s in zip(heard.messages, heard.times, strict=True)
             if bytes(message.goal_id.uuid) == self._id
         ]
 
     @property
     def statuses(self) -> list[tuple[float, int]]:
-        """The statuses the server has published for this goal so far, each with its time on the server's clock."""
+        """The statuses received for this goal so far, each with its time on the system's clock."""
         heard = self._line.status
         return [
-            (sent_s, entry.status)
-            for message, sent_s in zip(heard.messages, heard.sent, strict=True)
+            (came_s, entry.status)
+            for message, came_s in zip(heard.messages, heard.times, strict=True)
             for entry in message.status_list
             if bytes(entry.goal_info.goal_id.uuid) == self._id
         ]
 
     @property
     def over_at(self) -> float | None:
-        """When it ended, on the server's clock; None as long as it runs."""
+        """When the grader learned that it had ended, on the system's clock; None as long as it runs."""
         return next((when for when, status in self.statuses if status >= SUCCEEDED), None)
 
     @property
     def began_at(self) -> float:
-        """When the server first told of it, on the server's clock; 0 if it never has."""
+        """When the grader first heard of it, on the system's clock; 0 if it never has."""
         return next((when for when, _ in self.statuses), 0.0)
 
     def wait_for_answer(self, expected: str, seconds: float = silence.ANSWER_S) -> None:
@@ -216,14 +216,14 @@ class Goal:
         self._results.append(self._line.results.call_async(request))
 
     def _feedback_steps(self) -> list[Followed]:
-        """The first and the last feedback; `Told.sent_s` is of the same machine's clock as the other steps."""
+        """The first and the last feedback."""
         all_told = self.feedback
         begin = self._turn.steps[0][0]
         steps = []
         for number in sorted({1, len(all_told)} if all_told else ()):
             told = all_told[number - 1]
-            text = f"feedback {number} after {told.sent_s - begin:.2f} s: {tell(told.feedback)}"
-            steps.append((told.sent_s, Step(NODE, GRADER, "message", text)))
+            text = f"feedback {number} after {told.came_s - begin:.2f} s: {tell(told.feedback)}"
+            steps.append((told.came_s, Step(NODE, GRADER, "message", text)))
         return steps
 
     def _uuid(self) -> Any:

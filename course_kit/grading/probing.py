@@ -7,7 +7,7 @@ import os
 import time
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import limits
+from course_kit.grading import limits, machine
 from course_kit.grading.bench import Bench
 from course_kit.grading.checks import run_all
 from course_kit.grading.wire import ChannelClosedError
@@ -31,6 +31,7 @@ def warm_up() -> None:
 
     import course_kit.grading.tester
 
+    machine.processor_share()
     check_for_type_support(GetTypeDescription)
     del rclpy, course_kit, rclpy_implementation
 

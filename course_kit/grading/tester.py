@@ -48,19 +48,16 @@ class Heard:
 
     Attributes:
         messages: the messages, oldest first.
-        times: when each was received, in seconds of the system's clock.
-        sent: when each was published, in seconds of the publisher's clock: no delay of ours is in it.
+        times: when each was received, in seconds of the system's clock. When it was sent only the publisher could say.
     """
 
     messages: list[Any] = field(default_factory=list)
     times: list[float] = field(default_factory=list)
-    sent: list[float] = field(default_factory=list)
 
     def take(self, message: Any, info: Any) -> None:
-        """Keep one message; `info` is rclpy's, with the times the middleware noted, however late we look."""
+        """Keep one message; `info` is rclpy's, with the time the middleware noted, however late we look."""
         self.messages.append(message)
         self.times.append(info["received_timestamp"] / 1e9)
-        self.sent.append(info["source_timestamp"] / 1e9)
 
 
 class Tester:

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading import exercise, processes
+from course_kit.grading import engine, exercise, processes
+from course_kit.grading.checks import Result
 from tests.grading.conftest import EXERCISE, ROOT
 
 if TYPE_CHECKING:
@@ -132,6 +133,17 @@ def test_field_checks_are_on_whatever_the_user_has_set(monkeypatch: pytest.Monke
     path = tmp_path / "a.py"
     path.write_text("import os\nprint(os.environ['ROS_PYTHON_CHECK_FIELDS'])\n")
     assert grading.grade(EXERCISE, path).stdout == "1\n"
+
+
+def test_a_check_that_breaks_leaves_no_grade() -> None:
+    outcomes = {"a": "passed", "b": "error", "c": "skipped"}
+    results = [Result(one, one.upper(), how, 4.0, message=f"about {one}").to_mapping() for one, how in outcomes.items()]
+    outcome = {"results": results, "problem": "", "stdout": "", "stderr": "", "timings": {}}
+    report = engine._report(exercise.load(EXERCISE), "shown", outcome, "", time.monotonic())
+    assert (report.status, report.score, report.passed) == ("error", 0.0, False)
+    assert report.problem == 'The grading did not come to its end, at the check "B". about b'
+    assert grading.exit_code(report) == 2
+    assert "Not graded" in grading.render_text(report)
 
 
 def test_grader_that_breaks_is_not_the_learners_fault(
