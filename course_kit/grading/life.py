@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -79,6 +80,10 @@ class Life:
         if self.over and not _ENDS & set(self._facts):
             return "the process that watches the submission was killed, perhaps because the machine is out of memory"
         return ""
+
+    def killed(self) -> bool:
+        """Whether it ended by a signal that nothing accounts for: its own, or of a machine without memory."""
+        return self._facts.get("signal") == signal.SIGKILL and "limit" not in self._facts
 
     def stopped_by_us(self, limit: str) -> None:
         """Remember that a limit was hit."""

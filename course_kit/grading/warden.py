@@ -46,6 +46,11 @@ class _BrokenOffError(Exception):
     """The grading cannot go on, by no fault of the submission; the text says why."""
 
 
+def broken_off(problem: str) -> dict[str, Any]:
+    """The outcome, as `Warden.run` gives it, of a grading that came to nothing by no fault of the submission."""
+    return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": True}
+
+
 class Warden:
     """The master of one grading."""
 
@@ -65,6 +70,7 @@ class Warden:
         self._results: list[dict[str, Any]] = []
         self._extra: dict[str, Any] = {}
         self._probe_id = 0
+        self._again = False  # whether this may go better the next time: something was killed that should not be
 
     def run(self) -> dict[str, Any]:
         """Grade, and return the outcome as plain data; nothing that was started is alive then."""
@@ -86,6 +92,7 @@ class Warden:
             "stderr": self._totals[1].text(),
             "problem": problem,
             "timings": self._timings(stopping),
+            "again": self._again,
         }
 
     def _timings(self, stopping: float) -> dict[str, Any]:
@@ -129,10 +136,13 @@ class Warden:
         except environment.NoDomainError:
             return _NO_DOMAIN.format(limits.QUEUE_S)
         except (environment.DomainError, _BrokenOffError) as problem:
+            self._again = isinstance(problem, _BrokenOffError)
             return str(problem)
         except (ChannelClosedError, TimeoutError) as gone:
+            self._again = True
             return f"the grader's own process ended unexpectedly ({gone})"
         except (LaunchError, OSError) as problem:  # the machine has run out of something
+            self._again = True
             return f"the submission could not be started: {problem}"
 
     def _look_after_everything(self) -> None:
@@ -309,6 +319,8 @@ class Warden:
         self._sandbox.streams.close()
 
     def _stop(self) -> None:
+        if self._life is not None and self._life.killed():
+            self._again = True
         self._kill()
         if self._arguments and self._life is not None and self._life.facts()["stderr"]:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.

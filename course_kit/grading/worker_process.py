@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading import isolation, namespaces, probing, processes, scratch
 from course_kit.grading import launcher as launchers
 from course_kit.grading.job import Job
-from course_kit.grading.launcher import Launcher
-from course_kit.grading.warden import Warden
+from course_kit.grading.launcher import Launcher, LaunchError
+from course_kit.grading.warden import Warden, broken_off
 from course_kit.grading.wire import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.isolation import Isolation
 
+_TRIES = 2  # a second for what was no fault of the submission, such as a process killed for lack of memory
 _FIRST_SERVED = -19  # nice value
 
 
@@ -144,8 +145,11 @@ def _work(channel: Channel, launcher: Launcher, found: Isolation, usual: int, ke
             job = Job.from_mapping(channel.receive()["job"])
             job = replace(job, isolation=found, priority=usual, scratch=str(folder), user=user)
             _load(job.exercise)
-            outcome = _grade(job, channel, launcher, keep)
-            scratch.clear(folder)
+            for _ in range(_TRIES):
+                scratch.clear(folder)
+                outcome = _grade(job, channel, launcher, keep)
+                if not outcome["again"]:
+                    break
             channel.send(outcome)
     finally:
         scratch.remove(folder)
@@ -164,7 +168,7 @@ def _grade(job: Job, channel: Channel, launcher: Launcher, keep: Container[int])
         status = 1
         try:
             ours.close()
-            theirs.send(Warden(job, launcher).run())
+            theirs.send(_run(job, launcher))
             status = 0
         except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the worker reports it
             sys.excepthook(*sys.exc_info())
@@ -179,6 +183,13 @@ def _grade(job: Job, channel: Channel, launcher: Launcher, keep: Container[int])
         launcher.end()
 
 
+def _run(job: Job, launcher: Launcher) -> dict[str, Any]:
+    try:
+        return Warden(job, launcher).run()
+    except (LaunchError, OSError) as problem:  # the machine has run out of something
+        return broken_off(f"the submission could not be run: {problem}")
+
+
 def _outcome(warden: Channel, parent: Channel) -> dict[str, Any]:
     poll = select.poll()
     poll.register(warden.fileno(), select.POLLIN)
@@ -189,7 +200,7 @@ def _outcome(warden: Channel, parent: Channel) -> dict[str, Any]:
     try:
         return warden.receive()
     except ChannelClosedError:
-        return {"results": [], "stdout": "", "stderr": "", "problem": "the grader's warden was killed", "timings": {}}
+        return broken_off("the process that supervises it was killed")
 
 
 def main() -> None:
