@@ -105,6 +105,7 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
         names: brings one message, the names of the interfaces' classes, each as module and class.
         lines: the ends that `Launcher.pair` made.
     """
+    namespaces.set_name("grade launchers")
     namespaces.die_with_parent()
     _load(json.loads(names.recv(_LARGEST_ORDER) or b"[]"))
     names.close()
@@ -139,6 +140,7 @@ def _load(names: Sequence[Sequence[str]]) -> None:
 
 
 def _serve(line: socket.socket) -> None:
+    namespaces.set_name("grade launcher")
     namespaces.adopt_orphans()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     while True:
@@ -167,6 +169,7 @@ def _fork_gate(line: socket.socket, descriptors: Sequence[int]) -> None:
 
 
 def _gate(descriptors: Sequence[int]) -> None:
+    namespaces.set_name("grade gate")
     namespaces.die_with_parent()
     inside = Streams(*descriptors[_STREAMS])
     program, cell = _receive(descriptors[_REQUEST][0])

@@ -33,6 +33,7 @@ _IFF_UP = 0x1
 _INTERFACE_FLAGS = struct.Struct("16sH14x")  # struct ifreq with ifr_flags
 
 _PR_SET_PDEATHSIG, _PR_GET_DUMPABLE, _PR_SET_DUMPABLE, _PR_CAPBSET_DROP = 1, 3, 4, 24
+_PR_SET_NAME = 15
 _PR_SET_CHILD_SUBREAPER, _PR_SET_NO_NEW_PRIVS = 36, 38
 _PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL = 47, 4
 _CAPABILITY_VERSION_3 = 0x20080522
@@ -124,6 +125,11 @@ def raise_loopback() -> None:
         answer = fcntl.ioctl(control, _SIOCGIFFLAGS, _INTERFACE_FLAGS.pack(b"lo", 0))
         _, flags = _INTERFACE_FLAGS.unpack(answer)
         fcntl.ioctl(control, _SIOCSIFFLAGS, _INTERFACE_FLAGS.pack(b"lo", flags | _IFF_UP))
+
+
+def set_name(name: str) -> None:
+    """Have `ps` and `top` show this process under a name of at most 15 characters."""
+    _libc.prctl(_PR_SET_NAME, name.encode(), 0, 0, 0)
 
 
 def die_with_parent() -> None:

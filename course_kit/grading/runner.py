@@ -77,6 +77,7 @@ class Program:
 
 def main(program: Program, cell: Cell, inside: Streams) -> None:
     """Turn this process into the submission; never returns but where it cannot be locked in."""
+    namespaces.set_name("submission")
     folder = cell.scratch
     os.setsid()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it

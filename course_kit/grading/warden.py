@@ -74,6 +74,7 @@ class Warden:
 
     def run(self) -> dict[str, Any]:
         """Grade, and return the outcome as plain data; nothing that was started is alive then."""
+        namespaces.set_name("grade supervise")
         namespaces.die_with_parent()
         namespaces.adopt_orphans()
         if self._job.isolation.network and self._job.mode != "attach":

@@ -39,6 +39,7 @@ def serve(channels: Sequence[Channel], exercises: Sequence[str]) -> None:
         channels: the line to each worker. A single worker is this process; of several each is a fork of it.
         exercises: whose graders are loaded beforehand.
     """
+    namespaces.set_name("grade warm")
     usual = os.getpriority(os.PRIO_PROCESS, 0)
     with suppress(OSError):
         # Root only, whom the kernel's limit on processes does not hold: the guard has to get a turn in a fork bomb.
@@ -134,6 +135,7 @@ def _work(channel: Channel, launcher: Launcher, found: Isolation, usual: int, ke
         usual: the nice value they run at.
         keep: children of this process that outlive a grading.
     """
+    namespaces.set_name("grade worker")
     folder = scratch.make()
     user = isolation.guest(os.getpid()) if found.user else 0
     if user:
