@@ -118,8 +118,7 @@ def _finish(book: Gradebook, out: Path) -> int:
     if book.odd:
         odd = [f"{student} ({reason})" for student, reason in book.odd]
         _say(f"Graded as a student for itself, as it does not fit the layout '{book.layout}': {_some(odd)}.")
-    encoding = sys.stdout.encoding or "utf-8"
-    print(str(page).encode(encoding, errors="replace").decode(encoding))
+    print(page)
     worries = list(_worries(book))
     for worry in worries:
         _say(f"course-kit: {worry}")

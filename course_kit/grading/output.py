@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from html import escape
 
 _JOINERS = "\u200c\u200d"  # zero width non-joiner and joiner
 _BLANK = "Zs"  # Unicode's category: a wide blank between Japanese names, a narrow one before a unit
+_HALVES = re.compile("[\ud800-\udfff]")
 KEPT = 4096  # bytes, at the beginning and at the end
 _LONGEST_NAME = 200  # characters
 _FILLERS = dict.fromkeys(map(ord, "\u115f\u1160\u2800\u3164\uffa0"), " ")  # letters by their category that show nothing
@@ -71,6 +73,14 @@ def _joins(before: str, character: str) -> bool:
 def escaped(text: str) -> str:
     """The same as text in HTML, within elements and within attributes."""
     return escape(printable(text))
+
+
+def encodable(document: str) -> str:
+    """JSON that can be written as UTF-8: halves of characters become escapes, which mean the same.
+
+    They come from file names that are not UTF-8 and from a submission's own texts.
+    """
+    return _HALVES.sub(lambda half: f"\\u{ord(half[0]):04x}", document)
 
 
 def _decode(data: bytes) -> str:

@@ -119,6 +119,8 @@ def test_it_says_how_the_class_did() -> None:
         left=(("notes.txt", "it is for none of the exercises"),),
         layout="canvas",
         complete=False,
+        dropped=(("zoe", "zoe: it is a link, which is not followed"),),
+        odd=(("yan", "its name does not follow the layout 'canvas'"),),
     )
     text = Document(page.render(gradebook)).text
     for part in (
@@ -129,6 +131,10 @@ def test_it_says_how_the_class_did() -> None:
         "Could not be graded",
         "our fault",
         "the worker was gone",
+        "Handed in, but not graded",
+        "zoe: it is a link, which is not followed",
+        "Graded, each as a student for itself",
+        "its name does not follow the layout 'canvas'",
         "10 of 10",
         "passed, late",
         "not graded",

@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from course_kit.environment import write_atomically
+from course_kit.grading.output import encodable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,7 +29,6 @@ _MARKED = re.compile(rf"-[0-9a-f]{{{_MARK}}}\Z")
 _DEVICES = frozenset(
     {"con", "prn", "aux", "nul", *(f"{port}{number}" for port in ("com", "lpt") for number in range(10))}
 )
-_HALVES = re.compile("[\ud800-\udfff]")  # in file names that are not UTF-8; JSON can hold them, UTF-8 cannot
 
 
 @dataclass(frozen=True)
@@ -101,8 +101,7 @@ class Record:
 
     def to_json(self) -> str:
         """The record as one JSON document."""
-        text = json.dumps({"format_version": FORMAT_VERSION, **asdict(self)}, indent=1, ensure_ascii=False)
-        return _HALVES.sub(lambda half: f"\\u{ord(half[0]):04x}", text)
+        return encodable(json.dumps({"format_version": FORMAT_VERSION, **asdict(self)}, indent=1, ensure_ascii=False))
 
     @classmethod
     def from_json(cls, text: str) -> Record:
