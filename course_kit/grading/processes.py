@@ -162,6 +162,14 @@ def own_waiting(*, helpers_only: bool = False) -> float:
     return 0.0
 
 
+def killed_for_lack_of_memory() -> int:
+    """How many processes this machine has killed because its memory was used up, since it was started; 0 if unknown."""
+    with suppress(OSError, ValueError, IndexError):
+        text = Path("/proc/vmstat").read_text(encoding="ascii")
+        return int(text.partition("oom_kill ")[2].split()[0])
+    return 0
+
+
 def end_descendants(keep: Container[int] = ()) -> None:
     """Kill everything below this process but the children `keep` and what hangs on them; returns when all are gone.
 

@@ -69,6 +69,8 @@ class Warden:
         self._arguments: tuple[str, ...] = ()
         self._results: list[dict[str, Any]] = []
         self._extra: dict[str, Any] = {}
+        self._fault = ""
+        self._killed_before = processes.killed_for_lack_of_memory()
         self._probe_id = 0
         self._again = False  # whether this may go better the next time: something was killed that should not be
 
@@ -91,7 +93,7 @@ class Warden:
             "results": self._results,
             "stdout": self._totals[0].text(),
             "stderr": self._totals[1].text(),
-            "problem": problem,
+            "problem": problem or self._fault,
             "timings": self._timings(stopping),
             "again": self._again,
         }
@@ -322,6 +324,8 @@ class Warden:
     def _stop(self) -> None:
         if self._life is not None and self._life.killed():
             self._again = True
+            if processes.killed_for_lack_of_memory() != self._killed_before:
+                self._fault = "the machine ran out of memory, and Linux killed something to get some"
         self._kill()
         if self._arguments and self._life is not None and self._life.facts()["stderr"]:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.

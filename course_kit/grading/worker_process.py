@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.isolation import Isolation
 
-_TRIES = 2  # a second for what was no fault of the submission, such as a process killed for lack of memory
+_TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
 _FIRST_SERVED = -19  # nice value
 
 
