@@ -7,33 +7,29 @@ from __future__ import annotations
 
 import os
 import select
-import stat
 import time
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.grading import file_view, guard, limits, namespaces, processes
+from course_kit.grading import conditions, guard, limits, namespaces, processes
 from course_kit.grading.bench import PHASES
 from course_kit.grading.isolation import enter_network
 from course_kit.grading.launcher import LaunchError
 from course_kit.grading.life import Life
 from course_kit.grading.output import Output
 from course_kit.grading.runner import Program
-from course_kit.grading.sandbox import Cell, Sandbox
+from course_kit.grading.sandbox import Sandbox
 from course_kit.grading.wire import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.grading.file_view import FileView
     from course_kit.grading.job import Job
     from course_kit.grading.launcher import Launcher
 
 _ANSWER_S = 5.0  # how long the guard is waited for; it has answered long before, unless the machine is very busy
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
-_COUNTS_BY_NAMESPACE = (5, 14)  # Linux
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
 _PROBE_GRACE_S = 20.0  # the probe stops by itself at the wall time; a probe that hangs is stopped this much later
 _NO_DOMAIN = (
@@ -83,7 +79,7 @@ class Warden:
             enter_network(self._job.user)
             namespaces.die_with_parent()  # entering a user namespace has cleared it
             self._network = tuple(os.open(f"/proc/self/ns/{kind}", os.O_RDONLY) for kind in ("user", "net"))
-            self._profile = _expect_few_participants()
+            self._profile = conditions.expect_few_participants()
         probe_end = self._start_probe()
         problem = self._serve(probe_end)
         stopping = time.monotonic()
@@ -194,32 +190,10 @@ class Warden:
             variable=job.variable,
         )
         variables = {**variables, **self._profile, "ROS_DOMAIN_ID": str(domain)}
-        cell = Cell(
-            limits=job.limits,
-            isolation=job.isolation,
-            scratch=job.scratch,
-            view=self._view(),
-            environment=variables,
-            priority=job.priority,
-            others=self._others(),
-            user=self._user(),
-        )
+        cell = conditions.of(job, variables)
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain, "queued_s": queued_s}
-
-    def _view(self) -> FileView:
-        """The files that the submission sees."""
-        job = self._job
-        view = file_view.of_a_command(job.command[0], job.folder) if job.command else file_view.of_a_program()
-        return view.with_more(masked=job.hidden)
-
-    def _user(self) -> int:
-        """Whom the submission runs as: a command of root's own stays root where others cannot get at its folder."""
-        folder = Path(self._job.folder)
-        if self._job.command and not all(place.stat().st_mode & stat.S_IXOTH for place in (folder, *folder.parents)):
-            return 0
-        return self._job.user
 
     def _finish(self) -> None:
         """Wait until the submission has ended, or end it when its time is up."""
@@ -248,14 +222,6 @@ class Warden:
         self._queued_s += queued_s
         self._began += queued_s  # that is not the submission's fault
         return domain, queued_s
-
-    def _others(self) -> int:
-        """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""
-        if self._user():  # nobody else's
-            return 0
-        version = tuple(int(part) for part in os.uname().release.split(".")[:2])
-        counted_apart = self._job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
-        return 0 if counted_apart else processes.tasks_of_user(os.getuid())
 
     def _facts(self, *, fresh: bool) -> dict[str, Any]:
         if self._life is None or self._sandbox is None:
@@ -331,16 +297,3 @@ class Warden:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.
             self._totals[1].add(f"[The lines above are of a start with: {' '.join(self._arguments)}]\n".encode())
         self._sandbox = self._life = None
-
-
-def _expect_few_participants() -> dict[str, str]:
-    """Have Fast DDS announce itself to fewer ports than on a graph that a whole machine shares.
-
-    Returns:
-        the variables for that, which are set in this process as well.
-    """
-    name = "FASTRTPS_DEFAULT_PROFILES_FILE"
-    if os.environ.get(name) != str(environment.LOOPBACK_PROFILE):
-        return {}
-    os.environ[name] = str(environment.PRIVATE_NETWORK_PROFILE)
-    return {name: os.environ[name]}
