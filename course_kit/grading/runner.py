@@ -24,7 +24,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import file_view, isolation, landlock, limits, namespaces, seccomp, values
+from course_kit.grading import limits, locking, namespaces, values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -84,7 +84,7 @@ def main(program: Program, cell: Cell, inside: Streams) -> None:
     atexit._clear()  # noqa: SLF001 - what the launcher has registered is not the program's
     os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
     try:
-        _lock_in(cell)
+        locking.lock_in(cell)
     except OSError as problem:  # it worked when it was tried out
         inside.tell(problem=f"the sandbox cannot be closed: {problem}")
         return
@@ -109,25 +109,6 @@ def main(program: Program, cell: Cell, inside: Streams) -> None:
         _show(problem)
         _note_exception(problem, evidence)
     _finish(status)
-
-
-def _lock_in(cell: Cell) -> None:
-    """Give up every right for good; after this the process can do no more than the submission may."""
-    if not cell.isolation.files and cell.isolation.landlock:
-        landlock.restrict(file_view.readable(cell.view), (cell.scratch, "/dev/null", "/dev/shm"))  # noqa: S108
-    if cell.user:
-        isolation.become(cell.user)
-    namespaces.drop_privileges()
-    namespaces.allow_tracing()  # what it starts may look into /proc/self, as everywhere
-    if cell.isolation.syscalls:
-        seccomp.install()
-    for name in [name for name in sys.modules if name.startswith("course_kit.") and not _is_for_programs(name)]:
-        del sys.modules[name]
-
-
-def _is_for_programs(module: str) -> bool:
-    """Whether a module of the kit exists for a submission."""
-    return module.split(".")[1] in file_view.MODULES_OF_KIT
 
 
 def _arrange_streams(inside: Streams) -> int:
