@@ -27,7 +27,7 @@ _PARTS_OF_KIT = ("__init__.py", "py.typed", *MODULES_OF_KIT, *(f"{name}.py" for 
 _SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store")
 _SETTINGS = ("ld.so.cache", "ld.so.conf", "ld.so.conf.d", "alternatives", "localtime", "timezone", "mime.types", "ssl")
 _SEARCH_PATHS = ("LD_LIBRARY_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "COURSE_KIT_INTERFACE_PATH")
-_DEVICES = ("null", "zero", "random", "urandom", "full")
+_DEVICES = ("null", "zero", "random", "urandom")
 _DEVICE_LINKS = {"fd": "/proc/self/fd", "stdin": "fd/0", "stdout": "fd/1", "stderr": "fd/2"}
 _ACCOUNTS = {
     "passwd": "root:x:0:0::/:/bin/sh\nlearner:x:{user}:{group}::{home}:/bin/sh\n",
@@ -209,7 +209,7 @@ def readable(view: FileView) -> Iterator[str]:
     for path, is_mask in _in_order(view):
         if not is_mask:
             yield from _around(path, [mask for mask in view.masked if mask.startswith(f"{path}/")])
-    yield from (f"/dev/{name}" for name in ("zero", "random", "urandom", "full"))
+    yield from (f"/dev/{name}" for name in _DEVICES[1:])
     yield "/proc"
 
 

@@ -155,7 +155,7 @@ while frame:
     ),
     "writes_to_the_terminal": Attack(
         "writes a forged verdict to the instructor's terminal",
-        "it has no terminal, and no devices but null, zero, full, random and urandom",
+        "it has no terminal, and no devices but null, zero, random and urandom",
         """
 import glob, os
 for path in ("/dev/tty", "/dev/console", *glob.glob("/dev/pts/*"), *glob.glob("/dev/tty*"), *glob.glob("/dev/vcs*")):
