@@ -7,6 +7,7 @@ for each student, so that one who hands in a bomb has a problem, and nobody else
 from __future__ import annotations
 
 import errno
+import itertools
 import os
 import shutil
 import stat
@@ -15,7 +16,6 @@ import time
 import zipfile
 import zlib
 from contextlib import suppress
-from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from course_kit.grading.classroom.archive_names import NamesReader
@@ -24,6 +24,7 @@ from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
+    from pathlib import Path
     from types import TracebackType
 
     from typing_extensions import Self
@@ -94,9 +95,10 @@ class Archive:
         self._zip.close()
         self._file.close()
 
-    def children(self, folder: str) -> list[Item]:
+    def children(self, folder: str, most: int | None = None) -> list[Item]:
         """See `Listing`."""
-        return sorted(self._folders.get(folder, {}).values(), key=lambda item: item.path)
+        items = itertools.islice(self._folders.get(folder, {}).values(), most)
+        return sorted(items, key=lambda item: item.path)
 
     def fetch(self, items: Iterable[Item]) -> Mapping[str, str]:
         """See `Listing`; small files come first, so that a large one takes no place from them.
@@ -133,7 +135,7 @@ class Archive:
         if len(members) > MOST:
             raise GradingError(f"{self._path.name} holds {len(members)} files, and the limit is {MOST}. Split it.")
         for member in members:
-            parts = PurePosixPath(member.filename).parts
+            parts = [part for part in member.filename.split("/") if part not in ("", ".")]
             path = "/".join(parts)
             if member.filename.startswith("/") or ".." in parts:
                 self._lose(member.filename, "its name leads out of the archive")

@@ -25,7 +25,8 @@ _SUBMITTED = "submitted"
 _NBGRADERS_OWN = frozenset({"gradebook.db", "nbgrader_config.py", "source", "release", "autograded", "feedback"})
 _FEWEST_OF_NBGRADER = 2  # of these beside `submitted`
 _DEEPEST = 3  # folders around the students
-_ENOUGH = 50  # folders of a student that are looked into
+_ENOUGH = 200  # entries of a folder, to see what they look like
+_FEW = 20  # folders of a student that are looked into
 
 
 @dataclass(frozen=True)
@@ -70,10 +71,10 @@ def arrange(listing: Listing, layout: str, called: str) -> Arrangement:
     return Arrangement(found, tuple(units), tuple(left))
 
 
-def _entries(listing: Listing, folder: str, left: Left | None = None) -> list[Item]:
+def _entries(listing: Listing, folder: str, left: Left | None = None, most: int | None = None) -> list[Item]:
     """What lies in a folder but for what tools have left there; for `left` those too."""
     entries = []
-    for item in listing.children(folder):
+    for item in listing.children(folder, most):
         hidden = item.kind != FOLDER and item.name.startswith(".") and not item.is_program
         if reason := of_a_tool(item) or ("a hidden file" if hidden else ""):
             if left is not None:
@@ -84,11 +85,11 @@ def _entries(listing: Listing, folder: str, left: Left | None = None) -> list[It
 
 
 def _inside(listing: Listing, item: Item) -> list[Item]:
-    """The entries of a folder; none where it is none, or cannot be looked into."""
+    """Entries of a folder, enough to see what they look like; none where it is none, or cannot be looked into."""
     if item.kind != FOLDER:
         return []
     try:
-        return _entries(listing, item.path)
+        return _entries(listing, item.path, most=_ENOUGH)
     except OSError:
         return []
 
@@ -167,7 +168,7 @@ def _has_timestamp(listing: Listing, student: Item) -> bool:
     """Whether nbgrader has noted the time of an assignment."""
     return any(
         item.name == "timestamp.txt"
-        for assignment in _inside(listing, student)[:_ENOUGH]
+        for assignment in _inside(listing, student)[:_FEW]
         for item in _inside(listing, assignment)
     )
 
@@ -176,7 +177,7 @@ def _is_clone(listing: Listing, item: Item) -> bool:
     if item.kind != FOLDER:
         return False
     try:
-        return any(one.name == ".git" for one in listing.children(item.path))
+        return any(one.name == ".git" for one in listing.children(item.path, _ENOUGH))
     except OSError:
         return False
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections import deque
 from dataclasses import dataclass
@@ -55,8 +56,8 @@ class Item:
 class Listing(Protocol):
     """A folder or an archive."""
 
-    def children(self, folder: str) -> list[Item]:
-        """What lies in a folder, by name; `""` is the root.
+    def children(self, folder: str, most: int | None = None) -> list[Item]:
+        """What lies in a folder, by name; `""` is the root. With `most` no more than so many, whichever they are.
 
         Raises:
             OSError: it cannot be looked into.
@@ -72,11 +73,12 @@ class Folder:
     def __init__(self, root: Path) -> None:
         self._root = root
 
-    def children(self, folder: str) -> list[Item]:
+    def children(self, folder: str, most: int | None = None) -> list[Item]:
         """See `Listing`."""
         start = f"{folder}/" if folder else ""
         with os.scandir(self._root / folder) as found:
-            return sorted((Item(f"{start}{one.name}", _kind(one)) for one in found), key=lambda item: item.path)
+            items = [Item(f"{start}{one.name}", _kind(one)) for one in itertools.islice(found, most)]
+        return sorted(items, key=lambda item: item.path)
 
     def fetch(self, items: Iterable[Item]) -> Mapping[str, str]:
         """See `Listing`; everything is here already."""
@@ -149,7 +151,7 @@ def _walk(listing: Listing, top: Item, unseen: Left) -> Iterator[tuple[Item, int
     while folders:
         folder, depth = folders.popleft()
         try:
-            children = listing.children(folder)
+            children = listing.children(folder, MOST + 1)
         except OSError as problem:
             unseen.append((folder, f"it cannot be looked into: {problem.strerror}"))
             continue
