@@ -142,6 +142,14 @@ def test_the_doctor_says_so_and_looks_at_all_the_rest(machine: Machine, sentence
     assert done.stderr == ""
 
 
+def test_the_doctor_needs_no_domain_where_the_user_has_chosen_one(machine: Machine) -> None:
+    machine.take_all()
+    done = machine.run(*COURSE, "doctor", ROS_DOMAIN_ID="215")
+    assert done.returncode == 0, done.stdout
+    assert "note  discovery" in done.stdout
+    assert TAKEN in " ".join(done.stdout.split())
+
+
 @pytest.mark.answers
 def test_a_notebook_says_so_and_grades(
     machine: Machine, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 FIRST, LAST = 1, 101
 _LEASE, _MARK, _CHOICE = 2, 3, 4  # places in a domain's block of ports that RTPS does not use
-_LOOPBACK = "127.0.0.1"
+_LOOPBACK, _DISCARD = "127.0.0.1", 9  # the port of the discard service (RFC 863), which no machine runs
 _QUEUE_S = 0.05  # how often one who queues for a domain looks
 _CHOICE_LOOK_S = 0.002
 _CHOICE_S = 10.0
@@ -65,8 +65,8 @@ class NoLoopbackError(DomainError):
 
     def __init__(self) -> None:
         super().__init__(
-            f"The address {_LOOPBACK} does not work here, and ROS nodes of the course talk over it. Switch on this "
-            "machine's or container's loopback interface: ip link set lo up"
+            f"The address {_LOOPBACK} does not work here, and ROS nodes of the course talk over it. Switch on the "
+            "loopback interface of this machine or container, with 'ip link set lo up' as root."
         )
 
 
@@ -233,16 +233,18 @@ def _bind(address: str, port: int, *, shared: bool = False) -> int | None:
     """The descriptor of a socket that holds a port from now on; None when somebody else holds it.
 
     Raises:
-        NoLoopbackError: this machine does not have the address.
+        NoLoopbackError: this machine does not have the address, or its loopback interface is switched off.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as holder:
-        holder.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 0)  # nobody reads it
         if shared:
             holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
         try:
             holder.bind((address, port))
+            # Sends nothing. But the kernel drops from now on what others send to the port, which nobody would read, and
+            # it fails where the loopback interface is switched off.
+            holder.connect((_LOOPBACK, _DISCARD))
         except OSError as problem:
-            if problem.errno == errno.EADDRNOTAVAIL:
+            if problem.errno in (errno.EADDRNOTAVAIL, errno.ENETUNREACH):
                 raise NoLoopbackError from None
             return None
         return holder.detach()

@@ -56,6 +56,10 @@ IN_ANOTHER_NETWORK = """
 from course_kit.grading import isolation
 isolation.enter_network()
 """
+IN_A_NETWORK_THAT_IS_OFF = """
+from course_kit.grading import namespaces
+namespaces.enter(namespaces.CLONE_NEWNET)
+"""
 
 
 @pytest.fixture
@@ -294,9 +298,12 @@ def test_networks_that_are_apart_need_no_lease_between_them(hold: Hold) -> None:
     assert there.domain_id == domains.LAST or "Error: [Errno" in there.problem  # namespaces are refused
 
 
-def test_without_a_loopback_interface_the_message_says_what_to_do() -> None:
+def test_without_a_loopback_interface_the_message_says_what_to_do(hold: Hold) -> None:
     with pytest.raises(domains.NoLoopbackError, match="ip link set lo up"):
         domains._bind("192.0.2.1", 7402)  # an address for documentation, which no machine has
+    for owner in ((), ("me",)):
+        problem = hold(*owner, before=IN_A_NETWORK_THAT_IS_OFF).problem.splitlines()[-1]
+        assert "NoLoopbackError" in problem or "Error: [Errno" in problem  # namespaces are refused
 
 
 def test_a_fork_keeps_the_domain_and_a_program_it_starts_does_not(leases: Remembered, hold: Hold) -> None:
