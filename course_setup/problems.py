@@ -65,11 +65,6 @@ def require_usable(root: Path, environments: Path) -> None:
             f"The name of the folder {os.fsencode(root)!r} is not valid UTF-8, as Jupyter needs it. Rename the folder "
             "without letters like these, and run this again."
         ) from None
-    if root.name != root.name.strip():
-        raise SetUpError(
-            f"The name of the folder '{root}' ends or begins with a space, which Python's tools lose. Rename the "
-            "folder, and run this again."
-        )
     if os.statvfs(root).f_flag & os.ST_NOEXEC:
         raise SetUpError(
             f"The folder {root} is on a file system that lets no program run (mounted 'noexec'), so ROS 2 could not be "

@@ -76,8 +76,10 @@ def copy_with_notebooks(folder: Path) -> Course:
     kind = environment.name.partition("-")[0]
     copied = course.root / ".venvs" / f"{kind}-copy"
     copied.mkdir(parents=True)
+    shutil.copytree(environment / "bin", copied / "bin", symlinks=True)  # programs look for the Python beside them
     for part in environment.iterdir():
-        (copied / part.name).symlink_to(part)
+        if part.name != "bin":
+            (copied / part.name).symlink_to(part)
     stamp = copied / ".course-stamp"  # names the folder it was made for
     stamp.unlink()
     made = (environment / stamp.name).read_text()
