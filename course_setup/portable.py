@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import os
 import re
+import shlex
 import shutil
 import subprocess
 from pathlib import Path
@@ -24,6 +25,8 @@ _HEAD = b"""#!/bin/sh
 _PYTHON = rb"/\.venvs?/[^\n]*?python[0-9.]*"
 # As pip and uv write them: with a path; or, where it has a space or is long, for the shell.
 _WRITTEN = re.compile(rb"#![^\n]*" + _PYTHON + rb"\s*\n|#!/bin/sh\n'''exec' [^\n]*" + _PYTHON + rb"[^\n]*\n' '''\n")
+# In `activate`; Pythons before 2025 do not quote the name of a folder.
+_PLACE = re.compile(rb"^(\s*(?:export )?VIRTUAL_ENV=)(?!\$\().*$", re.MULTILINE)
 # The course's folder is that of `.venvs`; Python reads this file at each start, whatever the locale, so it is ASCII.
 _WAY_TO_THE_COURSE = (
     b"import os, sys; sys.path.append(os.path.dirname(os.path.dirname(os.path.realpath(sys.prefix))))\n"
@@ -43,6 +46,9 @@ def make_portable(environment: Path) -> None:
     for program in (environment / "bin").iterdir():
         if program.is_file() and not program.is_symlink():
             _take_place_out(program)
+    activate = environment / "bin" / "activate"
+    place = shlex.quote(str(environment)).encode()
+    _replace(activate, _PLACE.sub(lambda found: found[1] + place, activate.read_bytes()))
     for way in environment.glob("lib/python3*/site-packages/*ros2_course_kit.pth"):
         _replace(way, _WAY_TO_THE_COURSE)
 
@@ -54,13 +60,13 @@ def adapt(environment: Path) -> None:
         OSError: it cannot be written.
         SetUpError: its Python cannot write the scripts that activate it.
     """
-    make_portable(environment)
     for name in _SCRIPTS_OF_UV:
         (environment / "bin" / name).unlink(missing_ok=True)
     python = environment / "bin" / "python"
     done = subprocess.run([python, "-I", "-S", "-c", _ACTIVATION, environment, PROMPT], check=False)
     if done.returncode:
         raise SetUpError(f"{environment} could not be adapted. Delete {environment.parent}, and run this again.")
+    make_portable(environment)
 
 
 def copy(source: Path, target: Path) -> None:

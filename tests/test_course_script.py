@@ -120,7 +120,7 @@ def test_a_sourced_jazzy_is_used_instead_of_the_wheels(clone: Clone) -> None:
 case "$*" in
   "-c import rclpy" | "-c import ensurepip, venv") exit 0 ;;
   "-m venv "*) for last; do :; done
-     echo "$@" >>"$STAND_IN_LOG"; mkdir -p "$last/bin"; cp "$0" "$last/bin/python" ;;
+     echo "$@" >>"$STAND_IN_LOG"; mkdir -p "$last/bin"; cp "$0" "$last/bin/python"; touch "$last/bin/activate" ;;
   "-m pip "*) echo "$@" >>"$STAND_IN_LOG" ;;
   *) exec {BASE_PYTHON} "$@" ;;
 esac
