@@ -7,6 +7,10 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 BASE_PYTHON = Path(sys.executable).resolve()  # without the packages of the kit
@@ -15,7 +19,9 @@ STAND_IN_UV = r"""#!/bin/sh
 # Stands in for uv: makes a real venv without pip, and instead of installing notes what it was asked for. As the real
 # one does, it writes down where the course is, and in a program where the environment is.
 echo "$@" >>"$STAND_IN_LOG"
+env >"$STAND_IN_LOG.variables"
 case $1 in
+  run) echo "$STAND_IN_PYTHON" ;;
   venv) for last; do :; done; exec "$STAND_IN_PYTHON" -m venv --without-pip --prompt course "$last" ;;
   pip) if [ -n "${STAND_IN_PIPE:-}" ]; then echo blocked >"$STAND_IN_PIPE"; read -r _ <"$STAND_IN_PIPE"; fi
        if [ -n "${STAND_IN_RESULT:-}" ]; then exit "$STAND_IN_RESULT"; fi
@@ -73,10 +79,18 @@ class Clone:
             **variables,
         }
 
-    def course(self, *arguments: str, cwd: Path | None = None, **variables: str) -> subprocess.CompletedProcess[str]:
+    def course(
+        self,
+        *arguments: str,
+        cwd: Path | None = None,
+        before: Callable[[], None] | None = None,
+        **variables: str,
+    ) -> subprocess.CompletedProcess[str]:
+        """Run `./course`, after `before` has been called in its process."""
         return subprocess.run(
             [self.root / "course", *arguments],
             cwd=cwd or self.root,
+            preexec_fn=before,
             env=self.environ(**variables),
             capture_output=True,
             text=True,

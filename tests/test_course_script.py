@@ -55,6 +55,15 @@ def test_it_works_through_a_link_and_from_another_folder(clone: Clone, tmp_path:
     assert done.stdout == f"cli {clone.environment} doctor\n"
 
 
+def test_a_file_in_the_folder_one_is_in_takes_the_place_of_no_module(clone: Clone, tmp_path: Path) -> None:
+    (tmp_path / "runpy.py").write_text("raise SystemExit('not meant')\n")
+    (tmp_path / "course_kit").mkdir()
+    (tmp_path / "course_kit" / "cli.py").write_text("raise SystemExit('another course')\n")
+    for _ in range(2):
+        done = clone.course("doctor", cwd=tmp_path)
+        assert done.stdout == f"cli {clone.environment} doctor\n", done.stderr
+
+
 def test_ctrl_c_half_way_says_so_and_the_next_run_goes_on(clone: Clone, tmp_path: Path) -> None:
     started = clone.half_way(tmp_path)
     os.killpg(started.pid, signal.SIGINT)
@@ -122,7 +131,7 @@ case "$*" in
   "-m venv "*) for last; do :; done
      echo "$@" >>"$STAND_IN_LOG"; mkdir -p "$last/bin"; cp "$0" "$last/bin/python"; touch "$last/bin/activate" ;;
   "-m pip "*) echo "$@" >>"$STAND_IN_LOG" ;;
-  *) exec {BASE_PYTHON} "$@" ;;
+  *) PYTHONPATH=$PWD exec {BASE_PYTHON} "$@" ;;
 esac
 """,
     )
