@@ -58,9 +58,11 @@ def not_writable(*folders: Path) -> Iterator[None]:
     """Folders of somebody else, so to speak; root notices only after `drop_privileges`."""
     for folder in folders:
         folder.chmod(0o555)
-    yield
-    for folder in folders:
-        folder.chmod(0o755)
+    try:
+        yield
+    finally:
+        for folder in folders:
+            folder.chmod(0o755)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-REPOSITORY = Path(__file__).resolve().parent.parent
+REPOSITORY = Path(__file__).resolve().parent.parent.parent
 PICTURE = b"\x89PNG\r\n\x1a\n\0\0\r\n"  # tells whether line endings were changed; that is what its first bytes are for
 
 
