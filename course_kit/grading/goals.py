@@ -23,11 +23,16 @@ if TYPE_CHECKING:
     from course_kit.grading.bench import Bench, Life
 
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
-NAMES = {
+_NAMES = {
     getattr(GoalStatus, name): name.removeprefix("STATUS_") for name in dir(GoalStatus) if name.startswith("STATUS_")
 }
 _QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
 _REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's next heartbeat, each 3 s in Fast DDS
+
+
+def _named(status: int) -> str:
+    """A status in words; a number that action_msgs/msg/GoalStatus does not have as it is."""
+    return _NAMES.get(status, str(status))
 
 
 @dataclass(frozen=True)
@@ -48,7 +53,7 @@ class Ended:
     @property
     def name(self) -> str:
         """The status in words, `SUCCEEDED`."""
-        return NAMES.get(self.status, str(self.status))
+        return _named(self.status)
 
 
 class Goal:
@@ -64,6 +69,7 @@ class Goal:
             shown: the goal as the learner is shown it.
         """
         ensure_ready(bench, action)
+        bench.require_time(Evidence(shown, "an answer to the goal"))
         self.shown = shown
         self._bench, self._parts, self._line = bench, action.interface.Impl, Line(bench, action)
         self._stderr = bench.life(fresh=True).stderr
@@ -138,7 +144,7 @@ class Goal:
             evidence = Evidence(self.shown, expected, "no answer: the program ended")
             raise Failed(evidence, ended.message, ended.diagnosis) from None
         if not found:
-            raise silence.unanswered(self._bench, self.shown, expected)
+            raise silence.unanswered(self._bench, self.shown, expected, self.clock.fair())
         self._turn.came("accepted" if self.accepted else "rejected")
 
     def wait_for_end(self, seconds: float, expected: str) -> Ended:
@@ -152,6 +158,7 @@ class Goal:
             Failed: none came; with the reason if it can be established.
         """
         self._ask_for_result()
+        clock = self._bench.clock()
         try:
             self._bench.wait_until(self._result_came, seconds)
         except SubmissionEndedError as ended:
@@ -165,7 +172,8 @@ class Goal:
                 self._turn.came(f"result: {end.name}, {tell(end.result)}")
                 return end
         self._bench.spoil()
-        over = next((NAMES[status] for _, status in self.statuses if status >= SUCCEEDED), "")
+        seconds = min(seconds, clock.fair())
+        over = next((_named(status) for _, status in self.statuses if status >= SUCCEEDED), "")
         diagnosis, message = goal_endings.of_silence(self._bench, over, seconds, self.life())
         evidence = Evidence(self.shown, expected, f"no result within {seconds:.1f} s")
         self._turn.missed(evidence.got)
