@@ -11,16 +11,26 @@ import re
 import zlib
 from functools import lru_cache
 
-import numpy as np
+from course_kit.reader import text
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from typing import Any, BinaryIO
 
 RUN = 14  # tokens: a line or two
 WINDOW = 8
 _MOST_TOKENS = 50_000
 _BASE = 1_000_003
+_DROPPED = pow(_BASE, RUN, 1 << 64)  # the weight of the token that leaves a run
+_64_BITS = (1 << 64) - 1
+# A text that is not closed ends with its line, or with the program: so every quote begins something, and no part of the
+# program is looked at again and again.
 _TOKEN = re.compile(
     r"""
-    (?P<skipped> \#[^\n]* | ^[ \t]*[rbuRBU]{0,2}(?:\"{3}.*?\"{3}|'{3}.*?'{3}) )  # comments and docstrings
-  | (?P<string>  [a-zA-Z]{0,2}(?:\"{3}.*?\"{3}|'{3}.*?'{3}|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*') )
+    (?P<skipped> \#[^\n]* | ^[ \t]*[rbuRBU]{0,2}(?:\"{3}.*?(?:\"{3}|\Z)|'{3}.*?(?:'{3}|\Z)) )  # comments and docstrings
+  | (?P<string>  [a-zA-Z]{0,2}(?:\"{3}.*?(?:\"{3}|\Z)|'{3}.*?(?:'{3}|\Z)
+                 |"[^"\\\n]*(?:\\.[^"\\\n]*)*"?|'[^'\\\n]*(?:\\.[^'\\\n]*)*'?) )
   | (?P<number>  \d[\w.]* )
   | (?P<name>    \w+ )
   | (?P<sign>    [^\w\s] )
@@ -29,32 +39,53 @@ _TOKEN = re.compile(
 )
 
 
+def of_submission(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, Any]:
+    """The fingerprints of a submission.
+
+    Args:
+        name: the file's name.
+        file: the file.
+        wish: the `exercise`, whose cells of a notebook count.
+
+    Returns:
+        `prints`, in order; of what cannot be read there are none.
+    """
+    try:
+        source, _ = text.program(name, file, str(wish["exercise"]))
+    except text.UnreadableTextError:
+        return {"prints": []}
+    return {"prints": sorted(fingerprints(source))}
+
+
 def fingerprints(source: str) -> frozenset[int]:
     """The fingerprints of a Python text, which need not be correct."""
-    tokens = np.array([_number_of(text) for text in _tokens(source)], dtype=np.uint64)
-    if len(tokens) < RUN:
-        return frozenset()
-    runs = np.zeros(len(tokens) - RUN + 1, dtype=np.uint64)
-    for place in range(RUN):  # arithmetic of uint64 goes round, as a hash may
-        runs = runs * np.uint64(_BASE) + tokens[place : place + len(runs)]
-    runs ^= runs >> np.uint64(29)
-    runs *= np.uint64(0xBF58476D1CE4E5B9)  # else the smallest of a window would mostly begin alike
-    runs ^= runs >> np.uint64(32)
-    if len(runs) <= WINDOW:
-        return frozenset({int(runs.min())})
-    windows = np.lib.stride_tricks.sliding_window_view(runs, WINDOW)
-    return frozenset(np.unique(windows.min(axis=1)).tolist())
+    runs = list(_runs([_number_of(token) for token in _tokens(source)]))
+    windows = range(max(len(runs) - WINDOW + 1, min(len(runs), 1)))
+    return frozenset(min(runs[place : place + WINDOW]) for place in windows)
+
+
+def _runs(tokens: list[int]) -> Iterator[int]:
+    """A hash of each run of neighbouring tokens, made of that of the run before."""
+    value = 0
+    for place, token in enumerate(tokens):
+        value = value * _BASE + token
+        if place >= RUN:
+            value -= tokens[place - RUN] * _DROPPED
+        value &= _64_BITS
+        if place >= RUN - 1:
+            mixed = ((value ^ value >> 29) * 0xBF58476D1CE4E5B9) & _64_BITS  # else many would begin alike
+            yield mixed ^ mixed >> 32
 
 
 def _tokens(source: str) -> list[str]:
     """Keywords and signs as they are, `v` for a name, `0` for a number, `s` for a text."""
     tokens = []
     for match in _TOKEN.finditer(source):
-        kind, text = match.lastgroup, match.group()
+        kind, token = match.lastgroup, match.group()
         if kind == "name":
-            tokens.append(text if keyword.iskeyword(text) else "v")
+            tokens.append(token if keyword.iskeyword(token) else "v")
         elif kind == "sign":
-            tokens.append(text)
+            tokens.append(token)
         elif kind != "skipped":
             tokens.append("0" if kind == "number" else "s")
         if len(tokens) == _MOST_TOKENS:
