@@ -11,15 +11,17 @@ from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading import goal_endings, silence
-from course_kit.grading.actions import Action, Line, ensure_ready
+from course_kit.grading.actions import Line, ensure_ready
 from course_kit.grading.asking import NUDGE_S
 from course_kit.grading.bench import SubmissionEndedError
+from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.steps import GRADER, NODE, Followed, Step, Turn, tell
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from course_kit.grading.actions import Action, Told
     from course_kit.grading.bench import Bench, Life
 
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
@@ -33,14 +35,6 @@ _REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's ne
 def _named(status: int) -> str:
     """A status in words; a number that action_msgs/msg/GoalStatus does not have as it is."""
     return _NAMES.get(status, str(status))
-
-
-@dataclass(frozen=True)
-class Told:
-    """Feedback, and when it was received, in seconds of the system's clock."""
-
-    feedback: Any
-    came_s: float
 
 
 @dataclass(frozen=True)
@@ -80,6 +74,7 @@ class Goal:
         self._turn = bench.record.sent(f"goal for {action.name}: {tell(message)}")
         self._cancelling = Turn()
         bench.record.follow(self._feedback_steps)
+        self._follow()
         self._answer = self._line.goals.call_async(request)
 
     @property
@@ -95,23 +90,12 @@ class Goal:
     @property
     def feedback(self) -> list[Told]:
         """The feedback about this goal so far, oldest first."""
-        heard = self._line.feedback
-        return [
-            Told(message.feedback, came_s)
-            for message, came_s in zip(heard.messages, heard.times, strict=True)
-            if bytes(message.goal_id.uuid) == self._id
-        ]
+        return self._line.feedback.of(self._id)
 
     @property
     def statuses(self) -> list[tuple[float, int]]:
         """The statuses received for this goal so far, each with its time on the system's clock."""
-        heard = self._line.status
-        return [
-            (came_s, entry.status)
-            for message, came_s in zip(heard.messages, heard.times, strict=True)
-            for entry in message.status_list
-            if bytes(entry.goal_info.goal_id.uuid) == self._id
-        ]
+        return self._line.statuses.of(self._id)
 
     @property
     def over_at(self) -> float | None:
@@ -168,7 +152,8 @@ class Goal:
             raise Failed(evidence, message, diagnosis) from None
         for future in self._results:
             if future.done():
-                end = Ended(future.result().status, future.result().result)
+                response = bounded(future.result())
+                end = Ended(response.status, response.result)
                 self._turn.came(f"result: {end.name}, {tell(end.result)}")
                 return end
         self._bench.spoil()
@@ -189,8 +174,8 @@ class Goal:
 
         def quiet() -> bool:
             nonlocal count, clock
-            if count != len(self._line.feedback.messages):
-                count, clock = len(self._line.feedback.messages), self._bench.clock()
+            if count != self._line.feedback.count:
+                count, clock = self._line.feedback.count, self._bench.clock()
             return clock.past(_QUIET_S) and (clock.past(_REPAIRED_S) or complete(self.feedback))
 
         self._bench.wait_until(quiet, silence.ANSWER_S)
@@ -233,6 +218,11 @@ class Goal:
             text = f"feedback {number} after {told.came_s - begin:.2f} s: {tell(told.feedback)}"
             steps.append((told.came_s, Step(NODE, GRADER, "message", text)))
         return steps
+
+    def _follow(self) -> None:
+        """Have what comes about this goal kept from now on."""
+        self._line.feedback.of(self._id)
+        self._line.statuses.of(self._id)
 
     def _uuid(self) -> Any:
         return UUID(uuid=list(self._id))

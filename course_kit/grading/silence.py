@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from typing import TYPE_CHECKING
 
 from course_kit.grading import endings
@@ -47,13 +46,13 @@ def _why_silent(bench: Bench, seen: Activity, seconds: str, *, busy: bool) -> en
     job = bench.job
     if seen.callback is not None:
         where = endings.source_line(job, seen.callback.line)
-        if seen.waits_for_ros or _waits_for_a_future(job.source, seen.callback.line):
+        if seen.waits_for_ros or job.facts.waits_for_a_future(seen.callback.line):
             message = f"Your callback has stopped in {where}: it waits there for ROS, and ROS waits for it."
             return "service.deadlock", message
         if busy:
             return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
         return "service.blocks", f"Your callback stands still in {where}, and meanwhile nobody is answered."
-    if seen.spinning and _awaits(job.source):
+    if seen.spinning and job.facts.awaits:
         return "service.deadlock", "Your callback awaits something that never comes: nobody is left to deliver it."
     if seen.known and not seen.spinning:
         where = f" It is in {endings.source_line(job, seen.own.line)}." if seen.own else ""
@@ -83,16 +82,3 @@ def doing(bench: Bench) -> Activity:
 def spins(bench: Bench) -> bool:
     """Whether an executor is at work, so that the node's making is over."""
     return bench.job.mode != "run" or doing(bench).spinning
-
-
-def _awaits(source: str) -> bool:
-    return any(isinstance(node, ast.Await) for node in ast.walk(ast.parse(source)))
-
-
-def _waits_for_a_future(source: str, line: int) -> bool:
-    """Whether the function around `line` makes an asynchronous call and looks at its future itself."""
-    names = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.lineno <= line <= (node.end_lineno or 0):
-            names = {inner.attr for inner in ast.walk(node) if isinstance(inner, ast.Attribute)}
-    return bool(names & {"call_async", "send_goal_async"}) and bool(names & {"done", "result", "wait"})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,10 +10,11 @@ from typing import TYPE_CHECKING
 from course_kit.grading.classroom import archive, layouts
 from course_kit.grading.classroom.records import Entry
 from course_kit.grading.errors import GradingError
-from course_kit.grading.submission import LARGEST
+from course_kit.grading.reading import Reader
+from course_kit.grading.submission import Copy, UnreadableError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from course_kit.grading.classroom.layouts import Found
     from course_kit.grading.exercise import Exercise
@@ -56,7 +56,13 @@ class _Candidate:
         return (self.sureness, self.found.attempt, self.changed, self.path)
 
 
-def collect(source: Path, exercises: Sequence[Exercise], workspace: Path, layout: str = "auto") -> Intake:
+def collect(
+    source: Path,
+    exercises: Sequence[Exercise],
+    workspace: Path,
+    layout: str = "auto",
+    stopped: Callable[[], bool] = lambda: False,
+) -> Intake:
     """Find the submissions.
 
     For each student and exercise one file is taken: named like the starter or its notebook, else with the exercise's
@@ -68,9 +74,11 @@ def collect(source: Path, exercises: Sequence[Exercise], workspace: Path, layout
         exercises: which exercises were set.
         workspace: where a zip is unpacked.
         layout: a name of `layouts.LAYOUTS`, or "auto" to recognise it.
+        stopped: asked now and then whether to stop.
 
     Raises:
         GradingError: there is no such folder, zip or layout, or nothing in it.
+        ReadingStoppedError: somebody has asked to stop.
     """
     if layout != "auto" and layout not in layouts.LAYOUTS:
         raise GradingError(f"There is no layout '{layout}'. There are: auto, {', '.join(layouts.LAYOUTS)}.")
@@ -90,12 +98,13 @@ def collect(source: Path, exercises: Sequence[Exercise], workspace: Path, layout
             students.setdefault(found.student, []).append((found, path))
     entries: list[Entry] = []
     missing: list[tuple[str, str]] = []
-    for student, files in sorted(students.items()):
-        found_entries, rest = _entries_of(student, files, exercises, root)
-        entries += found_entries
-        left += rest
-        handed_in = {entry.exercise for entry in found_entries}
-        missing += [(student, exercise.id) for exercise in exercises if exercise.id not in handed_in]
+    with Reader(stopped) as reader:
+        for student, files in sorted(students.items()):
+            found_entries, rest = _entries_of(student, files, exercises, root, reader)
+            entries += found_entries
+            left += rest
+            handed_in = {entry.exercise for entry in found_entries}
+            missing += [(student, exercise.id) for exercise in exercises if exercise.id not in handed_in]
     return Intake(root, name, tuple(entries), tuple(sorted(left)), tuple(missing))
 
 
@@ -122,20 +131,21 @@ def _files(root: Path) -> tuple[list[str], list[tuple[str, str]]]:
 def _without_exercise(found: Found, exercises: Sequence[Exercise]) -> Found:
     """`jane_temperature_service.py` is jane's; a file that is called like the exercise alone stays as it is."""
     for exercise in exercises:
-        student = re.sub(rf"[ _.-]*{re.escape(exercise.id)}$", "", found.student)
-        if student and student != found.student:
+        student = found.student.removesuffix(exercise.id)
+        if student != found.student and (student := student.rstrip(" _.-")):
             return replace(found, student=student)
     return found
 
 
 def _entries_of(
-    student: str, files: list[tuple[Found, str]], exercises: Sequence[Exercise], root: Path
+    student: str, files: list[tuple[Found, str]], exercises: Sequence[Exercise], root: Path, reader: Reader
 ) -> tuple[list[Entry], list[tuple[str, str]]]:
     """A student's submissions, and the files that are none with the reason."""
     entries = []
     superseded: dict[str, str] = {}
     for exercise in exercises:
-        candidates = sorted(_candidates(root, files, exercise, alone=len(exercises) == 1), key=lambda one: one.rank)
+        found_ones = _candidates(root, files, exercise, reader, alone=len(exercises) == 1)
+        candidates = sorted(found_ones, key=lambda one: one.rank)
         if candidates:
             best = candidates[-1]
             superseded.update((one.path, best.path) for one in candidates[:-1])
@@ -150,39 +160,41 @@ def _entries_of(
     return entries, rest
 
 
-def _candidates(root: Path, files: list[tuple[Found, str]], exercise: Exercise, *, alone: bool) -> Iterator[_Candidate]:
+def _candidates(
+    root: Path, files: list[tuple[Found, str]], exercise: Exercise, reader: Reader, *, alone: bool
+) -> Iterator[_Candidate]:
     programs = [path for _, path in files if path.endswith(_PROGRAMS)]
     for found, path in files:
-        sureness = _sureness(root / path, found, exercise)
+        sureness = _sureness(root / path, found, exercise, reader)
         if not sureness and alone and ([path] == programs or (not programs and len(files) == 1)):
             sureness = _ONLY_ONE  # whatever it is, its student gets a report that says what is wrong with it
         if sureness:
             yield _Candidate(found, path, sureness, _changed(root / path))
 
 
-def _sureness(path: Path, found: Found, exercise: Exercise) -> int:
+def _sureness(path: Path, found: Found, exercise: Exercise, reader: Reader) -> int:
     if not path.name.endswith(_PROGRAMS):
         return 0
     if found.file in (exercise.starter, exercise.notebook):
         return _NAMED
     if exercise.id in found.file.lower():
         return _CALLED_ALIKE
-    return _BY_CONTENT if _is_meant_for(path, exercise) else 0
+    return _BY_CONTENT if _is_meant_for(path, exercise, reader) else 0
 
 
-def _is_meant_for(path: Path, exercise: Exercise) -> bool:
+def _is_meant_for(path: Path, exercise: Exercise, reader: Reader) -> bool:
     """Whether a file holds what the exercise asks for; links and special files are not opened."""
-    if path.is_symlink() or not path.is_file():
+    if path.is_symlink():
         return False
     try:
-        with path.open("rb") as file:
-            text = file.read(LARGEST).decode("utf-8", errors="replace")
-    except OSError:
+        copy = Copy(path, whole=False)
+    except UnreadableError:
         return False
-    if path.suffix == ".ipynb":
-        return re.search(rf"%%submission\s+{exercise.id}\b", text) is not None
-    goal = rf"^class {exercise.class_name}\b" if exercise.class_name else rf"^{exercise.variable}\b"
-    return re.search(goal, text, re.MULTILINE) is not None
+    with copy:
+        try:
+            return reader.mentions(copy, exercise)
+        except (UnreadableError, GradingError):
+            return True  # it may be; whoever reads it next says what is wrong with it
 
 
 def _changed(path: Path) -> float:
