@@ -1,20 +1,19 @@
-"""Answers out of a submission's text, without running it where that can be avoided.
+"""Answers as a submission has set them: written out in its text, or handed over by a program that was run for them.
 
-Learners write a plain dictionary, which is read as a literal. Only a program that works its answers out is run, in the
-sandbox; it hands over texts, which are read as literals in turn.
+Either way they come as texts, in the words of `repr`, and are read as literals, never run. What is too long to be the
+answer of a person is not read at all.
 """
 
 from __future__ import annotations
 
 import ast
-import builtins
 from dataclasses import dataclass, field
 from typing import Any
 
 from course_kit.quiz import Unusable
 
-_TOO_DEEP = (RecursionError, MemoryError)
-_NO_LITERAL = (ValueError, TypeError, SyntaxError, *_TOO_DEEP)
+_NO_LITERAL = (ValueError, TypeError, SyntaxError, RecursionError, MemoryError)
+_LONGEST = 500  # characters of an answer or its id, as text
 
 
 @dataclass(frozen=True)
@@ -36,109 +35,38 @@ class Found:
     too_large: bool = False
 
 
-def written_out(source: str, variable: str) -> Found | None:
-    """The answers in a program's text, or None when only running it can tell.
+def found(told: dict[str, Any], variable: str) -> Found:
+    """The answers, as they are told.
 
     Args:
-        source: Python that can be parsed.
+        told: of a program's text by `course_kit.reader.literals`, of one that was run by `course_kit.grading.values`.
         variable: the name they are assigned to.
     """
-    tree = ast.parse(source)
-    used = [node for node in ast.walk(tree) if isinstance(node, ast.Name) and node.id == variable]
-    if not used:
-        return None
-    values = [value for node in tree.body if (value := _assigned(node, variable)) is not None]
-    if len(used) != 1 or len(values) != 1:
-        return None
-    if isinstance(values[0], ast.Dict):
-        return _entries(values[0], _bound(tree))
-    try:
-        return Found(value=repr(ast.literal_eval(values[0])))
-    except _NO_LITERAL:
-        return None
-
-
-def handed_over(notes: dict[str, Any], variable: str) -> Found:
-    """The answers of a program that was run, from its notes: see `course_kit.grading.values`."""
-    names = tuple(name for name in notes.get("set_names", ()) if name != variable)
-    if notes.get("too_large"):
+    names = tuple(name for name in told.get("set_names", ()) if name != variable)
+    if told.get("too_large"):
         return Found(set_names=names, too_large=True)
-    if "value" in notes:
-        return Found(value=notes["value"], set_names=names)
-    if "entries" not in notes:
+    if "value" in told:
+        return Found(value=told["value"], set_names=names)
+    if "entries" not in told:
         return Found(set_names=names, is_set=False)
     entries: dict[Any, Any] = {}
-    for key, text in notes["entries"]:
-        _put(entries, key, text)
+    for key, text, *problem in told["entries"]:
+        _put(entries, key, text, "".join(problem))
     return Found(entries, set_names=names)
 
 
-def _put(entries: dict[Any, Any], key: str, text: str) -> None:
+def _put(entries: dict[Any, Any], key: str, text: str, problem: str) -> None:
     try:
-        value = ast.literal_eval(text)
+        value = Unusable(text, problem) if problem else _literal(text)
     except _NO_LITERAL:
         value = Unusable(text, "An answer consists of plain texts, and this is something else.")
     try:
-        entries[ast.literal_eval(key)] = value
+        entries[_literal(key)] = value
     except _NO_LITERAL:
         entries[key] = value
 
 
-def _assigned(node: ast.stmt, variable: str) -> ast.expr | None:
-    """The right side of `variable = ...`, with or without an annotation."""
-    if isinstance(node, ast.Assign) and len(node.targets) == 1:
-        target: ast.expr = node.targets[0]
-    elif isinstance(node, ast.AnnAssign):
-        target = node.target
-    else:
-        return None
-    return node.value if isinstance(target, ast.Name) and target.id == variable else None
-
-
-def _entries(table: ast.Dict, bound: frozenset[str] | None) -> Found | None:
-    entries: dict[Any, Any] = {}
-    for key, value in zip(table.keys, table.values, strict=True):
-        try:
-            name = ast.literal_eval(key) if key is not None else None
-            entries[name] = _value(value, bound)
-        except _NO_LITERAL:
-            return None
-        if key is None:
-            return None
-    return Found(entries)
-
-
-def _value(node: ast.expr, bound: frozenset[str] | None) -> Any:
-    """The value of a literal; `Unusable` for one with a name that is nowhere set.
-
-    Raises:
-        ValueError: running the program is the only way to find out.
-    """
-    try:
-        return ast.literal_eval(node)
-    except _TOO_DEEP:
-        return Unusable("", "An answer is a pair of two texts.")
-    except (ValueError, TypeError):
-        names = [inner.id for inner in ast.walk(node) if isinstance(inner, ast.Name)]
-        unknown = [name for name in names if bound is not None and name not in bound]
-        if not unknown:
-            raise
-        problem = f"Without quotes, Python takes {unknown[0]} for the name of a variable, and there is none."
-        return Unusable(ast.unparse(node), problem)
-
-
-def _bound(tree: ast.Module) -> frozenset[str] | None:
-    """All names the program gives a meaning to, built-in ones included; None when that cannot be told."""
-    names = set(dir(builtins))
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            names.add(node.id)
-        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
-            names.add(node.name)
-        elif isinstance(node, ast.arg):
-            names.add(node.arg)
-        elif isinstance(node, ast.alias):
-            if node.name == "*":
-                return None
-            names.add((node.asname or node.name).partition(".")[0])
-    return frozenset(names)
+def _literal(text: str) -> Any:
+    if len(text) > _LONGEST:
+        raise ValueError("nobody writes an answer that long")
+    return ast.literal_eval(text)

@@ -118,7 +118,7 @@ def _have_it_accepted(bench: Bench, goal: Goal, length: float, expected: str) ->
         diagnosis, message = goal_endings.of_program(ended.life, bench.job)
         raise Failed(evidence, message, diagnosis) from None
     if not answer.done():
-        raise silence.unanswered(bench, goal.shown, expected)
+        raise silence.unanswered(bench, goal.shown, expected, clock.fair())
     waited_s, late = clock.wall(), clock.past(_PROMPT_S)
     if goal.is_cancelled_by(answer.result()):
         if late:

@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import Twist
 
-from course_kit.graders._source import divides_in_integers
-
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9
-_STATUS = re.compile(r"\s*(?P<name>.*?)\s*:\s*(?P<number>\S+)\s*m/s\s*\Z", re.DOTALL)
+_UNIT = "m/s"
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 _FIELDS = [f"{part}.{axis}" for part in ("linear", "angular") for axis in "xyz"]
 _OTHERS = _FIELDS[1:]
@@ -92,7 +90,7 @@ def right_fields(settings: Settings, twist: Any) -> tuple[float, ...]:
 
 def right_wheel(settings: Settings, published: float) -> float:
     """What has to come out on /wheel_speed, in rad/s, for the linear.x that was published, in m/s."""
-    return published / (settings.wheel_diameter / 2.0) if settings.enabled else 0.0
+    return _over(published, settings.wheel_diameter / 2.0) if settings.enabled else 0.0
 
 
 def right_reaction(settings: Settings, twist: Any) -> Reaction:
@@ -131,15 +129,22 @@ def explain_velocity(settings: Settings, twist: Any, got: Reaction) -> tuple[str
     return "math.formula", f"linear.x has to be {right[0]:g} here, with max_velocity={settings.max_velocity:g}."
 
 
-def explain_wheel(settings: Settings, twist: Any, got: Reaction, source: str) -> tuple[str, str]:
-    """What is wrong with a /wheel_speed: the diagnosis and a sentence."""
+def explain_wheel(settings: Settings, twist: Any, got: Reaction, *, floors: bool) -> tuple[str, str]:
+    """What is wrong with a /wheel_speed: the diagnosis and a sentence.
+
+    Args:
+        settings: the settings in force.
+        twist: the command.
+        got: what came out for it.
+        floors: whether `//` stands in the learner's program.
+    """
     speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields_of(twist)[0]
     slips = (
-        (speed / diameter, "This is the speed divided by the diameter; the radius is half of it."),
+        (_over(speed, diameter), "This is the speed divided by the diameter; the radius is half of it."),
         (speed * diameter / 2.0, "This is the speed times the radius; the smaller a wheel, the faster it turns."),
-        (speed / (math.pi * diameter), "These are turns per second; the topic wants rad/s."),
-        (asked / (diameter / 2.0), "This belongs to the command that came in, not to the one you have published."),
-        (-speed / (diameter / 2.0), "The sign is wrong: a wheel that turns backwards has a negative speed."),
+        (_over(speed, math.pi * diameter), "These are turns per second; the topic wants rad/s."),
+        (_over(asked, diameter / 2.0), "This belongs to the command that came in, not to the one you have published."),
+        (_over(-speed, diameter / 2.0), "The sign is wrong: a wheel that turns backwards has a negative speed."),
         (speed, "This is the speed itself, in m/s; the topic wants rad/s."),
     )
     if not settings.enabled:
@@ -148,18 +153,28 @@ def explain_wheel(settings: Settings, twist: Any, got: Reaction, source: str) ->
         if _same(got.wheel, value):
             return "math.formula", told
     off = abs(got.wheel - right_wheel(settings, speed))
-    if off <= 1.0 and (got.wheel == round(got.wheel) or divides_in_integers(source)):
+    if off <= 1.0 and (got.wheel == round(got.wheel) or floors):
         return "math.integer_division", "Digits were lost on the way: look for //, int() and round()."
     return "math.formula", "It fits none of the usual slips; work it out by hand: rad/s = (m/s) / radius in m."
 
 
 def read_status(text: str) -> tuple[str, float] | None:
     """Name and velocity of a status line, or None when it is none."""
-    match = _STATUS.match(text)
-    if match is None:
+    line = text.strip()
+    if not line.endswith(_UNIT):
         return None
+    body = line.removesuffix(_UNIT).rstrip()
+    number = (body.rsplit(None, 1) or [""])[-1]
+    name = body.removesuffix(number)
+    if name.rstrip().endswith(":"):
+        name = name.rstrip()[:-1]
+    else:  # no blank after the colon, or no colon
+        more, colon, number = number.partition(":")
+        if not colon:
+            return None
+        name += more
     try:
-        return match["name"], float(match["number"])
+        return name.strip(), float(number)
     except ValueError:
         return None
 
@@ -207,6 +222,11 @@ def yaml(value: Any) -> str:
 def _shown(fields: tuple[float, ...]) -> str:
     told = [f"{name}={value:.6g}" for name, value in zip(_FIELDS, fields, strict=True) if value != 0.0]
     return ", ".join(told) or "all fields 0"
+
+
+def _over(one: float, other: float) -> float:
+    """A quotient; NaN where there is none: the settings are a stranger's."""
+    return one / other if other else math.nan
 
 
 def _same(one: float, other: float) -> bool:

@@ -84,7 +84,7 @@ def change_enabled(bench: Bench) -> Evidence:
 def change_status(bench: Bench) -> Evidence:
     """A change of robot_name and max_velocity shows in the next /status."""
     with Limiter(bench) as limiter:
-        was = next((str(message.data) for message in limiter.status.messages[-1:]), None)
+        was = str(limiter.status.messages[-1].data) if limiter.status.count else None
         values = {"robot_name": f"rover_{bench.random.randrange(100, 1000)}", "max_velocity": drawn(bench, 1.1, 2.0)}
         return expect_status(bench, limiter.status, limiter.set(**values), was=was, sent=shown(values))
 

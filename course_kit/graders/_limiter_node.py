@@ -59,16 +59,24 @@ class Limiter:
     def __exit__(
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if not self._bench.spoiled:
-            with (
-                suppress(Failed),
-                self._bench.record.looking_away(),
-            ):  # what is wrong with it was or will be said by the checks themselves
+        bench = self._bench
+        if not bench.spoiled:
+            # What is wrong with it was or will be said by the checks themselves.
+            with suppress(Failed), bench.record.looking_away(), bench.after_the_verdict():
                 self.remote.set_together(self._before.to_mapping())
 
     def settings(self) -> Settings:
-        """The values in force, as the node's own services report them."""
-        return Settings(**{name: found.value for name, found in self.remote.values(list(TYPES)).items()})
+        """The values in force, as the node's own services report them.
+
+        Raises:
+            Failed: one of them has another type than before.
+        """
+        found = self.remote.values(list(TYPES))
+        if wrong := [f"{name} is {value.type}" for name, value in found.items() if value.type != TYPES[name]]:
+            expected = ", ".join(f"{name}: {kind}" for name, kind in TYPES.items())
+            message = f"{' and '.join(wrong)}. Until now each parameter had its type."
+            raise Failed(Evidence("get_parameters", expected, ", ".join(wrong)), message, "parameter.type")
+        return Settings(**{name: value.value for name, value in found.items()})
 
     def driving(self) -> Settings:
         """The same, once `enabled` is true: only then is there something to see."""
@@ -101,16 +109,16 @@ class Limiter:
         messages come in order, and what belongs to the others is there when they are.
         """
         self.react(then, evidence)
-        before = [len(heard) for heard in self._heard()]
+        before = [heard.count for heard in self._heard()]
         self._exchange.send_all(burst, evidence)
         self.react(then, evidence)
         self._better(lambda last: last.fields[0] < 0.0 and last.wheel < 0.0, evidence)
-        velocities, wheels = (len(heard) - count for heard, count in zip(self._heard(), before, strict=True))
+        velocities, wheels = (heard.count - count for heard, count in zip(self._heard(), before, strict=True))
         return velocities, wheels
 
-    def _heard(self) -> tuple[list[Any], list[Any]]:
+    def _heard(self) -> tuple[Heard, Heard]:
         hear = self._bench.tester.hear
-        return (hear(LIMITED.interface, LIMITED.name).messages, hear(WHEEL.interface, WHEEL.name).messages)
+        return (hear(LIMITED.interface, LIMITED.name), hear(WHEEL.interface, WHEEL.name))
 
     def expect(
         self, settings: Settings, twist: Any, part: str, *, was: Reaction | None = None, sent: str = ""
@@ -148,7 +156,9 @@ class Limiter:
         if part != WHEELS and not _limiter.velocity_fits(settings, twist, got):
             diagnosis, message = _limiter.explain_velocity(settings, twist, got)
         else:
-            diagnosis, message = _limiter.explain_wheel(settings, twist, got, self._bench.job.source)
+            diagnosis, message = _limiter.explain_wheel(
+                settings, twist, got, floors=self._bench.job.facts.floor_divides
+            )
         return Failed(evidence, message, diagnosis)
 
     def _require_values(self, values: Mapping[str, Any]) -> Settings:

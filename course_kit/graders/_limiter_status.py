@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.graders._limiter import Settings, read_status, status_fits, status_line
 from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.silence import told
 from course_kit.grading.topics import await_next
 
 if TYPE_CHECKING:
@@ -28,12 +29,13 @@ def expect_status(
         Failed: it does not; with topic.silent, or parameter.read_once when it is what it `was` before a change.
     """
     evidence = Evidence(sent, f"on /status: {status_line(settings)}")
-    first = len(heard.messages)
+    first = heard.count
     for count in (first + 1, first + 2):
+        clock = bench.clock()
         if not await_next(bench, heard, count, _SILENT_S, evidence):
-            evidence = replace(evidence, got=f"nothing within {_SILENT_S:g} s")
+            evidence = replace(evidence, got=f"nothing within {told(clock.fair(), _SILENT_S)} s")
             raise Failed(evidence, "/status is to come twice a second, by a timer.", "topic.silent")
-        line = str(heard.messages[count - 1].data)
+        line = str(heard.since(count - 1)[0].data)
         bench.record.came(f"/status: {line!r}")
         evidence = replace(evidence, got=f"on /status: {line}")
         if status_fits(settings, line):
@@ -51,13 +53,14 @@ def expect_rate(bench: Bench, heard: Heard) -> Evidence:
     """
     evidence = Evidence("", "a message on /status every 0.5 s")
     clock = bench.clock()
-    count = max(3, len(heard.messages))
+    count = max(3, heard.count)
     while await_next(bench, heard, count, _SILENT_S, evidence) and not clock.past(_WATCHED_S):
-        evidence = replace(evidence, got=f"one every {_period(heard.times):.2f} s")
-        if any(_PERIOD_S[0] <= _period(times) <= _PERIOD_S[1] for times in (heard.times, heard.times[-_LAST:])):
+        times = list(heard.times)
+        evidence = replace(evidence, got=f"one every {_period(times):.2f} s")
+        if any(_PERIOD_S[0] <= _period(some) <= _PERIOD_S[1] for some in (times, times[-_LAST:])):
             return evidence
-        count = len(heard.messages) + 1
-    got = evidence.got or f"{len(heard.messages)} messages, then none for {_SILENT_S:g} s"
+        count = heard.count + 1
+    got = evidence.got or f"{heard.count} messages, then none for {told(clock.fair(), _SILENT_S)} s"
     raise Failed(replace(evidence, got=got), "Publish the line from a timer with a period of half a second.")
 
 

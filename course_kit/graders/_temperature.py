@@ -6,8 +6,6 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.graders._source import divides_in_integers
-
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
@@ -74,12 +72,12 @@ _MISTAKES = {
 }
 
 
-def explain(answers: Sequence[tuple[Sample, float]], source: str) -> tuple[str, str]:
+def explain(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[str, str]:
     """What wrong answers have in common.
 
     Args:
         answers: all samples of one direction with the values that came, at least one of them wrong.
-        source: the learner's program, or nothing where it is not known.
+        floors: whether `//` stands in the learner's program.
 
     Returns:
         The diagnosis and a sentence.
@@ -91,7 +89,6 @@ def explain(answers: Sequence[tuple[Sample, float]], source: str) -> tuple[str, 
             return mistake.code, mistake.told
     if all(_same(got, sample.value) for sample, got in answers):
         return _FORMULA, "They are the values we sent: nothing was converted."
-    floors = divides_in_integers(source)
     if all(got == 0.0 for _, got in answers):
         told = "a small number divided by a larger one with // is 0." if floors else "was response.value filled in?"
         return (_INTEGER if floors else _FORMULA), f"Every value came back as 0: {told}"

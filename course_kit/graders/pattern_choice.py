@@ -10,11 +10,12 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from course_kit import quiz
-from course_kit.graders._answers import Found, handed_over, written_out
+from course_kit.graders import _answers
 from course_kit.grading import endings
 from course_kit.grading.checks import Check, Evidence, Failed
 
 if TYPE_CHECKING:
+    from course_kit.graders._answers import Found
     from course_kit.grading.bench import Bench
     from course_kit.grading.job import Job
     from course_kit.quiz import Half, Result, Scenario
@@ -24,6 +25,7 @@ _READ = "answers"  # the id of the check all others need
 _SHAPE = 'a dictionary: answers = {"<scenario id>": ("<pattern>", "<reason id>"), ...}'
 _PATTERN_WANTED = "the pattern that fits: topic, service or action"
 _DEADLINE_S = 5.0
+_MOST_NAMED = 20  # entries that belong to no scenario
 
 
 def checks_for(job: Job) -> list[Check]:
@@ -61,7 +63,9 @@ class _Sheet:
         if not strangers:
             return Evidence("", expected, expected)
         drawn = [scenario.id for scenario in self._scenarios]
-        named = [_with_nearest(name, drawn) for name in strangers]
+        named = [_with_nearest(name, drawn) for name in strangers[:_MOST_NAMED]]
+        if (others := len(strangers) - len(named)) > 0:
+            named.append(f"{others} more")
         message = f"These entries belong to no scenario: {'; '.join(named)}. They change nothing in your points."
         raise Failed(Evidence("", expected, ", ".join(strangers)), message, "quiz.unknown")
 
@@ -99,8 +103,9 @@ def _with_nearest(name: str, drawn: list[str]) -> str:
 
 def _read(bench: Bench) -> dict[object, object]:
     """The entries of the submission, by reading it if that is enough, else by running it."""
-    found = written_out(bench.job.source, bench.job.variable) or _run(bench)
     variable = bench.job.variable
+    written_out = bench.job.literal
+    found = _answers.found(written_out, variable) if written_out else _run(bench)
     if found.too_large:
         raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to be answers.", "quiz.malformed")
     if not found.is_set:
@@ -116,7 +121,7 @@ def _run(bench: Bench) -> Found:
     job = bench.job
     life = bench.run_to_end()
     if "set_names" in life.notes:
-        found = handed_over(life.notes, job.variable)
+        found = _answers.found(life.notes, job.variable)
         if found.is_set or not life.notes.get("ended_itself"):
             return found
     code, message = endings.of_start(life, job)

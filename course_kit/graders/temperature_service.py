@@ -220,7 +220,7 @@ def _require_success(sample: Sample, response: Any, expected: str) -> None:
 def _wrong(bench: Bench, answers: Sequence[tuple[Sample, float]], response: Any) -> Failed:
     """A wrong value, the first of `answers`, explained by all of them."""
     sample = answers[0][0]
-    diagnosis, reason = explain(answers, bench.job.source)
+    diagnosis, reason = explain(answers, floors=bench.job.facts.floor_divides)
     message = (
         f"The answers to {len(answers)} requests were looked at together. {reason}" if len(answers) > 1 else reason
     )

@@ -14,16 +14,19 @@ from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
 from course_kit.grading import asking, offers
 from course_kit.grading.bench import SubmissionEndedError
+from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import Evidence, Failed
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from rclpy.client import Client
 
     from course_kit.grading.bench import Bench
-    from course_kit.grading.tester import Heard
+    from course_kit.grading.tester import Listener
 
+_MOST_FEEDBACK = 10_000  # messages about one goal that are kept
+_MOST_CHANGES = 20  # of the status of one goal
 _FEEDBACK = QoSProfile(depth=1000)
 _STATUS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -48,6 +51,52 @@ class Action:
         return offers.Wanted("action", self.name, self.type)
 
 
+@dataclass(frozen=True)
+class Told:
+    """Feedback, and when it was received, in seconds of the system's clock."""
+
+    feedback: Any
+    came_s: float
+
+
+class Feedback:
+    """What has come as feedback about goals that are followed; of one without end the beginning and the last."""
+
+    def __init__(self) -> None:
+        self.count = 0  # about whatever goal
+        self._of_goals: dict[bytes, list[Told]] = {}
+
+    def of(self, goal: bytes) -> list[Told]:
+        """All about a goal, oldest first, from the first question for it on."""
+        return self._of_goals.setdefault(goal, [])
+
+    def take(self, message: Any, info: Any) -> None:
+        """Keep one message; `info` is rclpy's."""
+        self.count += 1
+        all_told = self._of_goals.get(bytes(message.goal_id.uuid))
+        if all_told is not None:
+            del all_told[_MOST_FEEDBACK - 1 :]
+            all_told.append(Told(bounded(message.feedback), info["received_timestamp"] / 1e9))
+
+
+class Statuses:
+    """How the statuses of goals that are followed have changed."""
+
+    def __init__(self) -> None:
+        self._of_goals: dict[bytes, list[tuple[float, int]]] = {}
+
+    def of(self, goal: bytes) -> list[tuple[float, int]]:
+        """Each change, with its time on the system's clock, from the first question for the goal on."""
+        return self._of_goals.setdefault(goal, [])
+
+    def take(self, message: Any, info: Any) -> None:
+        """Keep what one message has of news; `info` is rclpy's."""
+        for entry in bounded(message).status_list:
+            changes = self._of_goals.get(bytes(entry.goal_info.goal_id.uuid))
+            if changes is not None and len(changes) < _MOST_CHANGES and entry.status not in [one for _, one in changes]:
+                changes.append((info["received_timestamp"] / 1e9, entry.status))
+
+
 class Line:
     """The grader's connections with an action; made on first use, and the same as long as the grader's node."""
 
@@ -56,8 +105,8 @@ class Line:
         self.goals = self._client(parts.SendGoalService, "send_goal")
         self.cancels = self._client(parts.CancelGoalService, "cancel_goal")
         self.results = self._client(parts.GetResultService, "get_result")  # the last: see `_get_known`
-        self.feedback: Heard = self._listen(parts.FeedbackMessage, "feedback", _FEEDBACK)
-        self.status: Heard = self._listen(parts.GoalStatusMessage, "status", _STATUS)
+        self.feedback = self._listen(Feedback, parts.FeedbackMessage, "feedback", _FEEDBACK)
+        self.statuses = self._listen(Statuses, parts.GoalStatusMessage, "status", _STATUS)
 
     def ready(self) -> bool:
         """Whether a goal can be sent and everything about it will be heard."""
@@ -68,8 +117,8 @@ class Line:
     def _client(self, interface: Any, part: str) -> Client:
         return self._tester.client(interface, f"{self._name}/_action/{part}")
 
-    def _listen(self, interface: Any, part: str, qos: QoSProfile) -> Heard:
-        return self._tester.hear(interface, f"{self._name}/_action/{part}", qos)
+    def _listen(self, make: Callable[[], Listener], interface: Any, part: str, qos: QoSProfile) -> Listener:
+        return self._tester.hear_with(make, interface, f"{self._name}/_action/{part}", qos)
 
 
 def expect_action(bench: Bench, action: Action) -> Evidence:

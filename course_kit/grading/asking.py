@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from course_kit.grading.bounds import bounded
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -49,7 +51,7 @@ class Asked:
 
     def response(self) -> Any:
         """The first answer; None as long as there is none."""
-        return next((future.result() for future in self._futures if future.done()), None)
+        return next((bounded(future.result()) for future in self._futures if future.done()), None)
 
 
 def get_known(bench: Bench, client: Client, request: Any, seconds: float = NUDGE_S) -> bool:

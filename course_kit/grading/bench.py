@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import random
 import time
-from dataclasses import dataclass, field
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import endings, limits, machine, processes
@@ -18,7 +19,7 @@ from course_kit.grading.steps import Record
 from course_kit.grading.tester import Tester
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from course_kit.grading.job import Job
     from course_kit.grading.wire import Channel
@@ -160,8 +161,30 @@ class Bench:
         self._clock = self.clock()
 
     def time_is_up(self) -> bool:
-        """Whether the check has used up its time, fairly counted."""
+        """Whether the check has used up its time, fairly counted; every wait is over then."""
         return self._clock is not None and self._clock.past(self.deadline_s + self._queued_s)
+
+    def require_time(self, evidence: Evidence) -> None:
+        """See that there is time left to ask something more.
+
+        Args:
+            evidence: what is to be asked.
+
+        Raises:
+            Failed: the check has used up its time; with service.blocks.
+        """
+        if self.time_is_up():
+            message = f"Each answer came, but so slowly that the {self.deadline_s:g} s for this check were over."
+            raise Failed(replace(evidence, got="too late to be asked"), message, "service.blocks")
+
+    @contextmanager
+    def after_the_verdict(self) -> Iterator[None]:
+        """Let waits go beyond the check's deadline: for a look at why it failed, and to tidy up. Both are short."""
+        clock, self._clock = self._clock, None
+        try:
+            yield
+        finally:
+            self._clock = clock
 
     def spoil(self) -> None:
         """Remember that the running submission is dead or stuck: the next check needs a fresh one."""
@@ -194,28 +217,36 @@ class Bench:
         return str(self._ask("stacks")["stacks"]) if self.job.mode == "run" else ""
 
     def wait_until(
-        self, condition: Callable[[], bool], seconds: float, most: float | None = None, *, calmly: bool = False
+        self,
+        condition: Callable[[], bool],
+        seconds: float,
+        *,
+        most: float = MOST,
+        calmly: bool = False,
+        of_the_living: bool = True,
     ) -> bool:
-        """Wait until `condition` holds; False when it does not within `seconds`, fairly counted.
+        """Wait until `condition` holds; False when it does not within `seconds`, or before the check's time is up.
 
         Args:
             condition: asked again and again.
-            seconds: the patience.
-            most: the largest part of the time that a busy machine may take away; the usual one when None.
+            seconds: the patience, fairly counted, as the check's deadline is.
+            most: the largest part of the time that a busy machine may take away.
             calmly: whether it may be noticed some milliseconds late that a change of the graph, after a long wait, has
                 made it hold. What a message changes is noticed at once.
+            of_the_living: whether only a submission that runs can make it hold.
 
         Raises:
-            SubmissionEndedError: the submission has ended meanwhile.
+            SubmissionEndedError: the submission has ended meanwhile, and it is `of_the_living`.
         """
-        clock = self.clock() if most is None else self._clock_of(self._state, most)
+        clock = self._clock_of(self._state, most)
         watched = 0.0
         while not condition():
             step = _CALM_STEP_S if calmly and watched > _SOON_S else _STEP_S
             if clock.wall() - watched >= _WATCH_S:
                 watched = clock.wall()
-                self.require_running()
-                if clock.past(seconds):
+                if of_the_living:
+                    self.require_running()
+                if clock.past(seconds) or self.time_is_up():
                     return False
             self.tester.spin_once(step)
         return True
@@ -228,7 +259,7 @@ class Bench:
         """
         began = time.monotonic()
         try:
-            return self.wait_until(condition, self.job.limits.start_s, _MOST_OF_A_START, calmly=True)
+            return self.wait_until(condition, self.job.limits.start_s, most=_MOST_OF_A_START, calmly=True)
         finally:
             self.spent["discovery"] += time.monotonic() - began
 

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from course_kit.grading.bench import Bench
 
 DEFAULT_DEADLINE_S = 6.0
-_LONGEST = 2000  # characters of one text of a result; a submission can make what it sends as long as it likes
 
 
 @dataclass(frozen=True)
@@ -171,17 +170,11 @@ def _run(one: Check, bench: Bench) -> Result:
         return Result(one.id, one.title, "skipped", one.points, message=f"Not run: {reason}")
     except Exception as problem:  # noqa: BLE001 - whatever it is, it is our fault and must not cost any points
         text = f"The grader itself failed here ({type(problem).__name__}: {problem}). This is not your fault."
-        return Result(one.id, one.title, "error", one.points, message=_short(text))
+        return Result(one.id, one.title, "error", one.points, message=text)
     else:
         status, diagnosis, message, steps = "passed", None, "", ()
-    sent, expected, got = map(_short, (seen.sent, seen.expected, seen.got))
-    return Result(one.id, one.title, status, one.points, sent, expected, got, diagnosis, _short(message), steps)
-
-
-def _short(text: str) -> str:
-    """The beginning of a text that is too long for a report."""
-    left_out = len(text) - _LONGEST
-    return text if left_out <= 0 else f"{text[:_LONGEST]}... ({left_out} characters left out)"
+    told = (seen.sent, seen.expected, seen.got, diagnosis, message, steps)
+    return Result(one.id, one.title, status, one.points, *told)
 
 
 def _exchange(bench: Bench, seen: Evidence) -> tuple[Step, ...]:

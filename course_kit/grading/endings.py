@@ -8,9 +8,9 @@ import pkgutil
 import re
 import signal
 import sys
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from course_kit.grading.submission import where
 from course_kit.grading.traces import Raised, last_exception
 
 if TYPE_CHECKING:
@@ -23,6 +23,10 @@ _NO_NAME = re.compile(r"cannot import name '(?P<name>\w+)' from '(?P<module>[\w.
 _TOO_MANY = ("can't start new thread", "[Errno 11] Resource temporarily unavailable")
 # Packages of the course that may exist as text only, and so are not among the installed modules.
 _INTERFACE_PACKAGES = ("course_interfaces", "example_interfaces")
+# What is imported to see what is in it. What a traceback names is the submission's choice, and importing is running.
+_HARMLESS = re.compile(r"rclpy(?:\.\w+)*|course_kit\.robot|\w+_(?:msgs|srvs|interfaces)\.(?:msg|srv|action)")
+_LONGEST_LINE = 200  # characters of a learner's line that are repeated
+_LONGEST_NAME = 80  # comparing names takes the product of their lengths
 
 Cause = tuple["str | None", str]
 """A diagnosis, or None when the cause is not established, and what happened in one or two sentences."""
@@ -30,12 +34,10 @@ Cause = tuple["str | None", str]
 
 def source_line(job: Job, line: int) -> str:
     """The learner's own line and where it stands, `line 12: return response`; notebooks: `cell 3, line 2: ...`."""
-    lines = job.source.splitlines()
-    text = lines[line - 1].strip() if 0 < line <= len(lines) else ""
-    if 0 < line <= len(job.places):
-        cell, line = job.places[line - 1]
-        return f"cell {cell}, line {line}: {text}"
-    return f"line {line}: {text}" if text else f"line {line}"
+    lines = job.source.split("\n")
+    text = lines[line - 1].strip()[:_LONGEST_LINE] if 0 < line <= len(lines) else ""
+    place = where(job.places, line)
+    return f"{place}: {text}" if text else place
 
 
 def of_limit(life: Life, job: Job) -> Cause | None:
@@ -153,14 +155,23 @@ def _nearest(raised: Raised) -> str:
         if wanted in known:  # the package is right, something in it is not
             return f"There is a package {wanted}, but not that part of it."
     elif match := _NO_NAME.search(raised.text):
-        wanted, known = match["name"], set()
-        with suppress(Exception):  # a module that cannot be imported here has no names to propose
-            known = set(dir(importlib.import_module(match["module"])))
+        wanted, known = match["name"], _names_in(match["module"])
     else:
         return ""
-    close = difflib.get_close_matches(wanted, sorted(known), n=3)
+    close = difflib.get_close_matches(wanted[:_LONGEST_NAME], sorted(known), n=3)
     alike = [name for name in close if name[0] == wanted[0]] or close  # slips rarely change the first letter
     return f"The nearest name there is: {alike[0]}." if alike else ""
+
+
+def _names_in(module: str) -> set[str]:
+    """What can be imported from a module; nothing where importing it here would not do."""
+    loaded = sys.modules.get(module)
+    try:
+        if loaded is None and _HARMLESS.fullmatch(module):
+            loaded = importlib.import_module(module)
+    except Exception:  # noqa: BLE001 - there is none of this name, or it is not whole
+        return set()
+    return set(dir(loaded)) if loaded is not None else set()
 
 
 def _signal_name(number: int | None) -> str:

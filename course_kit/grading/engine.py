@@ -5,16 +5,17 @@ from __future__ import annotations
 import secrets
 import shlex
 import time
-from contextlib import nullcontext
+from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.grading import diagnosis, exercise, submission
+from course_kit.grading import bounds, diagnosis, exercise, submission
 from course_kit.grading.errors import GradingError
 from course_kit.grading.isolation import Isolation
 from course_kit.grading.job import Job
+from course_kit.grading.reading import Reader
 from course_kit.grading.report import CheckReport, Report
 from course_kit.grading.steps import Step
 from course_kit.grading.worker import Worker
@@ -66,15 +67,29 @@ def grade(  # noqa: PLR0913 - the options of one verb
         seed = secrets.randbits(31) if task.seed is None else task.seed
     if path is not None:
         try:
-            text = submission.read(Path(path), exercise_id)
+            return _grade_file(task, Path(path), seed, worker, require_isolation)
         except submission.UnreadableError as problem:
             return unreadable(task, str(path), str(problem))
-        return grade_text(task, text, str(path), seed, worker, require_isolation=require_isolation)
     if attach and require_isolation:
         raise GradingError("A node that is running already, as with --attach, is not isolated.")
     shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
         return _grade(task, _job(task, None, seed, exec_command), shown, used, require_isolation)
+
+
+def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None, require_isolation: bool) -> Report:
+    """Have a file read and grade it.
+
+    Raises:
+        UnreadableError: there is no program in it.
+        GradingError: a broken installation, or the worker ended.
+    """
+    with ExitStack() as opened:
+        copy = opened.enter_context(submission.Copy(path))
+        reader = opened.enter_context(Reader())
+        used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
+        text = reader.read(copy, task)
+        return grade_text(task, text, str(path), seed, used, require_isolation=require_isolation)
 
 
 def grade_text(  # noqa: PLR0913 - the options of one grading
@@ -144,8 +159,16 @@ def _domain() -> int:
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
     job = Job(task.id, "attach", "", seed, class_name=task.class_name, variable=task.variable, limits=task.limits)
     if text is not None:
-        fault = _fault(text)
-        return replace(job, mode="run", name=text.program, source=text.source, fault=fault, places=text.places)
+        return replace(
+            job,
+            mode="run",
+            name=text.program,
+            source=text.source,
+            fault=_fault(text),
+            places=text.places,
+            facts=text.facts,
+            literal=text.literal,
+        )
     if command is None:
         return job
     try:
@@ -166,7 +189,7 @@ def _told(found: Isolation, mode: str) -> str:
 
 
 def _fault(text: Submission) -> str:
-    fault = text.syntax_fault()
+    fault = text.fault
     if fault is None:
         return ""
     where = f" in {text.where(fault.line)}: {fault.text}" if fault.line else ""
@@ -174,7 +197,7 @@ def _fault(text: Submission) -> str:
 
 
 def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: str, began: float) -> Report:
-    checks = tuple(_check(task, result) for result in outcome["results"])
+    checks = tuple(_check(task, result) for result in bounds.results(outcome["results"]))
     score = sum(check.points for check in checks)
     problem = _no_grade(outcome["problem"], checks)
     if problem:

@@ -11,31 +11,30 @@ from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading import goal_endings, silence
-from course_kit.grading.actions import Action, Line, ensure_ready
+from course_kit.grading.actions import Line, ensure_ready
 from course_kit.grading.asking import NUDGE_S
 from course_kit.grading.bench import SubmissionEndedError
+from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.steps import GRADER, NODE, Followed, Step, Turn, tell
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from course_kit.grading.actions import Action, Told
     from course_kit.grading.bench import Bench, Life
 
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
-NAMES = {
+_NAMES = {
     getattr(GoalStatus, name): name.removeprefix("STATUS_") for name in dir(GoalStatus) if name.startswith("STATUS_")
 }
 _QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
 _REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's next heartbeat, each 3 s in Fast DDS
 
 
-@dataclass(frozen=True)
-class Told:
-    """Feedback, and when it was received, in seconds of the system's clock."""
-
-    feedback: Any
-    came_s: float
+def _named(status: int) -> str:
+    """A status in words; a number that action_msgs/msg/GoalStatus does not have as it is."""
+    return _NAMES.get(status, str(status))
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class Ended:
     @property
     def name(self) -> str:
         """The status in words, `SUCCEEDED`."""
-        return NAMES.get(self.status, str(self.status))
+        return _named(self.status)
 
 
 class Goal:
@@ -64,6 +63,7 @@ class Goal:
             shown: the goal as the learner is shown it.
         """
         ensure_ready(bench, action)
+        bench.require_time(Evidence(shown, "an answer to the goal"))
         self.shown = shown
         self._bench, self._parts, self._line = bench, action.interface.Impl, Line(bench, action)
         self._stderr = bench.life(fresh=True).stderr
@@ -74,6 +74,7 @@ class Goal:
         self._turn = bench.record.sent(f"goal for {action.name}: {tell(message)}")
         self._cancelling = Turn()
         bench.record.follow(self._feedback_steps)
+        self._follow()
         self._answer = self._line.goals.call_async(request)
 
     @property
@@ -89,23 +90,12 @@ class Goal:
     @property
     def feedback(self) -> list[Told]:
         """The feedback about this goal so far, oldest first."""
-        heard = self._line.feedback
-        return [
-            Told(message.feedback, came_s)
-            for message, came_s in zip(heard.messages, heard.times, strict=True)
-            if bytes(message.goal_id.uuid) == self._id
-        ]
+        return self._line.feedback.of(self._id)
 
     @property
     def statuses(self) -> list[tuple[float, int]]:
         """The statuses received for this goal so far, each with its time on the system's clock."""
-        heard = self._line.status
-        return [
-            (came_s, entry.status)
-            for message, came_s in zip(heard.messages, heard.times, strict=True)
-            for entry in message.status_list
-            if bytes(entry.goal_info.goal_id.uuid) == self._id
-        ]
+        return self._line.statuses.of(self._id)
 
     @property
     def over_at(self) -> float | None:
@@ -138,7 +128,7 @@ class Goal:
             evidence = Evidence(self.shown, expected, "no answer: the program ended")
             raise Failed(evidence, ended.message, ended.diagnosis) from None
         if not found:
-            raise silence.unanswered(self._bench, self.shown, expected)
+            raise silence.unanswered(self._bench, self.shown, expected, self.clock.fair())
         self._turn.came("accepted" if self.accepted else "rejected")
 
     def wait_for_end(self, seconds: float, expected: str) -> Ended:
@@ -152,6 +142,7 @@ class Goal:
             Failed: none came; with the reason if it can be established.
         """
         self._ask_for_result()
+        clock = self._bench.clock()
         try:
             self._bench.wait_until(self._result_came, seconds)
         except SubmissionEndedError as ended:
@@ -161,11 +152,13 @@ class Goal:
             raise Failed(evidence, message, diagnosis) from None
         for future in self._results:
             if future.done():
-                end = Ended(future.result().status, future.result().result)
+                response = bounded(future.result())
+                end = Ended(response.status, response.result)
                 self._turn.came(f"result: {end.name}, {tell(end.result)}")
                 return end
         self._bench.spoil()
-        over = next((NAMES[status] for _, status in self.statuses if status >= SUCCEEDED), "")
+        seconds = min(seconds, clock.fair())
+        over = next((_named(status) for _, status in self.statuses if status >= SUCCEEDED), "")
         diagnosis, message = goal_endings.of_silence(self._bench, over, seconds, self.life())
         evidence = Evidence(self.shown, expected, f"no result within {seconds:.1f} s")
         self._turn.missed(evidence.got)
@@ -181,8 +174,8 @@ class Goal:
 
         def quiet() -> bool:
             nonlocal count, clock
-            if count != len(self._line.feedback.messages):
-                count, clock = len(self._line.feedback.messages), self._bench.clock()
+            if count != self._line.feedback.count:
+                count, clock = self._line.feedback.count, self._bench.clock()
             return clock.past(_QUIET_S) and (clock.past(_REPAIRED_S) or complete(self.feedback))
 
         self._bench.wait_until(quiet, silence.ANSWER_S)
@@ -225,6 +218,11 @@ class Goal:
             text = f"feedback {number} after {told.came_s - begin:.2f} s: {tell(told.feedback)}"
             steps.append((told.came_s, Step(NODE, GRADER, "message", text)))
         return steps
+
+    def _follow(self) -> None:
+        """Have what comes about this goal kept from now on."""
+        self._line.feedback.of(self._id)
+        self._line.statuses.of(self._id)
 
     def _uuid(self) -> Any:
         return UUID(uuid=list(self._id))

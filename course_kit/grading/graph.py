@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from course_kit.grading.bench import Bench
 
 
+_LONGEST, _MOST = 100, 200  # names that are compared: it takes the product of their lengths
+_MOST_LISTED = 20
+
+
 def why_empty(bench: Bench, wanted: str) -> endings.Cause:
     """Why no node has appeared, although the program runs.
 
@@ -33,10 +37,14 @@ def why_empty(bench: Bench, wanted: str) -> endings.Cause:
 
 def closest(wanted: str, names: Sequence[str]) -> str:
     """A sentence that names what comes nearest to `wanted`, with a space before it; nothing without names."""
-    close = difflib.get_close_matches(wanted, names, n=1, cutoff=0.3) or list(names)[:1]
+    short = [name for name in names if len(name) <= _LONGEST][:_MOST]
+    close = difflib.get_close_matches(wanted, short, n=1, cutoff=0.3) or list(names)[:1]
     return f" The closest is {close[0]}." if close else ""
 
 
 def listed(names: Sequence[str], what: str) -> str:
-    """`the nodes /a, /b`, or `no node`."""
-    return f"the {what}{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else f"no {what}"
+    """`the nodes /a, /b`, or `no node`; of very many the first."""
+    told = ", ".join(names[:_MOST_LISTED])
+    if len(names) > _MOST_LISTED:
+        told += f" and {len(names) - _MOST_LISTED} more"
+    return f"the {what}{'s' if len(names) > 1 else ''} {told}" if names else f"no {what}"

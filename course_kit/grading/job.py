@@ -7,6 +7,7 @@ from typing import Any
 
 from course_kit.grading.isolation import Isolation
 from course_kit.grading.limits import Limits
+from course_kit.grading.submission import Facts
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,9 @@ class Job:
         name: the submission's file name as it appears in tracebacks.
         source: Python text.
         fault: why the source is not Python; then nothing is run, and every check knows.
-        places: where each line of a notebook's source stands, cell and line.
+        places: which cells of a notebook the source was joined from, see `Submission.places`.
+        facts: what the source's text gives away.
+        literal: what the source sets the variable to, where its text tells that; see `Submission.literal`.
         class_name: the Node class the exercise names.
         variable: the variable it names instead, when it needs no ROS.
         command: the executable and its arguments, for "exec".
@@ -40,6 +43,8 @@ class Job:
     source: str = ""
     fault: str = ""
     places: tuple[tuple[int, int], ...] = ()
+    facts: Facts = field(default_factory=Facts)
+    literal: dict[str, Any] | None = None
     class_name: str = ""
     variable: str = ""
     command: tuple[str, ...] = ()
@@ -63,7 +68,8 @@ class Job:
             job,
             command=tuple(job.command),
             hidden=tuple(job.hidden),
-            places=tuple((cell, line) for cell, line in job.places),
+            places=tuple((cell, lines) for cell, lines in job.places),
+            facts=Facts.from_mapping(values["facts"]),
             limits=Limits.from_mapping(values["limits"]),
             isolation=Isolation.from_mapping(values["isolation"]),
         )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading import processes
 from course_kit.grading.asking import NUDGE_S
 from course_kit.grading.bench import SubmissionEndedError
+from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.services import Service, ensure_ready
 from course_kit.grading.silence import unanswered
@@ -61,7 +62,7 @@ def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Loa
         return responses
     bench.spoil()
     if answered == 0:
-        raise unanswered(bench, evidence.sent, evidence.expected)
+        raise unanswered(bench, evidence.sent, evidence.expected, spent)
     each = spent / answered
     message = (
         f"{answered} of {len(requests)} requests were answered in {spent:.1f} s, one in {each:.2f} s: "
@@ -106,7 +107,7 @@ class Exchange:
 
     def done(self) -> bool:
         """Take in what has come and send what may be sent; True when all is answered."""
-        came = {number: done[0].result() for number, sent in self._flying.items() if (done := _done(sent))}
+        came = {number: bounded(done[0].result()) for number, sent in self._flying.items() if (done := _done(sent))}
         self._late.look(found=bool(came))
         for number, response in came.items():
             self.responses[number] = response

@@ -15,6 +15,7 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from course_kit.grading import callbacks, graph, silence
 from course_kit.grading.asking import get_known
 from course_kit.grading.bench import SubmissionEndedError
+from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import Evidence, Failed
 
 if TYPE_CHECKING:
@@ -99,16 +100,16 @@ class Remote:
 
     def _call(self, verb: str, request: Any, evidence: Evidence) -> Any:
         bench = self._bench
-        if bench.time_is_up():
-            message = f"Each answer came, but so slowly that the {bench.deadline_s:g} s for this check were over."
-            raise Failed(evidence, message, "service.blocks")
+        bench.require_time(evidence)
         turn = bench.record.sent(evidence.sent, minor=verb in _QUESTIONS)
+        clock = bench.clock()
         with callbacks.explained(bench, evidence):
             future = self._clients[verb].call_async(request)
             if bench.wait_until(future.done, silence.ANSWER_S):
-                turn.came(_told(request, future.result()))
-                return future.result()
-            raise callbacks.unanswered(bench, evidence)
+                response = bounded(future.result())
+                turn.came(_told(request, response))
+                return response
+            raise callbacks.unanswered(bench, evidence, clock.fair())
 
 
 def shown(values: Mapping[str, Any]) -> str:
@@ -134,8 +135,9 @@ def expect_served(bench: Bench, node: str) -> Evidence:
         if not remote.ready():
             raise _not_served(bench, node, expected)
         client = bench.tester.client(ListParameters, f"{node}/list_parameters")  # the last that `remote` has made
+        clock = bench.clock()
         if not get_known(bench, client, ListParameters.Request(), silence.ANSWER_S):
-            raise callbacks.unanswered(bench, Evidence("list_parameters", expected))
+            raise callbacks.unanswered(bench, Evidence("list_parameters", expected), clock.fair())
     except SubmissionEndedError as ended:
         diagnosis, message = callbacks.of_start(ended.life, bench.job)
         raise Failed(Evidence("", expected, "a program that has ended"), message, diagnosis) from None
@@ -177,7 +179,7 @@ def _told(request: Any, response: Any) -> str:
     if isinstance(response, ListParameters.Response):
         return f"names: {', '.join(response.result.names)}"
     if isinstance(response, GetParameters.Response):
-        values = [parameter_value_to_python(value) for value in response.values]
+        values = [_value(value).value for value in response.values]
         if len(values) != len(request.names):
             return "no values: something that was asked for is not declared, or not set"
         return shown(dict(zip(request.names, values, strict=True)))
@@ -188,7 +190,11 @@ def _told(request: Any, response: Any) -> str:
 def _value(message: ParameterValue) -> Value:
     if message.type == Parameter.Type.NOT_SET.value:
         return Value(NOT_SET, None)
-    return Value(str(Parameter.Type(message.type).name).lower(), parameter_value_to_python(message))
+    try:
+        kind = Parameter.Type(message.type)
+    except ValueError:  # by a node that answers these requests itself
+        return Value(f"of the unknown type {message.type}", None)
+    return Value(str(kind.name).lower(), parameter_value_to_python(message))
 
 
 def _message(name: str, value: Any) -> ParameterMessage:

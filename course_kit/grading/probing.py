@@ -7,7 +7,7 @@ import os
 import time
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import limits, machine, namespaces
+from course_kit.grading import bounds, limits, machine, namespaces
 from course_kit.grading.bench import Bench
 from course_kit.grading.checks import run_all
 from course_kit.grading.wire import ChannelClosedError
@@ -63,7 +63,7 @@ def main(warden: Channel, job: Job) -> None:
     except ChannelClosedError:
         return
     except Exception as problem:  # noqa: BLE001 - a broken grader or installation; the report says so
-        told["problem"] = f"{type(problem).__name__}: {problem}"
+        told["problem"] = bounds.cut(f"{type(problem).__name__}: {problem}")
     warden.send(told)
 
 
@@ -76,7 +76,7 @@ def _run(warden: Channel, job: Job) -> dict[str, Any]:
         bench.launch()
     try:
         for result in run_all(checks_of(grader, job), bench):
-            warden.send({"do": "result", "result": result.to_mapping()})
+            warden.send({"do": "result", "result": bounds.results([result.to_mapping()])[0]})
             times[result.id] = time.monotonic() - began
     finally:
         if (

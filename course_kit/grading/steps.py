@@ -176,5 +176,5 @@ def _value(value: Any, digits: int) -> str:
 
 
 def _cut(text: str) -> str:
-    text = " ".join(text.split())
+    text = " ".join(text[: 10 * _LONGEST].split())
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."

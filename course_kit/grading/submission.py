@@ -1,21 +1,31 @@
-"""A submission's text, out of a .py or .ipynb file: bytes from a stranger, read without ever failing loudly."""
+"""A submission: the bytes of a .py or .ipynb file, and the program that was read out of them.
+
+The bytes are a stranger's. Here they are only copied and counted; `course_kit.grading.reading` has them read.
+"""
 
 from __future__ import annotations
 
-import ast
-import json
-import re
+import errno
+import hashlib
+import os
 import stat
-import threading
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from course_kit.grading.errors import GradingError
+
 if TYPE_CHECKING:
     from pathlib import Path
+    from types import TracebackType
 
-LARGEST = 1024 * 1024  # bytes
-_PARSING = threading.Lock()  # CPython 3.11 counts the depth of a tree for all threads together and then refuses it
-_MAGIC = re.compile(r"^%%submission\s+(?P<exercise>\S+)\s*$")
+    from typing_extensions import Self
+
+_MB = 1 << 20
+LARGEST = _MB  # bytes of a program
+LARGEST_NOTEBOOK = 64 * _MB  # bytes of a notebook's file, most of them outputs
+_LARGEST = {".py": LARGEST, ".ipynb": LARGEST_NOTEBOOK}
+_BLOCK = _MB
+_OF_THE_MACHINE = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO)
 
 
 class UnreadableError(ValueError):
@@ -24,7 +34,7 @@ class UnreadableError(ValueError):
 
 @dataclass(frozen=True)
 class SyntaxFault:
-    """Where Python stopped reading: the line's number and text, and what it says about it."""
+    """Where Python stopped reading: the line's number, 0 for nowhere, its text, and what Python says about it."""
 
     line: int
     text: str
@@ -32,124 +42,190 @@ class SyntaxFault:
 
 
 @dataclass(frozen=True)
+class Facts:
+    """What a program's text gives away; for a diagnosis, never for a point.
+
+    Attributes:
+        awaits: `await` stands in it.
+        floor_divides: `//` stands in it.
+        loops: `while` stands in it.
+        functions: first and last line of each function, and whether it makes an asynchronous call and looks at the
+            future itself; none when none does.
+    """
+
+    awaits: bool = False
+    floor_divides: bool = False
+    loops: bool = False
+    functions: tuple[tuple[int, int, bool], ...] = ()
+
+    @classmethod
+    def from_mapping(cls, values: dict[str, Any]) -> Facts:
+        """From plain data."""
+        functions = tuple((int(first), int(last), bool(waits)) for first, last, waits in values["functions"])
+        return cls(bool(values["awaits"]), bool(values["floor_divides"]), bool(values["loops"]), functions)
+
+    def waits_for_a_future(self, line: int) -> bool:
+        """Whether the function around `line` makes an asynchronous call and looks at its future itself."""
+        around = [one for one in self.functions if one[0] <= line <= one[1]]
+        return max(around)[2] if around else False
+
+
+@dataclass(frozen=True)
 class Submission:
-    """The text to run.
+    """The program to run.
 
     Attributes:
         name: the file's name, for reports.
         program: the name it runs under, ends in .py.
         source: Python text with plain line ends.
-        places: for each line of a notebook's source its cell and the line there, both from 1; empty for a .py file.
+        places: for each cell of a notebook that the source was joined from the cell's number, from 1, and how many
+            lines it gave; empty for a .py file.
+        fault: where the source is not Python; None when it is.
+        facts: what its text gives away.
+        literal: what it sets the exercise's variable to, where its text tells that, in the words of
+            `course_kit.reader.literals`; None where only running it can tell.
     """
 
     name: str
     program: str
     source: str
     places: tuple[tuple[int, int], ...] = ()
-
-    def syntax_fault(self) -> SyntaxFault | None:
-        """Where the text is not Python, or None when it is."""
-        try:
-            with _PARSING:
-                ast.parse(self.source, self.program)
-        except SyntaxError as fault:
-            return SyntaxFault(fault.lineno or 0, (fault.text or "").strip(), fault.msg)
-        except (ValueError, RecursionError, MemoryError) as fault:
-            return SyntaxFault(0, "", f"Python cannot read it ({fault or type(fault).__name__})")
-        return None
+    fault: SyntaxFault | None = None
+    facts: Facts = Facts()
+    literal: dict[str, Any] | None = None
 
     def where(self, line: int) -> str:
         """`line 12`, for notebooks `cell 3, line 2`."""
-        if 0 < line <= len(self.places):
-            cell, inner = self.places[line - 1]
-            return f"cell {cell}, line {inner}"
-        return f"line {line}"
+        return where(self.places, line)
 
 
-def read(path: Path, exercise_id: str) -> Submission:
-    """Read a submission.
+def where(places: tuple[tuple[int, int], ...], line: int) -> str:
+    """Where a line of a program stands, `line 12` or `cell 3, line 2`; see `Submission.places`."""
+    before = 0
+    for cell, lines in places:
+        if before < line <= before + lines:
+            return f"cell {cell}, line {line - before + 1}"  # its first line, %%submission, is not in the program
+        before += lines
+    return f"line {line}"
+
+
+class Copy:
+    """A copy of a submission's file in memory, closed at the end of a `with`.
+
+    Attributes:
+        name: the file's name.
+        size: in bytes.
+        digest: SHA-256 of its kind and its bytes.
+    """
+
+    def __init__(self, path: Path, *, whole: bool = True) -> None:
+        """Copy a file.
+
+        Args:
+            path: the file.
+            whole: refuse one that is too large; else take its beginning.
+
+        Raises:
+            UnreadableError: it cannot be read, is too large, or no file of the right kind.
+            GradingError: this machine has no room for it.
+        """
+        self.name, self.size = path.name, 0
+        try:
+            self._file = open(os.memfd_create("submission", os.MFD_CLOEXEC), "wb")  # noqa: PTH123, SIM115
+            try:
+                self.digest = self._fill(path, whole=whole)
+            except BaseException:
+                self.close()
+                raise
+        except OSError as problem:  # what concerns the file itself is an UnreadableError
+            raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def fileno(self) -> int:
+        """Its descriptor."""
+        return self._file.fileno()
+
+    def close(self) -> None:
+        """Let go of it."""
+        self._file.close()
+
+    def _fill(self, path: Path, *, whole: bool) -> str:
+        digest = hashlib.sha256(path.suffix.encode(errors="surrogateescape") + b"\0")
+        source = _open(path)
+        try:
+            if path.suffix not in _LARGEST:
+                raise UnreadableError(f"{path.name} is no .py and no .ipynb file. Hand in one of these.")
+            most = _LARGEST[path.suffix]
+            while block := _read(source, min(_BLOCK, most + 1 - self.size), path):
+                self.size += len(block)
+                if self.size > most:
+                    if whole:
+                        raise UnreadableError(_too_large(path))
+                    break
+                digest.update(block)
+                self._file.write(block)
+            self._file.flush()
+        finally:
+            os.close(source)
+        return digest.hexdigest()
+
+
+def _open(path: Path) -> int:
+    """A descriptor of an ordinary file.
 
     Raises:
-        UnreadableError: it cannot be read, is empty, too large, not UTF-8 or holds no cell for this exercise.
+        UnreadableError: there is none.
     """
-    text = _decode(_read_bytes(path), path)
-    if path.suffix == ".ipynb":
-        return _from_notebook(text, path, exercise_id)
-    if path.suffix != ".py":
-        raise UnreadableError(f"{path.name} is no .py and no .ipynb file. Hand in one of these.")
-    source = _plain_lines(text)
-    if not source.strip():
-        raise UnreadableError(f"{path.name} is empty.")
-    if "\0" in source:
-        raise UnreadableError(f"{path.name} is not Python: it contains null bytes.")
-    return Submission(path.name, path.name, source)
-
-
-def _read_bytes(path: Path) -> bytes:
     try:
-        _require_a_file(path)
-        with path.open("rb") as file:
-            data = file.read(LARGEST + 1)
+        _require_no_way_out(path)
+        _require_a_file(path, path.stat().st_mode)
+        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
     except UnreadableError:
         raise
     except FileNotFoundError:
         raise UnreadableError(f"There is no file {path}.") from None
     except (OSError, RuntimeError, ValueError) as problem:  # a loop of links, no permission, a null byte in the name
-        raise UnreadableError(f"{path.name} cannot be read: {getattr(problem, 'strerror', None) or problem}.") from None
-    if len(data) > LARGEST:
-        raise UnreadableError(f"{path.name} is larger than {LARGEST // 1024} kB. Hand in the program alone.")
-    return data
+        raise _not_read(path, problem) from None
+    try:
+        _require_a_file(path, os.fstat(descriptor).st_mode)
+    except UnreadableError:  # it was another one a moment ago
+        os.close(descriptor)
+        raise
+    return descriptor
 
 
-def _require_a_file(path: Path) -> None:
+def _require_no_way_out(path: Path) -> None:
     if path.is_symlink() and path.resolve().parent != path.parent.resolve():
         raise UnreadableError(f"{path.name} is a link to a file outside its folder. Hand in the file itself.")
-    kind = path.stat()
-    if stat.S_ISDIR(kind.st_mode):
+
+
+def _require_a_file(path: Path, mode: int) -> None:
+    if stat.S_ISDIR(mode):
         raise UnreadableError(f"{path.name or path} is a folder. Name the .py or .ipynb file in it.")
-    if not stat.S_ISREG(kind.st_mode):
+    if not stat.S_ISREG(mode):
         raise UnreadableError(f"{path.name} is no ordinary file. Hand in a .py or .ipynb file.")
 
 
-def _decode(data: bytes, path: Path) -> str:
+def _read(descriptor: int, most: int, path: Path) -> bytes:
     try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as problem:
-        raise UnreadableError(
-            f"{path.name} is not UTF-8 text (byte {problem.start + 1}). Save it with the encoding UTF-8."
-        ) from None
+        return os.read(descriptor, most)
+    except OSError as problem:
+        raise _not_read(path, problem) from None
 
 
-def _plain_lines(text: str) -> str:
-    return text.replace("\r\n", "\n").replace("\r", "\n")
+def _not_read(path: Path, problem: Exception) -> UnreadableError | GradingError:
+    fault = GradingError if getattr(problem, "errno", None) in _OF_THE_MACHINE else UnreadableError
+    return fault(f"{path.name} cannot be read: {getattr(problem, 'strerror', None) or problem}.")
 
 
-def _from_notebook(text: str, path: Path, exercise_id: str) -> Submission:
-    try:
-        cells = [_cell_text(cell) for cell in json.loads(text)["cells"]]
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        raise UnreadableError(f"{path.name} is no Jupyter notebook. Save it again in JupyterLab.") from None
-    lines, places, others = [], [], []
-    for number, cell in enumerate(cells, start=1):
-        first, *rest = _plain_lines(cell).split("\n")
-        if not (match := _MAGIC.match(first)):
-            continue
-        if match["exercise"] != exercise_id:
-            others.append(match["exercise"])
-            continue
-        lines += rest
-        places += [(number, inner) for inner in range(2, len(rest) + 2)]
-    if not "".join(lines).strip():
-        found = f" It has cells for: {', '.join(sorted(set(others)))}." if others else ""
-        raise UnreadableError(
-            f"{path.name} has no code cell that begins with the line '%%submission {exercise_id}'.{found}"
-        )
-    return Submission(path.name, f"{path.stem}.py", "\n".join(lines) + "\n", tuple(places))
-
-
-def _cell_text(cell: Any) -> str:
-    """The text of a code cell; nothing for other cells."""
-    if cell["cell_type"] != "code":
-        return ""
-    source = cell["source"]  # a list of lines in a file, a string in other writers' files
-    return source if isinstance(source, str) else "".join(source)
+def _too_large(path: Path) -> str:
+    if path.suffix == ".py":
+        return f"{path.name} is larger than {LARGEST // 1024} kB. Hand in the program alone."
+    return f"{path.name} is larger than {LARGEST_NOTEBOOK // _MB} MB. Clear its outputs and save it again."

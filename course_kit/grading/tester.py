@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from collections import deque
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import rclpy
 from rclpy.action import get_action_server_names_and_types_by_node
@@ -12,6 +14,8 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from course_kit.grading.bounds import bounded
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -19,6 +23,7 @@ if TYPE_CHECKING:
     from rclpy.publisher import Publisher
     from rclpy.qos import QoSProfile
 
+_KEPT = 1000  # messages of a topic; a program in a hurry sends more in a second
 DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
 _OF_EVERY_NODE = ("/rosout", "/parameter_events")
 NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an underscore are
@@ -42,22 +47,39 @@ class Endpoint:
     qos: QoSProfile
 
 
-@dataclass
 class Heard:
     """What has come on a topic.
 
     Attributes:
-        messages: the messages, oldest first.
-        times: when each was received, in seconds of the system's clock. When it was sent only the publisher could say.
+        count: how many messages.
+        messages: the last of them, oldest first; each with its texts and sequences cut where they are too long.
+        times: when each of these was received, in seconds of the system's clock; when it was sent only the publisher
+            could say.
     """
 
-    messages: list[Any] = field(default_factory=list)
-    times: list[float] = field(default_factory=list)
+    def __init__(self) -> None:
+        self.count = 0
+        self.messages: deque[Any] = deque(maxlen=_KEPT)
+        self.times: deque[float] = deque(maxlen=_KEPT)
 
     def take(self, message: Any, info: Any) -> None:
         """Keep one message; `info` is rclpy's, with the time the middleware noted, however late we look."""
-        self.messages.append(message)
+        self.count += 1
+        self.messages.append(bounded(message))
         self.times.append(info["received_timestamp"] / 1e9)
+
+    def since(self, count: int) -> list[Any]:
+        """The messages after the first `count`, as far as they are kept."""
+        forgotten = self.count - len(self.messages)
+        return list(islice(self.messages, max(count - forgotten, 0), None))
+
+
+class _Takes(Protocol):
+    def take(self, message: Any, info: Any) -> None:
+        """Keep what is wanted of a message."""
+
+
+Listener = TypeVar("Listener", bound=_Takes)
 
 
 class Tester:
@@ -77,7 +99,7 @@ class Tester:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[tuple[str, int], Client] = {}
-        self._heard: dict[str, Heard] = {}
+        self._heard: dict[str, Any] = {}
         self._publishers: dict[str, Publisher] = {}
 
     @property
@@ -98,12 +120,17 @@ class Tester:
             self._clients[key] = self.node.create_client(interface, name)
         return self._clients[key]
 
-    def hear(self, interface: Any, topic: str, qos: QoSProfile | int = DEPTH) -> Heard:
-        """What comes on a topic, from the first use on; without `qos` with the default profile of depth 10."""
+    def hear(self, interface: Any, topic: str) -> Heard:
+        """What comes on a topic, from the first use on; with the default profile of depth 10."""
+        return self.hear_with(Heard, interface, topic, DEPTH)
+
+    def hear_with(self, make: Callable[[], Listener], interface: Any, topic: str, qos: QoSProfile | int) -> Listener:
+        """What `make` has made on first use, and what has taken every message on a topic since."""
         if topic not in self._heard:
-            self._heard[topic] = heard = Heard()
+            self._heard[topic] = heard = make()
             self.node.create_subscription(interface, topic, heard.take, qos)
-        return self._heard[topic]
+        listener: Listener = self._heard[topic]
+        return listener
 
     def publisher(self, interface: Any, topic: str) -> Publisher:
         """The publisher on a topic, with the default QoS profile of depth 10; made on first use and kept."""

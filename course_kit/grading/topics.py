@@ -139,15 +139,16 @@ class Exchange:
         Raises:
             Failed: too few came; as in `send`.
         """
+        self._bench.require_time(evidence)
         with callbacks.explained(self._bench, evidence):
             self._connect(evidence)
-            places = [len(heard.messages) for heard in self._heard]
+            places = [heard.count for heard in self._heard]
             self._tell_sent(messages)
             for message in messages:
                 self._publisher.publish(message)
             self._await(places, len(messages), evidence)
             self._tell_came(places)
-        return tuple(heard.messages[place:] for heard, place in zip(self._heard, places, strict=True))
+        return tuple(heard.since(place) for heard, place in zip(self._heard, places, strict=True))
 
     def wait_for_better(self, good: Callable[[tuple[Any, ...]], bool], evidence: Evidence) -> tuple[Any, ...]:
         """Give the last message on each topic a moment to become what it should be, and return it, good or not.
@@ -155,7 +156,7 @@ class Exchange:
         A node that publishes more than once for a message, or from a timer, leaves some that are taken for answers to
         the next one; whether that is allowed is for a check of its own.
         """
-        places = [len(heard.messages) for heard in self._heard]
+        places = [heard.count for heard in self._heard]
         with callbacks.explained(self._bench, evidence):
             self._bench.wait_until(lambda: good(self._last()), _LATE_S)
         self._tell_came(places)
@@ -171,14 +172,14 @@ class Exchange:
     def _tell_came(self, places: Sequence[int]) -> None:
         """Keep what has come on each topic since there were so many messages."""
         for topic, heard, place in zip(self._answers, self._heard, places, strict=True):
-            new = heard.messages[place:]
+            new = heard.count - place
             if new:
-                what = tell(new[0]) if len(new) == 1 else f"{len(new)} messages"
+                what = tell(heard.messages[-1]) if new == 1 else f"{new} messages"
                 self._turn.came(f"{topic.name}: {what}", "message")
 
     def _connect(self, evidence: Evidence) -> None:
         """Make sure that both ways stand, by empty messages, which no caller counts."""
-        if all(heard.messages for heard in self._heard):
+        if all(heard.count for heard in self._heard):
             return
         sent = 0
         clock = self._bench.clock()
@@ -188,34 +189,35 @@ class Exchange:
             if self._publisher.get_subscription_count() and clock.past(sent * _AGAIN_S):
                 self._publisher.publish(self._sent.interface())
                 sent += 1
-            return all(heard.messages for heard in self._heard)
+            return all(heard.count for heard in self._heard)
 
         if not self._bench.wait_until(connected, HEARD_S):
             self._tell_sent([self._sent.interface()])
-            raise self._silent([1] * len(self._heard), evidence)
+            raise self._silent([1] * len(self._heard), evidence, clock.fair())
         if sent > 1:  # whichever of them were lost: the answers to all others are to come before we go on
-            self._bench.wait_until(lambda: all(len(heard.messages) >= sent for heard in self._heard), _AGAIN_S)
+            self._bench.wait_until(lambda: all(heard.count >= sent for heard in self._heard), _AGAIN_S)
 
     def _await(self, places: Sequence[int], number: int, evidence: Evidence) -> None:
         counts = [place + number for place in places]
 
         def come() -> bool:
-            return all(len(heard.messages) >= count for heard, count in zip(self._heard, counts, strict=True))
+            return all(heard.count >= count for heard, count in zip(self._heard, counts, strict=True))
 
+        clock = self._bench.clock()
         if not self._bench.wait_until(come, HEARD_S):
             self._tell_came(places)
-            raise self._silent(counts, evidence)
+            raise self._silent(counts, evidence, clock.fair())
 
-    def _silent(self, counts: Sequence[int], evidence: Evidence) -> Failed:
+    def _silent(self, counts: Sequence[int], evidence: Evidence, waited_s: float) -> Failed:
         missing = [
             topic.name
             for topic, heard, count in zip(self._answers, self._heard, counts, strict=True)
-            if len(heard.messages) < count
+            if heard.count < count
         ]
-        names = " and ".join(missing)
-        self._turn.missed(f"within {HEARD_S:g} s nothing on {names}")
-        evidence = replace(evidence, got=f"within {HEARD_S:g} s nothing on {names}")
-        return Failed(evidence, *_why_nothing(self._bench, self._sent.name, names)[::-1])
+        names, seconds = " and ".join(missing), silence.told(waited_s, HEARD_S)
+        self._turn.missed(f"within {seconds} s nothing on {names}")
+        evidence = replace(evidence, got=f"within {seconds} s nothing on {names}")
+        return Failed(evidence, *_why_nothing(self._bench, self._sent.name, names, seconds)[::-1])
 
 
 def await_next(bench: Bench, heard: Heard, count: int, seconds: float, evidence: Evidence) -> bool:
@@ -225,16 +227,16 @@ def await_next(bench: Bench, heard: Heard, count: int, seconds: float, evidence:
         Failed: the submission has ended.
     """
     with callbacks.explained(bench, evidence):
-        return bench.wait_until(lambda: len(heard.messages) >= count, seconds)
+        return bench.wait_until(lambda: heard.count >= count, seconds)
 
 
-def _why_nothing(bench: Bench, sent: str, missing: str) -> endings.Cause:
+def _why_nothing(bench: Bench, sent: str, missing: str, seconds: str) -> endings.Cause:
     seen = silence.doing(bench)
     if seen.callback is not None:
         bench.spoil()
         where = endings.source_line(bench.job, seen.callback.line)
         if silence.computes(bench):
-            return "limit.time", f"Your callback was still computing in {where} after {HEARD_S:g} s."
+            return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
         return None, f"Your callback stands still in {where}, and meanwhile nothing is published."
     if logged := callbacks.of_logged(bench.life(fresh=True).stderr, bench.job):
         bench.spoil()

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 _HANDING_OVER = ("publish", "publish_feedback", "call_async", "send_goal_async", "log")
 _HEADER = "Traceback (most recent call last):"
-_FILE_LINE = re.compile(r'^\s+File "(?P<file>[^"]*)", line (?P<line>\d+)(?:,)? in (?P<function>.+)$')
+_FILE_LINE = re.compile(r'^\s+File "(?P<file>[^"]*)", line (?P<line>\d{1,9})(?:,)? in (?P<function>.+)$')
 _EXCEPTION = re.compile(r"^(?P<type>[A-Za-z_][\w.]*)(?:: (?P<text>.*))?$")
 _THREAD = re.compile(r"^(?:Current thread|Thread) 0x[0-9a-f]+.*\(most recent call first\)")
 

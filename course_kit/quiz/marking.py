@@ -23,6 +23,10 @@ EXAMPLE = '("topic", "reason_id")'
 MISSING, UNKNOWN, MALFORMED = "quiz.missing", "quiz.unknown", "quiz.malformed"
 _NEAR = 0.75  # how alike two ids are that one may have been meant for the other; 1.0 is the same
 _SHOWN = 60  # characters of an answer that are repeated
+_LONGEST_ID, _MOST_IDS = (
+    80,
+    200,
+)  # longer names, and more of them, are not compared: it takes the square of their length
 
 
 @dataclass(frozen=True)
@@ -130,7 +134,8 @@ def mark_one(scenario: Scenario, answer: object) -> Marks:
 
 def nearest(name: str, names: Collection[str]) -> str | None:
     """The one of `names` that `name` was probably meant to be."""
-    close = difflib.get_close_matches(name, sorted(names), n=1, cutoff=_NEAR)
+    short = sorted(one for one in names if len(one) <= _LONGEST_ID)[:_MOST_IDS]
+    close = difflib.get_close_matches(name, short, n=1, cutoff=_NEAR) if len(name) <= _LONGEST_ID else []
     return close[0] if close else None
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import random
 from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import submission
 from course_kit.grading.exports import lookalikes
-from course_kit.grading.exports.fingerprints import RUN, WINDOW, fingerprints
+from course_kit.reader.fingerprints import RUN, WINDOW, fingerprints
 from tests.exports import programs
 from tests.exports.books import CHOICE, SERVICE, book, good, unreadable
 from tests.exports.programs import ORIGINAL, OTHER, class_of, disguised, moved, starter
@@ -81,7 +81,7 @@ def test_identical_files_are_one_group_and_no_pair(tmp_path: Path) -> None:
 
 def test_a_notebook_is_compared_by_its_cells(tmp_path: Path) -> None:
     cell = '{"cell_type": "code", "source": %s}'
-    source = submission.json.dumps(f"%%submission {SERVICE.id}\n{ORIGINAL}")
+    source = json.dumps(f"%%submission {SERVICE.id}\n{ORIGINAL}")
     (tmp_path / "nb.ipynb").write_text(f'{{"cells": [{cell % source}]}}')
     class_ = class_of(tmp_path, ann=disguised(ORIGINAL))
     found = lookalikes.find(book(*class_, good("bob", source="nb.ipynb"), root=tmp_path))

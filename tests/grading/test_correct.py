@@ -45,10 +45,10 @@ def test_same_seed_asks_the_same(grade_source: Callable[..., grading.Report], so
 
 
 def test_starter_notebook_holds_the_starter() -> None:
-    from course_kit.grading import submission
+    from tests.reading import read
 
     folder = ROOT / "exercises" / EXERCISE
-    starter = submission.read(folder / f"{EXERCISE}.py", EXERCISE)
-    notebook = submission.read(folder / f"{EXERCISE}.ipynb", EXERCISE)
+    starter = read(folder / f"{EXERCISE}.py", EXERCISE)
+    notebook = read(folder / f"{EXERCISE}.ipynb", EXERCISE)
     assert "class TemperatureService" in starter.source
     assert "class TemperatureService" in notebook.source

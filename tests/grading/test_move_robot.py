@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading import submission
 from tests.grading.conftest import ROOT
+from tests.reading import read
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -49,8 +49,8 @@ def test_solution_in_any_file_gets_full_marks(guise: str, worker: grading.Worker
 
 
 def test_starter_notebook_holds_the_starter() -> None:
-    program = submission.read(STARTER, EXERCISE).source
-    cell = submission.read(NOTEBOOK, EXERCISE).source
+    program = read(STARTER, EXERCISE).source
+    cell = read(NOTEBOOK, EXERCISE).source
     assert program[program.index("class MoveRobotServer") : program.index("\n\ndef main")].rstrip() in cell
 
 

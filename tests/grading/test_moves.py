@@ -23,8 +23,8 @@ from course_kit.graders._moves import (
     telling_target,
 )
 from course_kit.grading import goal_endings
+from course_kit.grading.actions import Told
 from course_kit.grading.bench import Life
-from course_kit.grading.goals import Told
 from course_kit.grading.job import Job
 
 coordinates = st.floats(0.0, ARENA)

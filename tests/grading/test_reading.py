@@ -163,8 +163,8 @@ def test_nearest_import(problem: str, nearest: str) -> None:
 
 
 def test_source_line_in_a_notebook() -> None:
-    job = Job("temperature_service", "run", "answer.py", 1, source="a = 1\nb = 2\n", places=((2, 2), (5, 3)))
-    assert endings.source_line(job, 2) == "cell 5, line 3: b = 2"
+    job = Job("temperature_service", "run", "answer.py", 1, source="a = 1\nb = 2\n", places=((2, 1), (5, 1)))
+    assert endings.source_line(job, 2) == "cell 5, line 2: b = 2"
     assert endings.source_line(JOB, 99) == "line 99"
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.submission import LARGEST, UnreadableError, read
+from course_kit.grading.submission import LARGEST, UnreadableError
+from tests.reading import read
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -104,8 +105,8 @@ def test_notebook_cells_are_joined_in_order_and_lines_are_found_again(tmp_path: 
 def test_syntax_fault_has_line_and_text(tmp_path: Path) -> None:
     path = tmp_path / "a.py"
     path.write_text("x = 1\nif x\n    pass\n")
-    fault = read(path, EXERCISE).syntax_fault()
+    fault = read(path, EXERCISE).fault
     assert fault is not None
     assert (fault.line, fault.text) == (2, "if x")
     path.write_text("x = " + "(" * 5000 + ")" * 5000)
-    assert read(path, EXERCISE).syntax_fault() is not None
+    assert read(path, EXERCISE).fault is not None

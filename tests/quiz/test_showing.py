@@ -66,9 +66,9 @@ def test_the_starter_is_the_sheet_of_the_default_seed() -> None:
 
 
 def test_the_notebook_holds_the_form_of_the_default_seed() -> None:
-    from course_kit.grading import submission
+    from tests.reading import read
 
-    handed_in = submission.read(FOLDER / "pattern_choice.ipynb", "pattern_choice")
+    handed_in = read(FOLDER / "pattern_choice.ipynb", "pattern_choice")
     assert handed_in.source.strip() == quiz.show().form()
 
 

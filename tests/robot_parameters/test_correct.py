@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
-from course_kit.grading import submission
+from tests.reading import read
 from tests.robot_parameters.conftest import EXERCISE, ROOT, SOLUTION, not_passed
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def test_notebook(grade_source: Callable[..., grading.Report]) -> None:
 
 def test_starter_notebook_holds_the_class_of_the_starter() -> None:
     folder = ROOT / "exercises" / EXERCISE
-    starter = submission.read(folder / f"{EXERCISE}.py", EXERCISE).source
-    notebook = submission.read(folder / f"{EXERCISE}.ipynb", EXERCISE).source
+    starter = read(folder / f"{EXERCISE}.py", EXERCISE).source
+    notebook = read(folder / f"{EXERCISE}.ipynb", EXERCISE).source
     definition = starter[starter.index("class VelocityLimiter") : starter.index("def main")].strip()
     assert definition in notebook

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import hashlib
-import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.grading import engine, submission
+from course_kit.grading import engine
 from course_kit.grading.classroom.pool import Task
 from course_kit.grading.classroom.records import Record
+from course_kit.grading.errors import GradingError
+from course_kit.grading.submission import Copy, UnreadableError
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.grading.classroom.records import Entry
     from course_kit.grading.exercise import Exercise
+    from course_kit.grading.reading import Reader
     from course_kit.grading.report import Report
-
-_WHILE = re.compile(r"^\s*while\b", re.MULTILINE)
+    from course_kit.grading.submission import Submission
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,7 @@ class Handed:
         size: in bytes.
         text: its text; None when there is none, and `problem` says why.
         problem: why it cannot be graded.
+        status: of the report of one that cannot be graded: "unreadable", or "error" where that is not its own fault.
     """
 
     entry: Entry
@@ -40,8 +41,9 @@ class Handed:
     seed: int
     digest: str = ""
     size: int = 0
-    text: submission.Submission | None = None
+    text: Submission | None = None
     problem: str = ""
+    status: str = "unreadable"
 
     @property
     def key(self) -> tuple[str, str, int]:
@@ -51,7 +53,7 @@ class Handed:
     @property
     def may_last(self) -> bool:
         """Whether its program has a loop that may be endless; a guess, good enough to begin with such programs."""
-        return self.text is not None and _WHILE.search(self.text.source) is not None
+        return self.text is not None and self.text.facts.loops
 
     def task(self, hidden: tuple[str, ...]) -> Task | None:
         """What an executor is asked to do, with the folders it must hide; None when there is nothing to run."""
@@ -59,7 +61,7 @@ class Handed:
 
     def unreadable(self) -> Report:
         """The report of one that has no text."""
-        return engine.unreadable(self.exercise, self.entry.source, self.problem)
+        return engine.unreadable(self.exercise, self.entry.source, self.problem, self.status)
 
     def record(self, report: Report) -> Record:
         """Its result."""
@@ -88,7 +90,9 @@ class Handed:
         )
 
 
-def read(entry: Entry, root: Path, exercise: Exercise, seed: int) -> Handed:
+def read(  # noqa: PLR0913 - what a submission is read for
+    entry: Entry, root: Path, exercise: Exercise, seed: int, reader: Reader, *, known: Record | None = None
+) -> Handed:
     """Read a submission; never fails, as there is a report for whatever was handed in.
 
     Args:
@@ -96,15 +100,21 @@ def read(entry: Entry, root: Path, exercise: Exercise, seed: int) -> Handed:
         root: the folder its source is relative to.
         exercise: its exercise.
         seed: what its checks will draw from.
+        reader: who reads it.
+        known: the result of an earlier run; what it is of is not read again.
+
+    Raises:
+        ReadingStoppedError: somebody has asked to stop.
     """
     path = root / entry.source
     try:
-        text = submission.read(path, exercise.id)
-        data = path.read_bytes()
-    except (submission.UnreadableError, OSError) as problem:
+        with Copy(path) as copy:
+            one = Handed(entry, exercise, seed, copy.digest, copy.size)
+            return one if one.has_result(known) else replace(one, text=reader.read(copy, exercise))
+    except UnreadableError as problem:
         return Handed(entry, exercise, seed, problem=str(problem), size=_size(path))
-    digest = hashlib.sha256(path.suffix.encode() + b"\0" + data).hexdigest()
-    return Handed(entry, exercise, seed, digest, len(data), text)
+    except GradingError as problem:
+        return Handed(entry, exercise, seed, problem=str(problem), size=_size(path), status="error")
 
 
 def _size(path: Path) -> int:

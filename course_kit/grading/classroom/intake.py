@@ -5,7 +5,6 @@ An entry that is broken, or named like nothing else, is its own problem: everybo
 
 from __future__ import annotations
 
-import re
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -15,10 +14,11 @@ from course_kit.grading.classroom.archive import Archive
 from course_kit.grading.classroom.records import Entry
 from course_kit.grading.errors import GradingError
 from course_kit.grading.output import one_line
-from course_kit.grading.submission import LARGEST
+from course_kit.grading.reading import Reader
+from course_kit.grading.submission import Copy, UnreadableError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from course_kit.grading.classroom.layouts import Unit
@@ -84,7 +84,13 @@ class _Candidate:
         return (self.sureness, self.file.unit.attempt, self.changed, self.file.path)
 
 
-def collect(source: Path, exercises: Sequence[Exercise], workspace: Path, layout: str = arrangement.AUTO) -> Intake:
+def collect(
+    source: Path,
+    exercises: Sequence[Exercise],
+    workspace: Path,
+    layout: str = arrangement.AUTO,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Intake:
     """Find the submissions.
 
     For each student and exercise one file is taken: named like the starter or its notebook, else with the exercise's
@@ -96,9 +102,11 @@ def collect(source: Path, exercises: Sequence[Exercise], workspace: Path, layout
         exercises: which exercises were set.
         workspace: where a zip is unpacked.
         layout: a name of `layouts.LAYOUTS`, or AUTO to recognise it.
+        stopped: asked now and then whether to stop.
 
     Raises:
         GradingError: there is no such folder, zip or layout, it cannot be read, or there is nothing in it.
+        ReadingStoppedError: somebody has asked to stop.
     """
     with ExitStack() as stack:
         root, found = _open(source, workspace, stack)
@@ -111,7 +119,7 @@ def collect(source: Path, exercises: Sequence[Exercise], workspace: Path, layout
         left = [*arranged.left, *(found.left if isinstance(found, Archive) else [])]
         if not arranged.units and not left:
             raise GradingError(f"There are no files in {source}.")
-        choice = _Choice(root, found, exercises)
+        choice = _Choice(root, found, exercises, stack.enter_context(Reader(stopped)))
         for student, units in students.by_name(arranged.units, [one.id for one in exercises]).items():
             choice.take(student, units)
     return Intake(
@@ -140,8 +148,9 @@ def _open(source: Path, workspace: Path, stack: ExitStack) -> tuple[Path, Listin
 class _Choice:
     """Chooses each student's submissions, one student after the other."""
 
-    def __init__(self, root: Path, found: Listing, exercises: Sequence[Exercise]) -> None:
+    def __init__(self, root: Path, found: Listing, exercises: Sequence[Exercise], reader: Reader) -> None:
         self._root = root
+        self._reader = reader
         self._listing = found
         self._exercises = exercises
         self.entries: list[Entry] = []
@@ -215,7 +224,8 @@ class _Choice:
         if exercise.id in file.called.lower():
             return _CALLED_ALIKE
         can_be_opened = opened and not file.problem and file.item.kind == listing.FILE
-        return _BY_CONTENT if can_be_opened and _is_meant_for(self._root / file.path, exercise) else 0
+        meant = can_be_opened and _is_meant_for(self._root / file.path, exercise, self._reader)
+        return _BY_CONTENT if meant else 0
 
 
 def _not_followed(item: Item, unit: Unit) -> str:
@@ -238,17 +248,17 @@ def _entry(student: str, exercise: Exercise, file: _File) -> Entry:
     return Entry(student, exercise.id, file.path, one_line(unit.name), unit.late, platform)
 
 
-def _is_meant_for(path: Path, exercise: Exercise) -> bool:
+def _is_meant_for(path: Path, exercise: Exercise, reader: Reader) -> bool:
     """Whether a file holds what the exercise asks for."""
     try:
-        with path.open("rb") as file:
-            text = file.read(LARGEST).decode("utf-8", errors="replace")
-    except OSError:
+        copy = Copy(path, whole=False)
+    except UnreadableError:
         return False
-    if path.suffix == ".ipynb":
-        return re.search(rf"%%submission\s+{exercise.id}\b", text) is not None
-    goal = rf"^class {exercise.class_name}\b" if exercise.class_name else rf"^{exercise.variable}\b"
-    return re.search(goal, text, re.MULTILINE) is not None
+    with copy:
+        try:
+            return reader.mentions(copy, exercise)
+        except (UnreadableError, GradingError):
+            return True  # it may be; whoever reads it next says what is wrong with it
 
 
 def _changed(path: Path) -> float:

@@ -19,6 +19,7 @@ from course_kit.grading.classroom.gradebook import Gradebook
 from course_kit.grading.classroom.records import Records
 from course_kit.grading.errors import GradingError
 from course_kit.grading.output import one_line
+from course_kit.grading.reading import Reader, ReadingStoppedError
 from course_kit.grading.render_page import render_page
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.classroom.executors import Executor
     from course_kit.grading.classroom.handed import Handed
-    from course_kit.grading.classroom.records import Record
+    from course_kit.grading.classroom.records import Entry, Record
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.report import Report
 
@@ -102,7 +103,10 @@ class ClassRun:
         self._records = Records(plan.out)
         _require_folders_apart(plan)
         self.seed = self._choose_seed()
-        self.intake = intake.collect(plan.source, plan.exercises, plan.out / WORKSPACE, plan.layout)
+        try:
+            self.intake = intake.collect(plan.source, plan.exercises, plan.out / WORKSPACE, plan.layout, self._stopped)
+        except ReadingStoppedError:
+            raise KeyboardInterrupt from None  # nothing has begun
         self._require_submissions()
         run_file = json.dumps({"format_version": FORMAT_VERSION, "seed": self.seed})
         write_atomically(plan.out / RUN_FILE, f"{run_file}\n")
@@ -127,6 +131,9 @@ class ClassRun:
             finally:
                 executor.close()
         return self._gradebook()
+
+    def _stopped(self) -> bool:
+        return self._stops() > 0
 
     def _choose_seed(self) -> int:
         """The run's seed: that of the earlier run when it is gone on with."""
@@ -167,19 +174,26 @@ class ClassRun:
 
         What may last comes first: its patience passes beside the work on the others, not after it.
         """
-        exercises = {exercise.id: exercise for exercise in self._plan.exercises}
         groups: dict[tuple[str, str, int], list[Handed]] = {}
-        for entry in self.intake.entries:
-            exercise = exercises[entry.exercise]
-            usual = self.seed if exercise.seed is None else exercise.seed
-            one = handed.read(entry, self.intake.root, exercise, self._plan.seeds.get(entry.student, usual))
-            known = self._records.find(entry)
-            if known is not None and one.has_result(known):
-                self._done.append(known)
-            else:
-                groups.setdefault(one.key, []).append(one)
+        try:
+            with Reader(self._stopped) as reader:
+                for entry in self.intake.entries:
+                    known = self._records.find(entry)
+                    one = self._read(entry, reader, known)
+                    if known is not None and one.has_result(known):
+                        self._done.append(known)
+                    else:
+                        groups.setdefault(one.key, []).append(one)
+        except ReadingStoppedError:
+            groups = {}
         self._watcher.begin(len(self.intake.entries), self._done)
         return sorted(groups.values(), key=lambda group: not group[0].may_last)
+
+    def _read(self, entry: Entry, reader: Reader, known: Record | None) -> Handed:
+        exercise = next(one for one in self._plan.exercises if one.id == entry.exercise)
+        usual = self.seed if exercise.seed is None else exercise.seed
+        seed = self._plan.seeds.get(entry.student, usual)
+        return handed.read(entry, self.intake.root, exercise, seed, reader, known=known)
 
     def _work_through(self, groups: list[list[Handed]], executor: Executor) -> None:
         waiting = iter(groups)

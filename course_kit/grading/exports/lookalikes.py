@@ -10,8 +10,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.grading import submission
-from course_kit.grading.exports.fingerprints import fingerprints
+from course_kit.grading.errors import GradingError
+from course_kit.grading.reading import Reader
+from course_kit.grading.submission import Copy, UnreadableError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -95,11 +96,14 @@ def _alike(book: Gradebook, exercise: Exercise, records: list[Record]) -> _Alike
     if book.root is None:
         return _Alike([], 0)
     given: frozenset[int] = frozenset()
-    for name in (exercise.starter, exercise.notebook):
-        given |= _of_file(exercise.folder / name, exercise)
     same: dict[frozenset[int], list[Record]] = defaultdict(list)
-    for record in records:
-        same[_of_file(book.root / record.entry.source, exercise) - given].append(record)
+    with Reader() as reader:
+        for name in (exercise.starter, exercise.notebook):
+            given |= _of_file(exercise.folder / name, exercise, reader)
+        for record in records:
+            path = book.root / record.entry.source
+            prints = frozenset() if record.status == "unreadable" else _of_file(path, exercise, reader)
+            same[prints - given].append(record)
     long_enough = {prints: group for prints, group in same.items() if len(prints) >= _FEWEST}
     pairs = [
         Pair(first, other, 1.0, len(prints)) for prints, (first, *others) in long_enough.items() for other in others
@@ -115,9 +119,9 @@ def _alike(book: Gradebook, exercise: Exercise, records: list[Record]) -> _Alike
     return _Alike(pairs, compared)
 
 
-def _of_file(path: Path, exercise: Exercise) -> frozenset[int]:
-    with suppress(submission.UnreadableError, OSError):
-        return fingerprints(submission.read(path, exercise.id).source)
+def _of_file(path: Path, exercise: Exercise, reader: Reader) -> frozenset[int]:
+    with suppress(UnreadableError, GradingError), Copy(path) as copy:
+        return reader.fingerprints(copy, exercise)
     return frozenset()
 
 

@@ -1,0 +1,78 @@
+"""How much is kept of what a submission sends and says: enough for a person to read, whatever comes.
+
+A message of 8 MB would otherwise stand in every check, in every report and on every page of a class.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+LONGEST_TEXT = 4096  # characters of a text in a message
+MOST_ELEMENTS = 1000  # of a sequence in a message
+_TEXTS = ("sent", "expected", "got", "message")  # of a check's result
+_LONGEST = 3000  # bytes of each of them, as JSON
+_TOGETHER = 160_000  # bytes of those of all checks
+_MOST_STEPS, _LONGEST_STEP = 12, 400  # of an exchange
+_PER_CHARACTER = 6  # bytes at most, as JSON
+_DOTS = "..."
+
+
+def bounded(message: Any) -> Any:
+    """A ROS message in which no text and no sequence is too long; it is changed, not copied.
+
+    Of a sequence the last elements stay: what is added to a list of goals or of parameters is added at its end.
+    """
+    for name in message.get_fields_and_field_types():
+        value = getattr(message, name)
+        if isinstance(value, str):
+            if len(value) > LONGEST_TEXT:
+                setattr(message, name, value[:LONGEST_TEXT])
+        elif hasattr(value, "get_fields_and_field_types"):
+            bounded(value)
+        elif not isinstance(value, (bool, int, float)):
+            _bound_elements(message, name, value)
+    return message
+
+
+def _bound_elements(message: Any, name: str, values: Any) -> None:
+    if len(values) > MOST_ELEMENTS:
+        setattr(message, name, values[-MOST_ELEMENTS:])
+    if isinstance(values, list) and values and not isinstance(values[0], (bool, int, float, bytes)):
+        kept = getattr(message, name)
+        if isinstance(kept[0], str):
+            setattr(message, name, [text[:LONGEST_TEXT] for text in kept])
+        else:
+            for element in kept:
+                bounded(element)
+
+
+def cut(text: str, longest: int = _LONGEST) -> str:
+    """A text that takes at most so many bytes as JSON, and that UTF-8 can hold; of a longer one the beginning."""
+    whole = text[:longest].encode("utf-8", errors="replace").decode("utf-8")
+    if len(text) == len(whole) and _size(whole) <= longest:
+        return whole
+    room = longest - len(_DOTS)
+    return (whole[:room] if _size(whole[:room]) <= room else whole[: room // _PER_CHARACTER]) + _DOTS
+
+
+def results(found: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Results of checks as plain data, in which no text is too long, nor all of them together."""
+    longest = _LONGEST
+    told = [_result(one, longest) for one in found]
+    while sum(_size(one[name]) for one in told for name in _TEXTS) > _TOGETHER:
+        longest //= 2
+        told = [_result(one, longest) for one in told]
+    return told
+
+
+def _result(found: Mapping[str, Any], longest: int) -> dict[str, Any]:
+    steps = [{**step, "text": cut(str(step["text"]), _LONGEST_STEP)} for step in list(found["steps"])[:_MOST_STEPS]]
+    return {**found, **{name: cut(str(found[name]), longest) for name in _TEXTS}, "steps": steps}
+
+
+def _size(text: str) -> int:
+    return len(json.dumps(text, ensure_ascii=False).encode()) - 2

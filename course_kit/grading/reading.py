@@ -1,0 +1,245 @@
+"""The reader, seen from whoever trusts it: one small process that turns submissions into programs, within limits.
+
+Its own side is `course_kit.reader`. It is safe to use from a Jupyter kernel: nothing is forked here.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import course_kit
+from course_kit.grading.errors import GradingError
+from course_kit.grading.submission import Facts, Submission, SyntaxFault, UnreadableError
+from course_kit.reader import limits, packets
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+
+    from typing_extensions import Self
+
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.submission import Copy
+
+# No folder but the kit's own and the standard library's is looked at for modules, whatever lies in them.
+_START = "import sys; sys.path.append(sys.argv.pop()); from course_kit.reader.process import main; main()"
+_TOO_MUCH_MEMORY = 69  # exit status of the reader's child
+_LOOK_S = 0.1  # how often it is asked whether somebody has pressed Ctrl-C
+_GRACE_S = 15.0  # beyond its own deadline; a reader that is later than that hangs, by a fault of ours
+_END_S = 2.0
+_TRIES = 2  # a reader that another program has ended gets a successor
+_LAST_WORDS = 2000  # bytes
+
+
+class ReadingStoppedError(Exception):
+    """Somebody has asked to stop."""
+
+
+class Reader:
+    """The process. For one thread at a time."""
+
+    def __init__(self, stopped: Callable[[], bool] = lambda: False) -> None:
+        """Start it; it gets ready while the caller goes on.
+
+        Args:
+            stopped: asked now and then whether to stop waiting.
+
+        Raises:
+            GradingError: it cannot be started.
+        """
+        self._stopped = stopped
+        self._start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def read(self, copy: Copy, exercise: Exercise) -> Submission:
+        """The program that somebody has handed in for an exercise.
+
+        Raises:
+            UnreadableError: there is none, or reading it needs more than it may.
+            GradingError: the machine's fault, or ours.
+            ReadingStoppedError: somebody has asked to stop.
+        """
+        told = self._ask("read", copy, exercise)
+        if "unreadable" in told:
+            raise UnreadableError(told["unreadable"])
+        fault, facts = told["fault"], told["facts"]
+        return Submission(
+            name=copy.name,
+            program=_program_name(copy.name),
+            source=told["source"],
+            places=tuple((int(cell), int(lines)) for cell, lines in told["places"]),
+            fault=SyntaxFault(*fault) if fault else None,
+            facts=Facts.from_mapping(facts) if facts else Facts(),
+            literal=told["literal"],
+        )
+
+    def mentions(self, copy: Copy, exercise: Exercise) -> bool:
+        """Whether a file holds what an exercise asks for, broken or not; errors as those of `read`."""
+        return bool(self._ask("mentions", copy, exercise)["found"])
+
+    def fingerprints(self, copy: Copy, exercise: Exercise) -> frozenset[int]:
+        """The fingerprints of a submission, see `course_kit.reader.fingerprints`; errors as those of `read`."""
+        return frozenset(self._ask("fingerprints", copy, exercise)["prints"])
+
+    def close(self) -> None:
+        """End it. Safe to call twice."""
+        self._line.close()  # it notices, ends what it has under way, and stops
+        try:
+            self._process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._said.close()
+
+    def _start(self) -> None:
+        try:
+            self._line, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+            self._said = _file_in_memory()
+            with theirs:
+                root = Path(course_kit.__file__).resolve().parent.parent
+                self._process = subprocess.Popen(
+                    [sys.executable, "-I", "-S", "-W", "ignore", "-c", _START, str(theirs.fileno()), str(root)],
+                    cwd="/",
+                    stdin=subprocess.DEVNULL,
+                    stdout=self._said,
+                    stderr=self._said,
+                    pass_fds=[theirs.fileno()],
+                    start_new_session=True,
+                )
+        except OSError as problem:
+            raise GradingError(f"The process that reads submissions could not start: {problem.strerror}.") from problem
+
+    def _ask(self, what: str, copy: Copy, exercise: Exercise) -> dict[str, Any]:
+        request = {
+            "do": what,
+            "name": copy.name,
+            "exercise": exercise.id,
+            "class_name": exercise.class_name,
+            "variable": exercise.variable,
+        }
+        if self._stopped():
+            raise ReadingStoppedError
+        for _ in range(_TRIES):
+            try:
+                ended, answer = self._exchange(request, copy)
+            except (EOFError, ValueError, OSError):  # another program has ended it
+                pass
+            else:
+                if self._understood(copy, ended):
+                    return _checked(answer)
+            words = self._last_words()
+            self.close()
+            self._start()
+        raise GradingError(f"The process that reads submissions ended while it was at work. {words}".strip())
+
+    def _exchange(self, request: dict[str, Any], copy: Copy) -> tuple[dict[str, Any], bytes]:
+        """How the reader's child has ended, and what it has written.
+
+        Raises:
+            EOFError: the reader itself has ended, or hangs; or OSError, or ValueError.
+        """
+        with _file_in_memory() as answer:
+            packets.send(self._line, request, (copy.fileno(), answer.fileno()))
+            ended = self._await_end()
+            answer.seek(0)
+            return ended, answer.read(limits.ANSWER_BYTES)
+
+    def _await_end(self) -> dict[str, Any]:
+        """How the reader's child has ended.
+
+        Raises:
+            EOFError: the reader itself has ended, or hangs.
+        """
+        deadline = time.monotonic() + limits.WALL_S + _GRACE_S
+        poll = select.poll()
+        poll.register(self._line, select.POLLIN)
+        while not poll.poll(_LOOK_S * 1000):
+            if self._stopped():
+                raise ReadingStoppedError
+            if time.monotonic() > deadline:
+                self._process.kill()
+                raise EOFError("the reader hangs")
+        return packets.receive(self._line)[0]
+
+    def _understood(self, copy: Copy, ended: dict[str, Any]) -> bool:
+        """Whether there is an answer; False when the child was ended by somebody else, or has failed.
+
+        Raises:
+            UnreadableError: reading needs more than it may.
+            GradingError: the machine was too busy.
+        """
+        status, cpu_s = int(ended["status"]), float(ended["cpu_s"])
+        ended_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
+        used_up = cpu_s >= limits.CPU_S - 1
+        advice = "Clear its outputs, and hand" if copy.name.endswith(".ipynb") else "Hand"
+        advice += " in a shorter, simpler program."
+        if ended_by == signal.SIGXCPU or (ended_by and used_up):
+            raise UnreadableError(
+                f"{copy.name} cannot be read: Python needs more than {limits.CPU_S} s of computing for it. {advice}"
+            )
+        if ended["late"]:
+            raise GradingError(f"The machine was too busy: {copy.name} was not read within {limits.WALL_S:g} s.")
+        if ended_by in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS):
+            raise UnreadableError(
+                f"{copy.name} cannot be read: Python crashes on it, as something is nested too deeply. {advice}"
+            )
+        if os.WIFEXITED(status) and os.WEXITSTATUS(status) == _TOO_MUCH_MEMORY:
+            raise UnreadableError(
+                f"{copy.name} cannot be read: Python needs more than {limits.MEMORY_MB} MB of memory for it. {advice}"
+            )
+        return status == 0
+
+    def _last_words(self) -> str:
+        """The last line it has printed; it prints nothing as long as all is well."""
+        self._said.seek(max(self._said.seek(0, os.SEEK_END) - _LAST_WORDS, 0))
+        return self._said.read().decode("utf-8", errors="replace").strip().rpartition("\n")[2]
+
+
+def _file_in_memory() -> BinaryIO:
+    """A file nobody else knows.
+
+    Raises:
+        GradingError: this process may open no more.
+    """
+    try:
+        return open(os.memfd_create("reader", os.MFD_CLOEXEC), "w+b", buffering=0)  # noqa: PTH123 - a descriptor
+    except OSError as problem:
+        raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
+
+
+def _checked(answer: bytes) -> dict[str, Any]:
+    """What a child has written.
+
+    Raises:
+        GradingError: nothing of ours.
+    """
+    try:
+        told = json.loads(answer)
+    except (ValueError, RecursionError):
+        told = None
+    if not isinstance(told, dict):
+        raise GradingError("The process that reads submissions gave an answer that is none.")
+    return told
+
+
+def _program_name(name: str) -> str:
+    """A name to run under, which stands in tracebacks as it is: `a b.py` for `a b.ipynb`."""
+    stem = name.removesuffix(".ipynb").removesuffix(".py")
+    plain = "".join(one if one.isprintable() and one not in '"\\/' else "_" for one in stem)
+    return f"{plain}.py"

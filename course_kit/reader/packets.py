@@ -1,0 +1,51 @@
+"""What the reader and whoever asks it send each other: a small JSON object a packet, with open files beside it.
+
+The two ends are a pair of SOCK_SEQPACKET sockets (unix(7)), which keep packets apart. What is long stands in the files.
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from typing import Any
+
+_LARGEST = 64 * 1024  # bytes; a request holds a few names
+
+
+def send(line: socket.socket, message: Mapping[str, Any], files: Sequence[int] = ()) -> None:
+    """Send a packet.
+
+    Args:
+        line: our end.
+        message: a few plain values.
+        files: descriptors to send along; they stay open here.
+
+    Raises:
+        OSError: nobody is there to read it.
+    """
+    socket.send_fds(line, [json.dumps(message).encode()], files)
+
+
+def receive(line: socket.socket, files: int = 0) -> tuple[dict[str, Any], list[int]]:
+    """Wait for a packet.
+
+    Args:
+        line: our end.
+        files: how many descriptors come along.
+
+    Raises:
+        OSError: nobody is there to send one; EOFError among these.
+        EOFError: the other end is closed.
+        ValueError: it is none of ours.
+    """
+    data, descriptors, _, _ = socket.recv_fds(line, _LARGEST, files)
+    if not data:
+        raise EOFError("the other end is closed")
+    message = json.loads(data)
+    if not isinstance(message, dict) or len(descriptors) != files:
+        raise ValueError("that is no packet")
+    return message, descriptors

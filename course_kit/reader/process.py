@@ -1,0 +1,109 @@
+"""The process: for each submission it forks a child with limits, waits until that has ended, and says how.
+
+The child finds the submission in one open file and writes what it has read into another one, both in memory.
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import select
+import signal
+import socket
+import sys
+import traceback
+
+from course_kit.reader import fingerprints, limits, packets, text
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from typing import Any, BinaryIO
+
+TOO_MUCH_MEMORY, FAILED = 69, 70  # exit statuses of a child; the second is a mistake of ours
+_WORK: dict[str, Callable[[str, BinaryIO, Mapping[str, Any]], dict[str, Any]]] = {
+    "read": text.read,
+    "mentions": text.mentions,
+    "fingerprints": fingerprints.of_submission,
+}
+
+
+def main() -> None:
+    """Serve the end of a line whose number is the first argument, until the other end is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who asks, who then closes the line
+    line = socket.socket(fileno=int(sys.argv[1]))
+    gc.freeze()
+    gc.disable()  # a child makes a million objects, keeps them, and ends
+    try:
+        while True:
+            request, files = packets.receive(line, 2)
+            try:
+                ended = _in_a_child(line, request, *files)
+            finally:
+                for descriptor in files:
+                    os.close(descriptor)
+            packets.send(line, ended)
+    except OSError:  # whoever asked has gone
+        return
+    except EOFError:
+        return
+
+
+def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int, answer: int) -> dict[str, Any]:
+    """How the child has ended: `status` as of waitpid(2), `late` if it had to be stopped, `cpu_s` it has computed.
+
+    Raises:
+        EOFError: whoever asked has gone meanwhile.
+    """
+    alive, held = os.pipe()  # the child alone holds the other end
+    child = os.fork()
+    if child == 0:
+        status = FAILED
+        try:
+            line.close()
+            os.close(alive)
+            limits.apply()
+            _answer(request, submission, answer)
+            status = 0
+        except MemoryError:
+            status = TOO_MUCH_MEMORY
+        except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code
+            traceback.print_exc()
+        finally:
+            os._exit(status)
+    os.close(held)
+    try:
+        over = _await_end(line, alive)
+    except EOFError:
+        _kill(child)
+        raise
+    finally:
+        os.close(alive)
+    if not over:
+        _kill(child)
+    _, status, usage = os.wait4(child, 0)
+    return {"status": status, "late": not over, "cpu_s": usage.ru_utime + usage.ru_stime}
+
+
+def _await_end(line: socket.socket, alive: int) -> bool:
+    """Wait until the child has ended; False when it has not within the time it has."""
+    poll = select.poll()
+    poll.register(line, select.POLLIN)  # nothing comes now but its end
+    poll.register(alive, select.POLLIN)
+    ready = [descriptor for descriptor, _ in poll.poll(limits.WALL_S * 1000)]
+    if line.fileno() in ready:
+        raise EOFError("whoever asked has gone")
+    return bool(ready)
+
+
+def _kill(child: int) -> None:
+    os.kill(child, signal.SIGKILL)  # not reaped yet: no other process has its number
+
+
+def _answer(request: Mapping[str, Any], submission: int, answer: int) -> None:
+    with open(submission, "rb", closefd=False) as file:
+        file.seek(0)  # whoever wrote it has left it at its end
+        told = _WORK[request["do"]](request["name"], file, request)
+    with open(answer, "wb", closefd=False) as file:
+        file.write(json.dumps(told).encode())

@@ -1,0 +1,86 @@
+"""What Python's own parser makes of a program: where it stops, and what the text gives away for a diagnosis."""
+
+from __future__ import annotations
+
+import ast
+import resource
+from bisect import bisect_left
+
+from course_kit.reader.limits import MEMORY_MB
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
+_LONGEST = 200  # characters of a line, or of what Python says about it
+_MOST_FUNCTIONS = 1000
+_CALLS, _LOOKS = frozenset({"call_async", "send_goal_async"}), frozenset({"done", "result", "wait"})
+
+
+class TooMuchError(ValueError):
+    """Parsing it needs more than it may have; the text says so, and what to do."""
+
+
+def parse(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
+    """Parse a program.
+
+    Returns:
+        When it is no Python, the line where Python stopped reading or 0, its text, and what Python says; else the tree.
+
+    Raises:
+        TooMuchError: memory is not enough for it.
+    """
+    try:
+        return None, ast.parse(source)
+    except SyntaxError as fault:
+        return (fault.lineno or 0, _cut((fault.text or "").strip()), _cut(fault.msg)), None
+    except MemoryError as problem:  # of the machine's memory, or of the parser's own stack
+        if resource.getrusage(resource.RUSAGE_SELF).ru_maxrss > MEMORY_MB * 1024 // 4:
+            raise TooMuchError(
+                f"Python needs more than {MEMORY_MB} MB of memory for it. Hand in a shorter, simpler program."
+            ) from None
+        return (0, "", f"Python cannot read it ({str(problem) or 'it is nested too deeply'})"), None
+    except (ValueError, RecursionError) as problem:
+        return (0, "", f"Python cannot read it ({_cut(str(problem))})"), None
+
+
+def facts(tree: ast.Module) -> dict[str, Any]:
+    """What a program's text gives away, as `Facts` has it."""
+    told = {"awaits": False, "floor_divides": False, "loops": False}
+    spans: list[tuple[int, int]] = []
+    calls, looks = [], []  # lines in which a call is sent and not waited for; in which a future is looked at
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute):
+            if node.attr in _CALLS:
+                calls.append(node.lineno)
+            elif node.attr in _LOOKS:
+                looks.append(node.lineno)
+        elif isinstance(node, ast.Await):
+            told["awaits"] = True
+        elif isinstance(node, (ast.BinOp, ast.AugAssign)):
+            told["floor_divides"] |= isinstance(node.op, ast.FloorDiv)
+        elif isinstance(node, ast.While):
+            told["loops"] = True
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            spans.append((node.lineno, node.end_lineno or node.lineno))
+    return {**told, "functions": _functions(spans, sorted(calls), sorted(looks))}
+
+
+def _functions(
+    spans: Sequence[tuple[int, int]], calls: Sequence[int], looks: Sequence[int]
+) -> list[tuple[int, int, bool]]:
+    """First and last line of each function, and whether it sends a call and looks at a future; none if none does."""
+    found = [
+        (first, last, _any_between(calls, first, last) and _any_between(looks, first, last)) for first, last in spans
+    ]
+    return found[:_MOST_FUNCTIONS] if any(waits for _, _, waits in found) else []
+
+
+def _any_between(lines: Sequence[int], first: int, last: int) -> bool:
+    place = bisect_left(lines, first)
+    return place < len(lines) and lines[place] <= last
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."

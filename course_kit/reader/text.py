@@ -1,0 +1,155 @@
+"""A submission's program, out of the bytes of a .py or .ipynb file."""
+
+from __future__ import annotations
+
+import json
+import re
+
+from course_kit.reader import literals, python
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Any, BinaryIO
+
+LARGEST = 1 << 20  # bytes of a program
+NOTEBOOK = ".ipynb"
+_MAGIC = re.compile(r"%%submission[^\S\n]+(?P<exercise>\S+)[^\S\n]*\Z")
+_NO_NOTEBOOK = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
+_FEW, _LONGEST_NAME = 10, 40  # of other exercises that are named
+
+
+class UnreadableTextError(ValueError):
+    """There is no program in it; the text says why and what to do."""
+
+
+def read(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, Any]:
+    """Read a submission.
+
+    Args:
+        name: the file's name.
+        file: the file.
+        wish: `exercise`, whose cells of a notebook count, and the `variable` it asks for, if any.
+
+    Returns:
+        `unreadable`, why there is no program; else the program as `Submission` has it.
+    """
+    try:
+        source, places = program(name, file, str(wish["exercise"]))
+    except UnreadableTextError as problem:
+        return {"unreadable": str(problem)}
+    try:
+        fault, tree = python.parse(source)
+    except python.TooMuchError as problem:
+        return {"unreadable": f"{name} cannot be read: {problem}"}
+    return {
+        "source": source,
+        "places": places,
+        "fault": fault,
+        "facts": python.facts(tree) if tree else None,
+        "literal": literals.written_out(tree, str(wish["variable"])) if tree and wish["variable"] else None,
+    }
+
+
+def mentions(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, Any]:
+    """Whether a file holds what an exercise asks for; it may be broken otherwise.
+
+    Args:
+        name: the file's name.
+        file: the file.
+        wish: the `exercise`, and the `class_name` or the `variable` that it asks for.
+
+    Returns:
+        `found`, yes or no.
+    """
+    if name.endswith(NOTEBOOK):
+        mark = rf"%%submission\s+{re.escape(wish['exercise'])}\b"
+    else:
+        mark = rf"^class {re.escape(wish['class_name'])}\b" if wish["class_name"] else rf"^{wish['variable']}\b"
+    return {"found": re.search(mark, file.read().decode("utf-8", errors="replace"), re.MULTILINE) is not None}
+
+
+def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[int, int]]]:
+    """The program, and of a notebook for each cell it was joined from the cell's number and how many lines it gave.
+
+    Raises:
+        UnreadableTextError: there is none.
+    """
+    text = _decoded(name, file)
+    places: list[tuple[int, int]] = []
+    if name.endswith(NOTEBOOK):
+        source, places = _joined(name, text, exercise)
+    else:
+        source = _plain_lines(text)
+        if not source.strip():
+            raise UnreadableTextError(f"{name} is empty.")
+    if "\0" in source:
+        raise UnreadableTextError(f"{name} is not Python: it contains null bytes.")
+    return source, places
+
+
+def _decoded(name: str, file: BinaryIO) -> str:
+    try:
+        return file.read().decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        raise UnreadableTextError(
+            f"{name} is not UTF-8 text (byte {problem.start + 1}). Save it with the encoding UTF-8."
+        ) from None
+
+
+def _joined(name: str, text: str, exercise: str) -> tuple[str, list[tuple[int, int]]]:
+    lines: list[str] = []
+    places: list[tuple[int, int]] = []
+    others: set[str] = set()
+    for number, cell in _code_cells(name, text):
+        first, *rest = _plain_lines(cell).split("\n")
+        if not (match := _MAGIC.match(first)):
+            continue
+        if match["exercise"] != exercise:
+            others.add(match["exercise"])
+            continue
+        lines += rest
+        places.append((number, len(rest)))
+    source = "\n".join(lines) + "\n"
+    if not source.strip():
+        raise UnreadableTextError(
+            f"{name} has no code cell that begins with the line '%%submission {exercise}'.{_found(others)}"
+        )
+    try:
+        size = len(source.encode())
+    except UnicodeEncodeError as problem:
+        raise UnreadableTextError(
+            f"{name} is not Python: its program contains half of a character "
+            f"(U+{ord(source[problem.start]):04X}), which no text can hold."
+        ) from None
+    if size > LARGEST:
+        raise UnreadableTextError(f"{name} holds more than {LARGEST // 1024} kB of code. Hand in the program alone.")
+    return source, places
+
+
+def _found(others: set[str]) -> str:
+    named = [one[:_LONGEST_NAME] for one in sorted(others)[:_FEW]]
+    return f" It has cells for: {', '.join(named)}." if named else ""
+
+
+def _code_cells(name: str, text: str) -> list[tuple[int, str]]:
+    """Number, from 1, and text of each code cell."""
+    try:
+        # Its numbers do not matter; `len` is the cheapest function of their digits, which may be a million.
+        cells = json.loads(text, parse_int=len, parse_float=len)["cells"]
+        return [(number, _text_of(cell)) for number, cell in enumerate(cells, 1) if cell["cell_type"] == "code"]
+    except _NO_NOTEBOOK:
+        raise UnreadableTextError(f"{name} is no Jupyter notebook. Save it again in JupyterLab.") from None
+
+
+def _text_of(cell: Any) -> str:
+    source = cell["source"]  # a list of lines in a file, a string in other writers' files
+    if isinstance(source, list):
+        return "".join(source)
+    if not isinstance(source, str):
+        raise TypeError("a cell without text")
+    return source
+
+
+def _plain_lines(text: str) -> str:
+    return text.replace("\r\n", "\n").replace("\r", "\n")

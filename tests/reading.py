@@ -1,0 +1,17 @@
+"""Reads a submission as the grader does."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from course_kit.grading import exercise
+from course_kit.grading.reading import Reader
+from course_kit.grading.submission import Copy, Submission
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def read(path: Path, exercise_id: str) -> Submission:
+    with Copy(path) as copy, Reader() as reader:
+        return reader.read(copy, exercise.load(exercise_id))
