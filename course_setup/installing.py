@@ -50,7 +50,7 @@ class Installer:
         """
         python = os.path.realpath(self.python)  # /usr/bin/python3 is another one after the next release upgrade
         if self.uv:
-            command = [self.uv, "venv", "--quiet", "--seed", "--prompt", PROMPT, "--python", python]
+            command = [self.uv, "venv", "--quiet", "--prompt", PROMPT, "--python", python]
         else:
             self._require_venv()
             command = [
@@ -76,6 +76,8 @@ class Installer:
         wanted = ["-e", f".[{','.join(extras)}]" if extras else "."]
         if self.system_ros:
             wanted.append("numpy<2")
+        if self.uv:
+            wanted.insert(0, "pip")  # for the user; environments of uv come without
         self._require_new_pip(environment)
         self._install(environment, wanted)
         self._mend_overwritten(environment)

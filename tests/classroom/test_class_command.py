@@ -8,7 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,10 +39,10 @@ def handed_in(tmp_path: Path) -> Path:
 
 
 @contextmanager
-def started(*command: object) -> Iterator[subprocess.Popen[str]]:
+def started(*command: object, **variables: str) -> Iterator[subprocess.Popen[str]]:
     process = subprocess.Popen(
         [sys.executable, *map(str, command)],
-        env=environment.child_environment(PYTHONUNBUFFERED="1"),
+        env=environment.child_environment(PYTHONUNBUFFERED="1", **variables),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -149,6 +149,32 @@ def test_submissions_that_vanish_once_they_are_read_are_graded(handed_in: Path) 
         said, _ = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0, said
     assert len(records(handed_in)) == CLASS_SIZE
+
+
+def test_workers_whose_folders_vanish_end_nothing_and_take_no_points(handed_in: Path, tmp_path: Path) -> None:
+    """A cleaner of temporary files, or a student's program that escaped: whoever is hit is graded again, or named."""
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    with started(*class_run(handed_in, "--workers", 2), TMPDIR=str(temporary)) as process:
+        removed: set[str] = set()
+        while process.poll() is None and len(removed) < 5:
+            for folder in temporary.glob("course-kit-worker-*"):
+                if records(handed_in) and folder.is_dir():
+                    shutil.rmtree(folder, ignore_errors=True)
+                    removed.add(folder.name)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(0.02)
+        said, _ = process.communicate(timeout=PATIENCE_S)
+    assert removed
+    assert "Traceback" not in said
+    assert "KeyError" not in said
+    reports = {name: json.loads(path.read_text())["report"] for name, path in records(handed_in).items()}
+    assert len(reports) == CLASS_SIZE, said
+    assert {report["status"] for report in reports.values()} <= {"graded", "error"}
+    errors = [name for name, report in reports.items() if report["status"] == "error"]
+    assert all(report["score"] == 10 for report in reports.values() if report["status"] == "graded")
+    assert process.returncode == (2 if errors else 0)
+    assert all(name in said for name in errors)
 
 
 def test_a_cluster_does_the_same_and_loses_nothing_with_a_machine(handed_in: Path, tmp_path: Path) -> None:
