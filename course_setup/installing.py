@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_setup.portable import PROMPT, make_portable
-from course_setup.problems import SetUpError, disk_full, is_nearly_full
+from course_setup.problems import SetUpError, unfinished
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -124,13 +124,8 @@ class Installer:
             done = subprocess.run(command, cwd=self.root, env=self._variables(work), stdout=sys.stderr, check=False)
         finally:
             shutil.rmtree(work, ignore_errors=True)
-        if done.returncode == 0:
-            return
-        if is_nearly_full(self.root):
-            raise SetUpError(f"{failed}. {disk_full(self.root)}")
-        raise SetUpError(
-            f"{failed}; the lines above say why. It needs a network connection. Then run the same command again."
-        )
+        if done.returncode:
+            raise SetUpError(unfinished(failed, self.root))
 
     def _variables(self, work: Path) -> dict[str, str]:
         kept = {name: value for name, value in os.environ.items() if name not in _NOT_PASSED_ON}

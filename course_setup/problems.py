@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pathlib import Path
 
-SIZE = "about 500 MB"
+_SIZE_MB = 500
+SIZE = f"about {_SIZE_MB} MB"
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 _FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)
-_NEARLY_FULL = 20 * 2**20  # bytes
+_FULL_MB = 20  # an installer that found no room has left less than this
 
 
 class SetUpError(RuntimeError):
@@ -45,10 +46,19 @@ def disk_full(root: Path) -> str:
     return f"The disk is full. The course needs {SIZE} in {root}. Free some space, then run the same command again."
 
 
-def is_nearly_full(folder: Path) -> bool:
-    """Whether an installation that failed there may well have failed for lack of room."""
-    status = os.statvfs(folder)
-    return status.f_bavail * status.f_frsize < _NEARLY_FULL
+def unfinished(what: str, root: Path) -> str:
+    """What to say of a step that failed, after its installer has said why in words of its own.
+
+    Args:
+        what: the beginning of the sentence, such as "the installation did not finish".
+        root: the course's folder.
+    """
+    status = os.statvfs(root)
+    free = status.f_bavail * status.f_frsize // 2**20
+    if free < _FULL_MB:
+        return f"{what}. {disk_full(root)}"
+    room = f", and room: {free} MB are free, and the course needs {SIZE}" if free < _SIZE_MB else ""
+    return f"{what}; the lines above say why. It needs a network connection{room}. Then run the same command again."
 
 
 def require_usable(root: Path, environments: Path) -> None:

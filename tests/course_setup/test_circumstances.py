@@ -215,6 +215,26 @@ def test_errors_of_the_system_are_sentences(number: int, word: str) -> None:
     assert word in problems.describe(problem, Path("/a course"))
 
 
+@pytest.mark.parametrize(
+    ("free_mb", "words"),
+    [
+        (3, ["The disk is full. The course needs about 500 MB in"]),
+        (60, ["the lines above say why", "room: 60 MB are free, and the course needs about 500 MB"]),
+        (900, ["the lines above say why. It needs a network connection. Then run the same command again."]),
+    ],
+)
+def test_a_failed_installation_tells_of_the_room_there_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, free_mb: int, words: list[str]
+) -> None:
+    """Only root can mount a small file system, so its status is stood in for."""
+    real = os.statvfs(tmp_path)
+    blocks = free_mb * 2**20 // real.f_frsize
+    stand_in = os.statvfs_result((*real[:3], blocks, blocks, *real[5:], real.f_namemax))
+    monkeypatch.setattr(os, "statvfs", lambda _path: stand_in)
+    told = problems.unfinished("the installation did not finish", tmp_path)
+    assert [word for word in words if word not in told] == []
+
+
 def test_a_folder_in_which_nothing_may_be_run_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Only root can mount such a file system, so its status is stood in for."""
     real = os.statvfs(tmp_path)
