@@ -90,7 +90,7 @@ def test_a_run_that_was_killed_is_resumed_without_doing_anything_twice(handed_in
 
 def test_a_submission_sees_neither_the_others_nor_the_results(handed_in: Path) -> None:
     out = handed_in.parent / "out"
-    spy = f"import os\nprint('SEEN', os.listdir({str(handed_in)!r}), os.listdir({str(out)!r}), flush=True)\n"
+    spy = f"import glob\nprint('SEEN', glob.glob({str(handed_in / '*')!r}), glob.glob({str(out / '*')!r}), flush=True)\n"
     (handed_in / "student0/temperature_service.py").write_text(spy + SOLUTION.read_text())
     finish(handed_in)
     printed = json.loads(records(handed_in)["student0"].read_text())["report"]["stdout"]

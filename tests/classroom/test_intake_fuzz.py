@@ -53,7 +53,7 @@ def collect(inbox: Inbox, home: Path, opened: Opened) -> intake.Intake:
     with opened.listening() as paths:
         found = intake.collect(inbox.source, (SERVICE,), home / "workspace")
     assert any(path.startswith(str(inbox.source)) for path in paths)
-    places = (inbox.source, home / "workspace", home / ".workspace_is_unpacked", *PYTHONS_OWN)
+    places = (inbox.source, home / "workspace", home / ".workspace_is_unpacked", os.devnull, *PYTHONS_OWN)
     for path in paths:
         assert any(belongs(os.path.realpath(path), str(place)) for place in places), f"{path} was opened"
     return found
