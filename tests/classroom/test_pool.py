@@ -11,6 +11,7 @@ import pytest
 
 from course_kit.grading import exercise, submission
 from course_kit.grading.classroom.pool import Pool, Task
+from course_kit.grading.reading import Reader
 
 if TYPE_CHECKING:
     from course_kit.grading import Report
@@ -23,7 +24,8 @@ pytestmark = pytest.mark.answers
 
 
 def grade(pool: Pool) -> Report:
-    return pool.grade(Task(SERVICE, submission.read(SOLUTION, SERVICE.id), "jane.py", 7))
+    with submission.Copy(SOLUTION) as copy, Reader() as reader:
+        return pool.grade(Task(SERVICE, reader.read(copy, SERVICE), "jane.py", 7))
 
 
 def test_a_worker_whose_folder_is_gone_costs_nobody_a_grade(
