@@ -132,6 +132,37 @@ def test_a_command_says_so_in_one_sentence(
     assert done.stdout == ""
 
 
+def test_outputs_are_not_stored_then(machine: Machine) -> None:
+    machine.take_all()
+    done = machine.run("-m", "course_kit.dev.store_outputs")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.count(TAKEN) == len(done.stderr.splitlines()) == 1
+
+
+def test_the_tab_key_offers_nothing_then(machine: Machine, sentence: str, tmp_path: Path) -> None:
+    assert sentence
+    line, out = "ros2 service type /", tmp_path / "offered"
+    asked = {
+        "COMP_LINE": line,
+        "COMP_POINT": str(len(line)),
+        "COMP_TYPE": "9",
+        "_ARGCOMPLETE_STDOUT_FILENAME": str(out),
+    }
+    done = machine.run("-c", "from course_kit.ros2.cli import main; main()", _ARGCOMPLETE="1", **asked)
+    assert (done.returncode, done.stderr, out.read_text().strip()) == (0, "", "")
+
+
+def test_a_real_ros2_is_not_started_on_a_domain_that_is_not_ours(
+    machine: Machine, sentence: str, tmp_path: Path
+) -> None:
+    stand_in = tmp_path / "ros2"
+    stand_in.write_text("#!/bin/sh\necho started\n")
+    stand_in.chmod(0o755)
+    done = machine.run("-c", "from course_kit.ros2.cli import main; main()", PATH=f"{tmp_path}:/usr/bin:/bin")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.count(sentence) == len(done.stderr.splitlines()) == 1
+
+
 def test_the_doctor_says_so_and_looks_at_all_the_rest(machine: Machine, sentence: str) -> None:
     done = machine.run(*COURSE, "doctor")
     assert done.returncode == 1

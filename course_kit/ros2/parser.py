@@ -143,9 +143,13 @@ class _Completer:
         self._function = function
 
     def __call__(self, **about: Any) -> list[str]:
+        from course_kit import environment
         from course_kit.ros2 import completion
 
-        found: list[str] = getattr(completion, self._function)(**about)
+        try:
+            found: list[str] = getattr(completion, self._function)(**about)
+        except environment.DomainError:  # the command itself says so
+            return []
         return found
 
 
