@@ -336,11 +336,14 @@ class Zip:
         for name in IN_FOLDERS.values():
             self.add(name)
 
-    def add(self, name: str, data: bytes = b"pass\n", mode: int = 0, method: int = zipfile.ZIP_DEFLATED) -> None:
+    def add(
+        self, name: str, data: bytes = b"pass\n", mode: int = 0, method: int = zipfile.ZIP_DEFLATED, extra: bytes = b""
+    ) -> None:
         member = zipfile.ZipInfo("x")
         member.filename = name
         member.external_attr = mode << 16
         member.compress_type = method
+        member.extra = extra
         self._zip.writestr(member, data)
 
     def close(self, change: Callable[[bytes], bytes] = lambda data: data) -> Path:
@@ -472,6 +475,36 @@ def test_names_in_a_zip_that_are_not_what_they_say(tmp_path: Path) -> None:
     result = taken(found)
     assert set(OTHERS) | {"dée"} <= set(result)
     assert "mallory" in result or dict(found.dropped)["mallory"]
+
+
+@pytest.mark.parametrize(
+    "extra",
+    [
+        struct.pack("<HH", 0x7075, 4) + b"\1abc",  # a name in Unicode that is cut off
+        struct.pack("<HHBL", 0x7075, 7, 1, 0) + b"\xff\xfe",  # one that is no Unicode
+        struct.pack("<HH", 0x9999, 400) + b"abc",  # longer than what there is
+    ],
+)
+def test_a_damaged_addition_to_a_name_is_passed_over(tmp_path: Path, extra: bytes) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    packed.add(f"mallory/{PROGRAM}", extra=struct.pack("<HH", 0x9999, len(extra) - 4) + extra[4:])
+    sound = struct.pack("<HH", 0x9999, len(extra) - 4) + extra[4:]
+    found = collect(packed.close(lambda data: data.replace(sound, extra)))
+    assert taken(found) == {**IN_FOLDERS, "mallory": f"mallory/{PROGRAM}"}
+
+
+def test_sizes_in_64_bits_are_read_and_a_missing_one_is_its_files_problem(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "large.zip", "w") as packed:
+        with packed.open(IN_FOLDERS["ann"], "w", force_zip64=True) as file:
+            file.write(b"pass\n")
+        packed.writestr(IN_FOLDERS["bob"], "pass\n")
+    assert set(taken(collect(tmp_path / "large.zip"))) == {"ann", "bob"}
+    data = bytearray((tmp_path / "large.zip").read_bytes())
+    struct.pack_into("<I", data, data.rindex(b"PK\x01\x02") + 24, 0xFFFFFFFF)
+    (tmp_path / "large.zip").write_bytes(data)
+    found = collect(tmp_path / "large.zip")
+    assert set(taken(found)) == {"ann"}
+    assert "it is too much" in dict(found.dropped)["bob"]
 
 
 def test_names_in_the_old_encoding_of_zips_are_kept(tmp_path: Path) -> None:

@@ -1,7 +1,8 @@
-"""Names in a zip that are said to be UTF-8 and are not.
+"""Names in a zip that are said to be UTF-8 and are not, and additions to them that are damaged.
 
 Python's reader gives the whole archive up for one of them, and with it the whole class. Here such a name is read as
-the old zip encoding instead; if its file cannot be had that way, that is the problem of this one file.
+the old zip encoding instead, and such an addition is passed over; if the file cannot be had that way, that is the
+problem of this one file.
 """
 
 from __future__ import annotations
@@ -17,6 +18,9 @@ _SIGNATURE = b"PK\x01\x02"  # of an entry in the list of names at the end of a z
 _HEAD = 46  # bytes before the name
 _FLAGS_AT, _LENGTHS_AT = 8, 28
 _UTF_8 = 0x800
+_FIELD = 4  # bytes before each addition: its kind and its length
+_NAME_IN_UNICODE, _UNKNOWN = 0x7075, 0xFFFF
+_BEFORE_NAME = 5  # bytes: a version, a checksum
 
 
 class NamesReader(io.BufferedReader):
@@ -50,7 +54,10 @@ def _mended(names: bytes) -> bytes:
         start = place + _HEAD
         if flags & _UTF_8 and not _is_utf_8(data[start : start + name]):
             struct.pack_into("<H", data, place + _FLAGS_AT, flags & ~_UTF_8)
-        place = start + name + extra + comment
+        start += name
+        if extra >= _FIELD and start + extra <= len(data) and not _is_sound(data[start : start + extra]):
+            struct.pack_into("<HH", data, start, _UNKNOWN, extra - _FIELD)
+        place = start + extra + comment
     return bytes(data)
 
 
@@ -59,4 +66,17 @@ def _is_utf_8(name: bytearray) -> bool:
         name.decode()
     except UnicodeDecodeError:
         return False
+    return True
+
+
+def _is_sound(extra: bytearray) -> bool:
+    """Whether additions to a name are as long as they say, and hold a name where they promise one."""
+    while len(extra) >= _FIELD:
+        kind, length = struct.unpack_from("<HH", extra)
+        content = extra[_FIELD : _FIELD + length]
+        if len(content) < length:
+            return False
+        if kind == _NAME_IN_UNICODE and (length < _BEFORE_NAME or not _is_utf_8(content[_BEFORE_NAME:])):
+            return False
+        extra = extra[_FIELD + length :]
     return True
