@@ -89,7 +89,7 @@ def _get_under_way(bench: Bench, goal: Goal, begin: Place) -> None:
 
 def _both_accepted(bench: Bench, first: Goal, second: Goal, waited_s: float, evidence: Evidence) -> Failed:
     def interleaved() -> bool:
-        return bool(second.feedback and first.feedback and first.feedback[-1].sent_s > second.feedback[0].sent_s)
+        return bool(second.feedback and first.feedback and first.feedback[-1].came_s > second.feedback[0].came_s)
 
     bench.wait_until(lambda: interleaved() or first.over_at is not None, allowed_s(_FIRST_M))
     if interleaved():
@@ -118,7 +118,7 @@ def _have_it_accepted(bench: Bench, goal: Goal, length: float, expected: str) ->
         diagnosis, message = goal_endings.of_program(ended.life, bench.job)
         raise Failed(evidence, message, diagnosis) from None
     if not answer.done():
-        raise silence.unanswered(bench, goal.shown, expected)
+        raise silence.unanswered(bench, goal.shown, expected, clock.fair())
     waited_s, late = clock.wall(), clock.past(_PROMPT_S)
     if goal.is_cancelled_by(answer.result()):
         if late:

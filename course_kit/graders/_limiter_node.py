@@ -59,11 +59,10 @@ class Limiter:
     def __exit__(
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if not self._bench.spoiled:
-            with (
-                suppress(Failed),
-                self._bench.record.looking_away(),
-            ):  # what is wrong with it was or will be said by the checks themselves
+        bench = self._bench
+        if not bench.spoiled:
+            # What is wrong with it was or will be said by the checks themselves.
+            with suppress(Failed), bench.record.looking_away(), bench.after_the_verdict():
                 self.remote.set_together(self._before.to_mapping())
 
     def settings(self) -> Settings:

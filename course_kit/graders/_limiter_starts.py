@@ -152,10 +152,8 @@ def _require_told(bench: Bench, words: tuple[str, ...], evidence: Evidence) -> E
         life = bench.life(fresh=True)
         return any(word in life.stdout + life.stderr for word in words)
 
-    clock = bench.clock()
-    while not told():
-        if clock.past(_TOLD_S):
-            evidence = replace(evidence, got=f"{evidence.got}, and printed nothing about {words[0]}")
-            message = f"Nobody learns that it was {words[0]} that was wrong."
-            raise Failed(evidence, message, "validation.no_reason")
+    if not bench.wait_until(told, _TOLD_S, of_the_living=False):
+        evidence = replace(evidence, got=f"{evidence.got}, and printed nothing about {words[0]}")
+        message = f"Nobody learns that it was {words[0]} that was wrong."
+        raise Failed(evidence, message, "validation.no_reason")
     return evidence

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.graders._limiter import Settings, read_status, status_fits, status_line
 from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.silence import told
 from course_kit.grading.topics import await_next
 
 if TYPE_CHECKING:
@@ -30,8 +31,9 @@ def expect_status(
     evidence = Evidence(sent, f"on /status: {status_line(settings)}")
     first = heard.count
     for count in (first + 1, first + 2):
+        clock = bench.clock()
         if not await_next(bench, heard, count, _SILENT_S, evidence):
-            evidence = replace(evidence, got=f"nothing within {_SILENT_S:g} s")
+            evidence = replace(evidence, got=f"nothing within {told(clock.fair(), _SILENT_S)} s")
             raise Failed(evidence, "/status is to come twice a second, by a timer.", "topic.silent")
         line = str(heard.since(count - 1)[0].data)
         bench.record.came(f"/status: {line!r}")
@@ -58,7 +60,7 @@ def expect_rate(bench: Bench, heard: Heard) -> Evidence:
         if any(_PERIOD_S[0] <= _period(some) <= _PERIOD_S[1] for some in (times, times[-_LAST:])):
             return evidence
         count = heard.count + 1
-    got = evidence.got or f"{heard.count} messages, then none for {_SILENT_S:g} s"
+    got = evidence.got or f"{heard.count} messages, then none for {told(clock.fair(), _SILENT_S)} s"
     raise Failed(replace(evidence, got=got), "Publish the line from a timer with a period of half a second.")
 
 

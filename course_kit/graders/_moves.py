@@ -101,11 +101,18 @@ def beside(begin: Place, end: Place, place: Place) -> float:
 
 
 def is_spread(times: Sequence[float], began: float, over: float) -> bool:
-    """Whether feedback came all along a move, by the times it was published.
+    """Whether feedback came all along a move.
 
     From the first to the last it has to take a good part of the move (a robot may get under way late), with at least
     one message in the middle third of that.
+
+    Args:
+        times: when it was received, while the move went on; by the same clock as the other two.
+        began: when the move began.
+        over: when it was over.
     """
+    if not times:
+        return False
     first, last = times[0], times[-1]
     third = (last - first) / 3.0
     between = any(first + third <= time <= last - third for time in times)

@@ -15,16 +15,17 @@ if TYPE_CHECKING:
 def feedback_of_a_move(bench: Bench) -> Evidence:
     """A move comes with enough feedback, all along."""
     move = drive_on(bench, LONGEST_M)
-    times = [heard.sent_s for heard in move.goal.wait_for_last_feedback(lambda all_told: len(all_told) >= ENOUGH)]
+    heard = move.goal.wait_for_last_feedback(lambda all_told: len(all_told) >= ENOUGH)
     expected = f"at least {ENOUGH} feedback messages, spread over the move of {move.length:.2g} m"
-    if len(times) < ENOUGH:
-        told_so = f"{len(times)} feedback message{'' if len(times) == 1 else 's'}"
+    if len(heard) < ENOUGH:
+        told_so = f"{len(heard)} feedback message{'' if len(heard) == 1 else 's'}"
         message = f"A client saw {told_so} of a move of {move.length:.2g} m."
         raise HastyError(Evidence(move.goal.shown, expected, told_so), message, "action.no_feedback")
+    times = sorted(one.came_s for one in heard)  # one that got lost and was sent again is the latest
     began, over = move.goal.began_at or times[0], move.goal.over_at or times[-1]
     got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the begin"
     evidence = Evidence(move.goal.shown, expected, f"{got}; the goal ended after {over - began:.2f} s")
-    if not is_spread(times, began, over):
+    if not is_spread([time for time in times if time <= over], began, over):
         message = "The messages came in a bunch, not all along the move."
         raise HastyError(evidence, message, "action.late_feedback")
     return evidence

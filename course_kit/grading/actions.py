@@ -53,10 +53,10 @@ class Action:
 
 @dataclass(frozen=True)
 class Told:
-    """Feedback, and when it was published, in seconds of the server's clock."""
+    """Feedback, and when it was received, in seconds of the system's clock."""
 
     feedback: Any
-    sent_s: float
+    came_s: float
 
 
 class Feedback:
@@ -76,7 +76,7 @@ class Feedback:
         all_told = self._of_goals.get(bytes(message.goal_id.uuid))
         if all_told is not None:
             del all_told[_MOST_FEEDBACK - 1 :]
-            all_told.append(Told(bounded(message.feedback), info["source_timestamp"] / 1e9))
+            all_told.append(Told(bounded(message.feedback), info["received_timestamp"] / 1e9))
 
 
 class Statuses:
@@ -86,7 +86,7 @@ class Statuses:
         self._of_goals: dict[bytes, list[tuple[float, int]]] = {}
 
     def of(self, goal: bytes) -> list[tuple[float, int]]:
-        """Each change, with its time on the server's clock, from the first question for the goal on."""
+        """Each change, with its time on the system's clock, from the first question for the goal on."""
         return self._of_goals.setdefault(goal, [])
 
     def take(self, message: Any, info: Any) -> None:
@@ -94,7 +94,7 @@ class Statuses:
         for entry in bounded(message).status_list:
             changes = self._of_goals.get(bytes(entry.goal_info.goal_id.uuid))
             if changes is not None and len(changes) < _MOST_CHANGES and entry.status not in [one for _, one in changes]:
-                changes.append((info["source_timestamp"] / 1e9, entry.status))
+                changes.append((info["received_timestamp"] / 1e9, entry.status))
 
 
 class Line:

@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import random
 import time
-from dataclasses import dataclass, field
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import endings, processes
+from course_kit.grading import endings, limits, machine, processes
 from course_kit.grading.checks import Evidence, Failed, NotRun
-from course_kit.grading.patience import FairClock, Recent
+from course_kit.grading.patience import MOST, FairClock, Recent, State, Used
 from course_kit.grading.steps import Record
 from course_kit.grading.tester import Tester
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from course_kit.grading.job import Job
     from course_kit.grading.wire import Channel
@@ -80,7 +81,9 @@ class Bench:
         self.deadline_s = 0.0
         self.spent = dict.fromkeys(PHASES, 0.0)  # seconds
         self._clock: FairClock | None = None
-        self._waiting, self._own_waiting = Recent(self._waited), Recent(processes.own_waiting)
+        self._queued_s = 0.0  # for a ROS domain, which is not the submission's fault
+        self._used = self._used_before = Used()  # by the submission, in all and until it was started last
+        self._state = Recent(self._look)
 
     @property
     def tester(self) -> Tester:
@@ -116,15 +119,17 @@ class Bench:
         began = time.monotonic()
         self.close()
         self._spoiled = False
-        self._waiting = Recent(self._waited)
+        self._used_before = self._used
         self.memory.clear()
         if arguments:
             self.record.sent(f"start with {' '.join(arguments)}", "message")
         domain = None
         if self.job.mode != "attach":
             changed = {**self._variables, **(variables or {})}
-            answer = self._ask("launch", arguments=list(arguments), files=dict(files or {}), variables=changed)
+            program = {"arguments": list(arguments), "files": dict(files or {}), "variables": changed}
+            answer = self._ask("launch", patience_s=limits.QUEUE_S, **program)
             domain = int(answer["domain"])
+            self._queued_s += float(answer["queued_s"])
         self._tester = Tester(domain)
         self.spent["start"] += time.monotonic() - began
 
@@ -133,7 +138,7 @@ class Bench:
 
         What it has put into the job's variable is in the notes of the result, as `values.describe` puts it.
         """
-        self._ask("launch", arguments=[], files={}, variables=self._variables)
+        self._ask("launch", patience_s=limits.QUEUE_S, arguments=[], files={}, variables=self._variables)
         return _life(self._ask("finish", patience_s=self.job.limits.wall_s))
 
     def close(self) -> None:
@@ -152,11 +157,34 @@ class Bench:
         if self.job.fault:
             raise Failed(Evidence("", "a Python program", "a syntax error"), self.job.fault, "start.syntax")
         self.deadline_s = deadline_s
+        self._queued_s = 0.0
         self._clock = self.clock()
 
     def time_is_up(self) -> bool:
-        """Whether the check has used up its time, fairly counted."""
-        return self._clock is not None and self._clock.past(self.deadline_s)
+        """Whether the check has used up its time, fairly counted; every wait is over then."""
+        return self._clock is not None and self._clock.past(self.deadline_s + self._queued_s)
+
+    def require_time(self, evidence: Evidence) -> None:
+        """See that there is time left to ask something more.
+
+        Args:
+            evidence: what is to be asked.
+
+        Raises:
+            Failed: the check has used up its time; with service.blocks.
+        """
+        if self.time_is_up():
+            message = f"Each answer came, but so slowly that the {self.deadline_s:g} s for this check were over."
+            raise Failed(replace(evidence, got="too late to be asked"), message, "service.blocks")
+
+    @contextmanager
+    def after_the_verdict(self) -> Iterator[None]:
+        """Let waits go beyond the check's deadline: for a look at why it failed, and to tidy up. Both are short."""
+        clock, self._clock = self._clock, None
+        try:
+            yield
+        finally:
+            self._clock = clock
 
     def spoil(self) -> None:
         """Remember that the running submission is dead or stuck: the next check needs a fresh one."""
@@ -174,7 +202,9 @@ class Bench:
             own_waiting: seconds the grader has waited for a processor, for whoever knows better than the kernel, which
                 counts that of a grader too that only looks whether something has come yet.
         """
-        return FairClock(self._waiting, Recent(own_waiting) if own_waiting else self._own_waiting)
+        if own_waiting is None:
+            return self._clock_of(self._state)
+        return self._clock_of(Recent(lambda: self._look(own_waiting)))
 
     def life(self, *, fresh: bool = False) -> Life:
         """What is known of the submission; `fresh` has it counted now instead of up to 50 ms ago."""
@@ -187,28 +217,36 @@ class Bench:
         return str(self._ask("stacks")["stacks"]) if self.job.mode == "run" else ""
 
     def wait_until(
-        self, condition: Callable[[], bool], seconds: float, most: float | None = None, *, calmly: bool = False
+        self,
+        condition: Callable[[], bool],
+        seconds: float,
+        *,
+        most: float = MOST,
+        calmly: bool = False,
+        of_the_living: bool = True,
     ) -> bool:
-        """Wait until `condition` holds; False when it does not within `seconds`, fairly counted.
+        """Wait until `condition` holds; False when it does not within `seconds`, or before the check's time is up.
 
         Args:
             condition: asked again and again.
-            seconds: the patience.
-            most: the largest part of the time that a busy machine may take away; the usual one when None.
+            seconds: the patience, fairly counted, as the check's deadline is.
+            most: the largest part of the time that a busy machine may take away.
             calmly: whether it may be noticed some milliseconds late that a change of the graph, after a long wait, has
                 made it hold. What a message changes is noticed at once.
+            of_the_living: whether only a submission that runs can make it hold.
 
         Raises:
-            SubmissionEndedError: the submission has ended meanwhile.
+            SubmissionEndedError: the submission has ended meanwhile, and it is `of_the_living`.
         """
-        clock = self.clock() if most is None else FairClock(self._waiting, self._own_waiting, most)
+        clock = self._clock_of(self._state, most)
         watched = 0.0
         while not condition():
             step = _CALM_STEP_S if calmly and watched > _SOON_S else _STEP_S
             if clock.wall() - watched >= _WATCH_S:
                 watched = clock.wall()
-                self.require_running()
-                if clock.past(seconds):
+                if of_the_living:
+                    self.require_running()
+                if clock.past(seconds) or self.time_is_up():
                     return False
             self.tester.spin_once(step)
         return True
@@ -221,7 +259,7 @@ class Bench:
         """
         began = time.monotonic()
         try:
-            return self.wait_until(condition, self.job.limits.start_s, _MOST_OF_A_START, calmly=True)
+            return self.wait_until(condition, self.job.limits.start_s, most=_MOST_OF_A_START, calmly=True)
         finally:
             self.spent["discovery"] += time.monotonic() - began
 
@@ -232,8 +270,16 @@ class Bench:
             self._spoiled = True
             raise SubmissionEndedError(life, self.job)
 
-    def _waited(self) -> float:
-        return self.life(fresh=True).waited_s if self._tester is not None else 0.0
+    def _look(self, own_waiting: Callable[[], float] = processes.own_waiting) -> State:
+        if self._tester is not None:
+            life = self.life(fresh=True)
+            before = self._used_before
+            self._used = Used(before.cpu_s + life.cpu_s, before.waited_s + life.waited_s)
+        busy_s = machine.processor_times().busy
+        return State(self._used, Used(time.process_time(), own_waiting()), busy_s or None)
+
+    def _clock_of(self, state: Recent, most: float = MOST) -> FairClock:
+        return FairClock(state, most, machine.processor_share())
 
     def _ask(self, what: str, *, patience_s: float = 0.0, **more: Any) -> dict[str, Any]:
         self._warden.send({"do": what, **more})

@@ -75,13 +75,13 @@ def of_logged(stderr: str, job: Job) -> endings.Cause | None:
     return cause or (None, f"Your program raised {raised.describe()}{_where(raised, job)}, and nobody caught it.")
 
 
-def unanswered(bench: Bench, evidence: Evidence) -> Failed:
-    """Establish why a program that lives on does not answer a request about its parameters."""
+def unanswered(bench: Bench, evidence: Evidence, waited_s: float) -> Failed:
+    """Establish why a program that lives on has not answered a request about its parameters for so many seconds."""
     logged = of_logged(bench.life(fresh=True).stderr, bench.job)
     if logged is None:
-        return silence.unanswered(bench, evidence.sent, evidence.expected)
+        return silence.unanswered(bench, evidence.sent, evidence.expected, waited_s)
     bench.spoil()
-    return Failed(replace(evidence, got=f"no answer within {silence.ANSWER_S:g} s"), logged[1], logged[0])
+    return Failed(replace(evidence, got=f"no answer within {silence.told(waited_s)} s"), logged[1], logged[0])
 
 
 def _of_parameters(raised: Raised, job: Job) -> endings.Cause | None:

@@ -135,11 +135,16 @@ class Result:
 def run_all(checks: Sequence[Check], bench: Bench) -> Iterator[Result]:
     """Run the checks in order of dependence, yielding each result as soon as it is known.
 
-    A check that fails, times out or breaks leaves the others to be graded.
+    A check that fails or times out leaves the others to be graded. After one that breaks there is no grade, and nothing
+    more is run.
     """
     passed: set[str] = set()
     titles = {one.id: one.title for one in checks}
+    broken = ""
     for one in in_order(checks):
+        if broken:
+            yield Result(one.id, one.title, "skipped", one.points, message=f'Not run: the grader failed in "{broken}".')
+            continue
         missing = [name for name in one.depends_on if name not in passed]
         if missing:
             needed = ", ".join(f'"{titles[name]}"' for name in missing)
@@ -148,6 +153,8 @@ def run_all(checks: Sequence[Check], bench: Bench) -> Iterator[Result]:
         result = _run(one, bench)
         if result.status == "passed":
             passed.add(one.id)
+        elif result.status == "error":
+            broken = one.title
         yield result
 
 
@@ -161,7 +168,7 @@ def _run(one: Check, bench: Bench) -> Result:
         steps = _exchange(bench, seen)
     except NotRun as reason:
         return Result(one.id, one.title, "skipped", one.points, message=f"Not run: {reason}")
-    except Exception as problem:  # noqa: BLE001 - whatever it is, it is our fault and must not cost the other checks
+    except Exception as problem:  # noqa: BLE001 - whatever it is, it is our fault and must not cost any points
         text = f"The grader itself failed here ({type(problem).__name__}: {problem}). This is not your fault."
         return Result(one.id, one.title, "error", one.points, message=text)
     else:

@@ -25,11 +25,16 @@ if TYPE_CHECKING:
     from course_kit.grading.bench import Bench, Life
 
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
-NAMES = {
+_NAMES = {
     getattr(GoalStatus, name): name.removeprefix("STATUS_") for name in dir(GoalStatus) if name.startswith("STATUS_")
 }
 _QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
 _REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's next heartbeat, each 3 s in Fast DDS
+
+
+def _named(status: int) -> str:
+    """A status in words; a number that action_msgs/msg/GoalStatus does not have as it is."""
+    return _NAMES.get(status, str(status))
 
 
 @dataclass(frozen=True)
@@ -42,7 +47,7 @@ class Ended:
     @property
     def name(self) -> str:
         """The status in words, `SUCCEEDED`."""
-        return NAMES.get(self.status, str(self.status))
+        return _named(self.status)
 
 
 class Goal:
@@ -58,6 +63,7 @@ class Goal:
             shown: the goal as the learner is shown it.
         """
         ensure_ready(bench, action)
+        bench.require_time(Evidence(shown, "an answer to the goal"))
         self.shown = shown
         self._bench, self._parts, self._line = bench, action.interface.Impl, Line(bench, action)
         self._stderr = bench.life(fresh=True).stderr
@@ -88,17 +94,17 @@ class Goal:
 
     @property
     def statuses(self) -> list[tuple[float, int]]:
-        """The statuses the server has published for this goal so far, each with its time on the server's clock."""
+        """The statuses received for this goal so far, each with its time on the system's clock."""
         return self._line.statuses.of(self._id)
 
     @property
     def over_at(self) -> float | None:
-        """When it ended, on the server's clock; None as long as it runs."""
+        """When the grader learned that it had ended, on the system's clock; None as long as it runs."""
         return next((when for when, status in self.statuses if status >= SUCCEEDED), None)
 
     @property
     def began_at(self) -> float:
-        """When the server first told of it, on the server's clock; 0 if it never has."""
+        """When the grader first heard of it, on the system's clock; 0 if it never has."""
         return next((when for when, _ in self.statuses), 0.0)
 
     def wait_for_answer(self, expected: str, seconds: float = silence.ANSWER_S) -> None:
@@ -122,7 +128,7 @@ class Goal:
             evidence = Evidence(self.shown, expected, "no answer: the program ended")
             raise Failed(evidence, ended.message, ended.diagnosis) from None
         if not found:
-            raise silence.unanswered(self._bench, self.shown, expected)
+            raise silence.unanswered(self._bench, self.shown, expected, self.clock.fair())
         self._turn.came("accepted" if self.accepted else "rejected")
 
     def wait_for_end(self, seconds: float, expected: str) -> Ended:
@@ -136,6 +142,7 @@ class Goal:
             Failed: none came; with the reason if it can be established.
         """
         self._ask_for_result()
+        clock = self._bench.clock()
         try:
             self._bench.wait_until(self._result_came, seconds)
         except SubmissionEndedError as ended:
@@ -150,7 +157,8 @@ class Goal:
                 self._turn.came(f"result: {end.name}, {tell(end.result)}")
                 return end
         self._bench.spoil()
-        over = next((NAMES.get(status, str(status)) for _, status in self.statuses if status >= SUCCEEDED), "")
+        seconds = min(seconds, clock.fair())
+        over = next((_named(status) for _, status in self.statuses if status >= SUCCEEDED), "")
         diagnosis, message = goal_endings.of_silence(self._bench, over, seconds, self.life())
         evidence = Evidence(self.shown, expected, f"no result within {seconds:.1f} s")
         self._turn.missed(evidence.got)
@@ -201,14 +209,14 @@ class Goal:
         self._results.append(self._line.results.call_async(request))
 
     def _feedback_steps(self) -> list[Followed]:
-        """The first and the last feedback; `Told.sent_s` is of the same machine's clock as the other steps."""
+        """The first and the last feedback."""
         all_told = self.feedback
         begin = self._turn.steps[0][0]
         steps = []
         for number in sorted({1, len(all_told)} if all_told else ()):
             told = all_told[number - 1]
-            text = f"feedback {number} after {told.sent_s - begin:.2f} s: {tell(told.feedback)}"
-            steps.append((told.sent_s, Step(NODE, GRADER, "message", text)))
+            text = f"feedback {number} after {told.came_s - begin:.2f} s: {tell(told.feedback)}"
+            steps.append((told.came_s, Step(NODE, GRADER, "message", text)))
         return steps
 
     def _follow(self) -> None:

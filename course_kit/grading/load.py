@@ -62,7 +62,7 @@ def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Loa
         return responses
     bench.spoil()
     if answered == 0:
-        raise unanswered(bench, evidence.sent, evidence.expected)
+        raise unanswered(bench, evidence.sent, evidence.expected, spent)
     each = spent / answered
     message = (
         f"{answered} of {len(requests)} requests were answered in {spent:.1f} s, one in {each:.2f} s: "

@@ -100,17 +100,16 @@ class Remote:
 
     def _call(self, verb: str, request: Any, evidence: Evidence) -> Any:
         bench = self._bench
-        if bench.time_is_up():
-            message = f"Each answer came, but so slowly that the {bench.deadline_s:g} s for this check were over."
-            raise Failed(evidence, message, "service.blocks")
+        bench.require_time(evidence)
         turn = bench.record.sent(evidence.sent, minor=verb in _QUESTIONS)
+        clock = bench.clock()
         with callbacks.explained(bench, evidence):
             future = self._clients[verb].call_async(request)
             if bench.wait_until(future.done, silence.ANSWER_S):
                 response = bounded(future.result())
                 turn.came(_told(request, response))
                 return response
-            raise callbacks.unanswered(bench, evidence)
+            raise callbacks.unanswered(bench, evidence, clock.fair())
 
 
 def shown(values: Mapping[str, Any]) -> str:
@@ -136,8 +135,9 @@ def expect_served(bench: Bench, node: str) -> Evidence:
         if not remote.ready():
             raise _not_served(bench, node, expected)
         client = bench.tester.client(ListParameters, f"{node}/list_parameters")  # the last that `remote` has made
+        clock = bench.clock()
         if not get_known(bench, client, ListParameters.Request(), silence.ANSWER_S):
-            raise callbacks.unanswered(bench, Evidence("list_parameters", expected))
+            raise callbacks.unanswered(bench, Evidence("list_parameters", expected), clock.fair())
     except SubmissionEndedError as ended:
         diagnosis, message = callbacks.of_start(ended.life, bench.job)
         raise Failed(Evidence("", expected, "a program that has ended"), message, diagnosis) from None

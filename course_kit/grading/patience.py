@@ -3,51 +3,90 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 _RECENT_S = 0.1
-_MOST = 0.8  # however busy the machine: after five times the patience a wait is over
+MOST = 0.8  # however busy the machine: after five times the patience a wait is over
+
+
+class Used(NamedTuple):
+    """What some threads have had of the machine's processors so far.
+
+    Attributes:
+        cpu_s: seconds of computing, all of them together.
+        waited_s: seconds the one that suffered most was ready to run and got no processor.
+    """
+
+    cpu_s: float = 0.0
+    waited_s: float = 0.0
+
+    def since(self, before: Used) -> Used:
+        """What has come to it since then."""
+        return Used(self.cpu_s - before.cpu_s, self.waited_s - before.waited_s)
+
+
+class State(NamedTuple):
+    """How things stand at one moment.
+
+    Attributes:
+        submission: what the submission has used.
+        grader: what the grader has used.
+        busy_s: seconds the machine's processors have worked for anybody; None where that is not known.
+    """
+
+    submission: Used
+    grader: Used
+    busy_s: float | None = None
 
 
 class Recent:
-    """A count that may be some moments old, where asking anew costs more than most waits last."""
+    """A state that may be some moments old, where asking anew costs more than most waits last."""
 
-    def __init__(self, count: Callable[[], float]) -> None:
-        self._count = count
-        self._value, self._at = 0.0, -_RECENT_S
+    def __init__(self, look: Callable[[], State]) -> None:
+        self._look = look
+        self._value: State | None = None
+        self._at = 0.0
 
-    def __call__(self) -> float:
-        """The count of now."""
-        self._value, self._at = self._count(), time.monotonic()
+    def __call__(self) -> State:
+        """The state of now."""
+        self._value, self._at = self._look(), time.monotonic()
         return self._value
 
-    def lately(self) -> float:
-        """The count of now or of a moment ago."""
-        return self._value if time.monotonic() - self._at < _RECENT_S else self()
+    def lately(self) -> State:
+        """The state of now or of a moment ago."""
+        if self._value is None or time.monotonic() - self._at >= _RECENT_S:
+            return self()
+        return self._value
 
 
 class FairClock:
-    """Seconds since its making, minus those in which the submission or the grader was ready to run and was not let.
+    """Seconds since its making, minus those in which others kept the submission or the grader from running.
 
-    The kernel counts that per thread (schedstat, see Documentation/scheduler/sched-stats.rst of Linux). A correct
-    submission on a machine with many other programs thus gets the same patience as on an idle one.
+    The kernel counts per thread for how long it was ready to run and was not let (schedstat, see
+    Documentation/scheduler/sched-stats.rst of Linux). A correct submission on a machine with many other programs thus
+    gets the same patience as on an idle one. Waiting that a submission causes itself is not taken off:
+
+    - Others can have taken no more than they have used of the processors.
+    - What a submission has computed would have taken its time on an idle machine, too. So however long it has waited,
+      at least as much time has gone by as it has computed. For one with a single thread at work that changes nothing,
+      as such a thread either computes or waits. One whose threads stand in each other's way has computed all the time.
     """
 
-    def __init__(self, of_submission: Recent, own: Recent, most: float = _MOST) -> None:
+    def __init__(self, state: Recent, most: float = MOST, share: float = 1.0) -> None:
         """Start the clock.
 
         Args:
-            of_submission: seconds its threads have waited for a processor so far; as rarely asked as possible.
-            own: the same of the grader's.
+            state: how things stand; as rarely asked as possible.
             most: the largest part of the time that is taken for lost.
+            share: how much of one processor a single thread gets on this machine when nobody else wants any.
         """
-        self._most = most
-        self._of_submission, self._own = of_submission, own
+        self._most, self._share = most, share
+        self._state = state
         self._began = time.monotonic()
-        self._waited = (of_submission.lately(), own.lately())
+        self._before = state.lately()
         self._counted = (0.0, 0.0)  # seconds on the wall and fair ones, when it was counted last
 
     def wall(self) -> float:
@@ -66,7 +105,19 @@ class FairClock:
     def fair(self) -> float:
         """Seconds, fairly counted."""
         wall = self.wall()
-        lost = max(self._of_submission() - self._waited[0], self._own() - self._waited[1])
-        fair = wall - min(max(lost, 0.0), self._most * wall)
+        fair = wall - self._lost(wall, lambda now: max(now.submission.waited_s, now.grader.waited_s))
         self._counted = (wall, fair)
         return fair
+
+    def grader_lost(self) -> float:
+        """Seconds in which others have kept the grader from running: as late it may have noticed something."""
+        return self._lost(self.wall(), lambda now: now.grader.waited_s)
+
+    def _lost(self, wall: float, waited: Callable[[State], float]) -> float:
+        """How much of the seconds on the wall others have taken away."""
+        now, before = self._state(), self._before
+        since = State(now.submission.since(before.submission), now.grader.since(before.grader))
+        lost = min(waited(since), wall - since.submission.cpu_s / self._share, self._most * wall)
+        if now.busy_s is not None and before.busy_s is not None:
+            lost = min(lost, now.busy_s - before.busy_s - since.submission.cpu_s - since.grader.cpu_s)
+        return max(lost, 0.0)

@@ -99,9 +99,7 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
         Failed: none came; with the reason if it can be established.
     """
     ensure_ready(bench, service)
-    if bench.time_is_up():
-        message = f"Each answer came, but so slowly that the {bench.deadline_s:g} s for this check were over."
-        raise Failed(Evidence(shown, expected, "too late to be asked"), message, "service.blocks")
+    bench.require_time(Evidence(shown, expected))
     turn = bench.record.sent(f"request {service.name}: {tell(request)}", about=shown)
     asked = Asked(bench, request, _client(bench, service), lambda: _client(bench, service, 1))
     clock = asked.clock
@@ -124,7 +122,7 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
     if (response := asked.response()) is not None:
         turn.came(f"response: {tell(response)}")
         return Answer(response, clock.fair() if clock.wall() > NUDGE_S else clock.wall())
-    raise silence.unanswered(bench, shown, expected)
+    raise silence.unanswered(bench, shown, expected, clock.fair())
 
 
 def _client(bench: Bench, service: Service, number: int = 0) -> Client:

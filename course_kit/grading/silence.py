@@ -16,19 +16,33 @@ LOOK_S = 0.3  # how long a program is watched to tell whether it computes
 _IDLE_SHARE = 0.5  # below this share of one processor it is waiting, not computing
 
 
-def unanswered(bench: Bench, shown: str, expected: str) -> Failed:
-    """Establish why a program that lives on does not answer."""
+def unanswered(bench: Bench, shown: str, expected: str, waited_s: float = ANSWER_S) -> Failed:
+    """Establish why a program that lives on does not answer.
+
+    Args:
+        bench: the test bench.
+        shown: what was asked.
+        expected: what a right answer is.
+        waited_s: for how many seconds it was waited for, fairly counted.
+    """
     bench.spoil()
     seen = doing(bench)
     busy = computes(bench)
-    evidence = Evidence(shown, expected, f"no answer within {ANSWER_S:g} s; the program is still running")
-    diagnosis, message = _why_silent(bench, seen, busy=busy)
+    evidence = Evidence(shown, expected, f"no answer within {told(waited_s)} s; the program is still running")
+    diagnosis, message = _why_silent(bench, seen, told(waited_s), busy=busy)
     if diagnosis is None and (logged := endings.of_logged(bench.life().stderr, bench.job)):
         diagnosis, message = logged
+    if waited_s < ANSWER_S and bench.time_is_up():
+        message += f" With this the {bench.deadline_s:g} s for this check were over."
     return Failed(evidence, message, diagnosis)
 
 
-def _why_silent(bench: Bench, seen: Activity, *, busy: bool) -> endings.Cause:
+def told(waited_s: float, most: float = ANSWER_S) -> str:
+    """Seconds as the learner is told them: a patience that was used up, or less where a check's deadline came first."""
+    return f"{min(round(waited_s, 1), most):g}"
+
+
+def _why_silent(bench: Bench, seen: Activity, seconds: str, *, busy: bool) -> endings.Cause:
     job = bench.job
     if seen.callback is not None:
         where = endings.source_line(job, seen.callback.line)
@@ -36,7 +50,7 @@ def _why_silent(bench: Bench, seen: Activity, *, busy: bool) -> endings.Cause:
             message = f"Your callback has stopped in {where}: it waits there for ROS, and ROS waits for it."
             return "service.deadlock", message
         if busy:
-            return "limit.time", f"Your callback was still computing in {where} after {ANSWER_S:g} s."
+            return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
         return "service.blocks", f"Your callback stands still in {where}, and meanwhile nobody is answered."
     if seen.spinning and job.facts.awaits:
         return "service.deadlock", "Your callback awaits something that never comes: nobody is left to deliver it."
@@ -54,7 +68,8 @@ def computes(bench: Bench) -> bool:
     """
     before = bench.life(fresh=True)
     clock = bench.clock()
-    bench.wait_until(lambda: clock.wall() > LOOK_S, LOOK_S)
+    with bench.after_the_verdict():
+        bench.wait_until(lambda: clock.wall() > LOOK_S, LOOK_S)
     after = bench.life(fresh=True)
     return after.cpu_s + after.waited_s - before.cpu_s - before.waited_s > _IDLE_SHARE * clock.wall()
 

@@ -53,7 +53,8 @@ class Heard:
     Attributes:
         count: how many messages.
         messages: the last of them, oldest first; each with its texts and sequences cut where they are too long.
-        times: when each of these was received, in seconds of the system's clock.
+        times: when each of these was received, in seconds of the system's clock; when it was sent only the publisher
+            could say.
     """
 
     def __init__(self) -> None:
@@ -62,7 +63,7 @@ class Heard:
         self.times: deque[float] = deque(maxlen=_KEPT)
 
     def take(self, message: Any, info: Any) -> None:
-        """Keep one message; `info` is rclpy's, with the times the middleware noted, however late we look."""
+        """Keep one message; `info` is rclpy's, with the time the middleware noted, however late we look."""
         self.count += 1
         self.messages.append(bounded(message))
         self.times.append(info["received_timestamp"] / 1e9)

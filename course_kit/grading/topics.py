@@ -139,6 +139,7 @@ class Exchange:
         Raises:
             Failed: too few came; as in `send`.
         """
+        self._bench.require_time(evidence)
         with callbacks.explained(self._bench, evidence):
             self._connect(evidence)
             places = [heard.count for heard in self._heard]
@@ -192,7 +193,7 @@ class Exchange:
 
         if not self._bench.wait_until(connected, HEARD_S):
             self._tell_sent([self._sent.interface()])
-            raise self._silent([1] * len(self._heard), evidence)
+            raise self._silent([1] * len(self._heard), evidence, clock.fair())
         if sent > 1:  # whichever of them were lost: the answers to all others are to come before we go on
             self._bench.wait_until(lambda: all(heard.count >= sent for heard in self._heard), _AGAIN_S)
 
@@ -202,20 +203,21 @@ class Exchange:
         def come() -> bool:
             return all(heard.count >= count for heard, count in zip(self._heard, counts, strict=True))
 
+        clock = self._bench.clock()
         if not self._bench.wait_until(come, HEARD_S):
             self._tell_came(places)
-            raise self._silent(counts, evidence)
+            raise self._silent(counts, evidence, clock.fair())
 
-    def _silent(self, counts: Sequence[int], evidence: Evidence) -> Failed:
+    def _silent(self, counts: Sequence[int], evidence: Evidence, waited_s: float) -> Failed:
         missing = [
             topic.name
             for topic, heard, count in zip(self._answers, self._heard, counts, strict=True)
             if heard.count < count
         ]
-        names = " and ".join(missing)
-        self._turn.missed(f"within {HEARD_S:g} s nothing on {names}")
-        evidence = replace(evidence, got=f"within {HEARD_S:g} s nothing on {names}")
-        return Failed(evidence, *_why_nothing(self._bench, self._sent.name, names)[::-1])
+        names, seconds = " and ".join(missing), silence.told(waited_s, HEARD_S)
+        self._turn.missed(f"within {seconds} s nothing on {names}")
+        evidence = replace(evidence, got=f"within {seconds} s nothing on {names}")
+        return Failed(evidence, *_why_nothing(self._bench, self._sent.name, names, seconds)[::-1])
 
 
 def await_next(bench: Bench, heard: Heard, count: int, seconds: float, evidence: Evidence) -> bool:
@@ -228,13 +230,13 @@ def await_next(bench: Bench, heard: Heard, count: int, seconds: float, evidence:
         return bench.wait_until(lambda: heard.count >= count, seconds)
 
 
-def _why_nothing(bench: Bench, sent: str, missing: str) -> endings.Cause:
+def _why_nothing(bench: Bench, sent: str, missing: str, seconds: str) -> endings.Cause:
     seen = silence.doing(bench)
     if seen.callback is not None:
         bench.spoil()
         where = endings.source_line(bench.job, seen.callback.line)
         if silence.computes(bench):
-            return "limit.time", f"Your callback was still computing in {where} after {HEARD_S:g} s."
+            return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
         return None, f"Your callback stands still in {where}, and meanwhile nothing is published."
     if logged := callbacks.of_logged(bench.life(fresh=True).stderr, bench.job):
         bench.spoil()

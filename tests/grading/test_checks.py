@@ -69,8 +69,11 @@ def test_an_exchange_that_cannot_be_told_leaves_the_verdict_as_it_is() -> None:
     assert "ZeroDivisionError" in result.steps[0].text
 
 
-def test_fault_of_the_grader_is_an_error_and_the_others_go_on() -> None:
-    assert run(make("a", outcome=ZeroDivisionError()), make("b")) == {"a": "error", "b": "passed"}
+def test_after_a_fault_of_the_grader_nothing_more_is_run() -> None:
+    checks = [make("a"), make("b", outcome=ZeroDivisionError()), make("c")]
+    assert run(*checks) == {"a": "passed", "b": "error", "c": "skipped"}
+    *_, last = run_all(checks, FakeBench())  # type: ignore[arg-type]
+    assert 'the grader failed in "B"' in last.message
 
 
 def test_failure_carries_its_evidence() -> None:

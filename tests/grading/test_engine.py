@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading import exercise, processes
+from course_kit.grading import engine, exercise, processes
+from course_kit.grading.checks import Result
 from tests.grading.conftest import EXERCISE, ROOT
 
 if TYPE_CHECKING:
@@ -56,6 +57,15 @@ def test_exec_grades_a_command() -> None:
     report = grading.grade(EXERCISE, exec_command=command)
     assert [check.message for check in report.checks if check.status != "passed"] == []
     assert report.submission == command
+
+
+def test_exec_of_a_program_that_crashes_names_the_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where FORCE_COLOR is set Python 3.13 would colour its traceback, and nobody could read it."""
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    (tmp_path / "program.py").write_text("import rclpy\nrclpy.init()\n1 / 0\n")
+    report = grading.grade(EXERCISE, exec_command=shlex.join([sys.executable, str(tmp_path / "program.py")]))
+    assert report.checks[0].diagnosis == "start.crash"
+    assert "ZeroDivisionError: division by zero" in report.checks[0].message
 
 
 def test_exec_of_nothing_there_says_so() -> None:
@@ -104,11 +114,36 @@ def test_output_of_the_submission_is_reported(grade_source: Callable[..., gradin
     assert report.stdout == "hello\n"
 
 
+def test_ctrl_c_of_a_child_is_what_it_is_everywhere(tmp_path: Path) -> None:
+    """The grader's own processes ignore Ctrl-C, and that is inherited."""
+    path = tmp_path / "a.py"
+    path.write_text(
+        "import signal, subprocess, sys\n"
+        "program = 'import time; print(0, flush=True); time.sleep(60)'\n"
+        "child = subprocess.Popen([sys.executable, '-c', program], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)\n"
+        "child.stdout.readline()\n"
+        "child.send_signal(signal.SIGINT)\n"
+        "print('ended by', child.wait(), signal.getsignal(signal.SIGINT) is signal.default_int_handler)\n"
+    )
+    assert grading.grade(EXERCISE, path).stdout == f"ended by {-signal.SIGINT} True\n"
+
+
 def test_field_checks_are_on_whatever_the_user_has_set(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "0")
     path = tmp_path / "a.py"
     path.write_text("import os\nprint(os.environ['ROS_PYTHON_CHECK_FIELDS'])\n")
     assert grading.grade(EXERCISE, path).stdout == "1\n"
+
+
+def test_a_check_that_breaks_leaves_no_grade() -> None:
+    outcomes = {"a": "passed", "b": "error", "c": "skipped"}
+    results = [Result(one, one.upper(), how, 4.0, message=f"about {one}").to_mapping() for one, how in outcomes.items()]
+    outcome = {"results": results, "problem": "", "stdout": "", "stderr": "", "timings": {}}
+    report = engine._report(exercise.load(EXERCISE), "shown", outcome, "", time.monotonic())
+    assert (report.status, report.score, report.passed) == ("error", 0.0, False)
+    assert report.problem == 'The grading did not come to its end, at the check "B". about b'
+    assert grading.exit_code(report) == 2
+    assert "Not graded" in grading.render_text(report)
 
 
 def test_grader_that_breaks_is_not_the_learners_fault(

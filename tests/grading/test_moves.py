@@ -78,6 +78,7 @@ def test_a_place_that_is_none_is_beside_every_way() -> None:
         ([0.0, 0.01, 0.02, 0.03, 0.04], False),
         ([0.0, 0.97, 0.98, 0.99, 1.0], False),
         ([0.5, 0.5, 0.5, 0.5, 0.5], False),
+        ([], False),
     ],
 )
 def test_feedback_is_spread_or_in_a_bunch(times: list[float], spread: bool) -> None:

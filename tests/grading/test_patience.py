@@ -5,15 +5,12 @@ from __future__ import annotations
 import os
 import threading
 import time
-from typing import TYPE_CHECKING
+from typing import Any
 
 import pytest
 
 from course_kit.grading import load, patience, processes
-from course_kit.grading.patience import FairClock, Recent
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from course_kit.grading.patience import FairClock, Recent, State, Used
 
 
 class Time:
@@ -34,19 +31,23 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Time:
     return made
 
 
-def counter(values: list[float]) -> Callable[[], float]:
-    return lambda: values[-1]
+def look(**values: Any) -> State:
+    """A state by its figures that are not 0: `waited` and `computed` of the submission, the same of the grader."""
+    submission = Used(values.get("computed", 0.0), values.get("waited", 0.0))
+    grader = Used(values.get("grader_computed", 0.0), values.get("grader_waited", 0.0))
+    return State(submission, grader, values.get("busy"))
 
 
 def test_waiting_for_a_processor_is_not_counted(clock: Time) -> None:
-    theirs, ours = [2.0], [5.0]
-    fair = FairClock(Recent(counter(theirs)), Recent(counter(ours)))
+    states = [look(waited=2.0, grader_waited=5.0)]
+    fair = FairClock(Recent(lambda: states[-1]))
     clock.now += 4.0
     assert fair.fair() == 4.0
-    theirs.append(3.0)
+    states.append(look(waited=3.0, grader_waited=5.0))
     assert fair.fair() == 3.0
-    ours.append(6.5)
+    states.append(look(waited=3.0, grader_waited=6.5))
     assert fair.fair() == 2.5
+    assert fair.grader_lost() == 1.5
     assert not fair.past(2.6)
     assert fair.past(2.4)
 
@@ -54,11 +55,11 @@ def test_waiting_for_a_processor_is_not_counted(clock: Time) -> None:
 def test_threads_are_counted_only_when_the_time_can_be_up(clock: Time) -> None:
     waited, counts = [0.0], []
 
-    def count() -> float:
+    def count() -> State:
         counts.append(clock.now)
-        return waited[-1]
+        return look(waited=waited[-1])
 
-    fair = FairClock(Recent(count), Recent(lambda: 0.0))
+    fair = FairClock(Recent(count))
     counts.clear()
     for _ in range(10):
         clock.now += 1.0
@@ -70,21 +71,59 @@ def test_threads_are_counted_only_when_the_time_can_be_up(clock: Time) -> None:
 
 
 def test_however_busy_the_machine_a_wait_is_over_at_five_times_the_patience(clock: Time) -> None:
-    theirs = [0.0]
-    fair = FairClock(Recent(counter(theirs)), Recent(lambda: 0.0))
-    theirs.append(1e6)
+    states = [look()]
+    fair = FairClock(Recent(lambda: states[-1]))
+    states.append(look(waited=1e6))
     clock.now += 10.0
     assert fair.fair() == pytest.approx(2.0)
 
 
-def test_a_count_is_made_anew_only_when_it_is_old(clock: Time) -> None:
+def test_a_state_is_looked_at_anew_only_when_it_is_old(clock: Time) -> None:
     made: list[float] = []
-    recent = Recent(lambda: made.append(0.0) or float(len(made)))  # type: ignore[func-returns-value]
-    assert [recent.lately(), recent.lately()] == [1.0, 1.0]
-    assert recent() == 2.0
-    assert recent.lately() == 2.0
+
+    def count() -> State:
+        made.append(clock.now)
+        return look(waited=float(len(made)))
+
+    recent = Recent(count)
+    assert [recent.lately(), recent.lately()] == [look(waited=1.0)] * 2
+    assert recent() == look(waited=2.0)
+    assert recent.lately() == look(waited=2.0)
     clock.now += 1.0
-    assert recent.lately() == 3.0
+    assert recent.lately() == look(waited=3.0)
+
+
+@pytest.mark.parametrize(
+    ("after", "share", "fair"),
+    [
+        # One thread, half of the time in the queue: the other programs have had that half.
+        ({"waited": 5.0, "computed": 5.0, "busy": 20.0}, 1.0, 5.0),
+        # Twelve on an idle machine of two processors: whoever waits, waits for one of them.
+        ({"waited": 8.0, "computed": 20.0, "busy": 20.0}, 1.0, 10.0),
+        # The same with as many of somebody else's.
+        ({"waited": 9.0, "computed": 10.0, "busy": 20.0}, 1.0, 10.0),
+        # They stand in each other's way half of the time, on the one processor of two that they have chosen.
+        ({"waited": 4.0, "computed": 5.0, "busy": 5.0}, 1.0, 10.0),
+        # They keep the grader from running.
+        ({"waited": 2.0, "computed": 19.0, "grader_waited": 8.0, "grader_computed": 1.0, "busy": 20.0}, 1.0, 10.0),
+        # The grader is kept from it by others.
+        ({"waited": 0.0, "computed": 1.0, "grader_waited": 8.0, "grader_computed": 1.0, "busy": 20.0}, 1.0, 2.0),
+        # Half a processor, and nobody else wants it: the machine is slow, and that is all.
+        ({"waited": 5.0, "computed": 5.0, "busy": 64.0}, 0.5, 10.0),
+        # Half a processor, shared with somebody else.
+        ({"waited": 7.5, "computed": 2.5, "busy": 64.0}, 0.5, 5.0),
+        # Nobody knows what others do.
+        ({"waited": 5.0, "computed": 5.0}, 1.0, 5.0),
+    ],
+)
+def test_only_what_others_have_taken_is_not_counted(
+    after: dict[str, float], share: float, fair: float, clock: Time
+) -> None:
+    states = [look(busy=0.0 if "busy" in after else None)]
+    counted = FairClock(Recent(lambda: states[-1]), share=share)
+    clock.now += 10.0
+    states.append(look(**after))
+    assert counted.fair() == pytest.approx(fair)
 
 
 def test_time_in_which_nothing_came_is_not_lost(clock: Time, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,13 +6,13 @@ reason, more gradings are begun than usual; on a busy machine it stays at the us
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from collections import deque
 from concurrent.futures import Future
-from contextlib import suppress
 from typing import TYPE_CHECKING
+
+from course_kit.grading.machine import processor_times
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -116,27 +116,14 @@ class Turns:
 
 
 class IdleShare:
-    """The share of time in which the processors of this process had nothing to do, by /proc/stat (proc(5))."""
+    """The share of time in which the processors of this process had nothing to do."""
 
     def __init__(self) -> None:
-        self._before = _processor_times()
+        self._before = processor_times()
 
     def __call__(self) -> float:
         """Of the time since it was asked last, 0 to 1; 0 where the kernel does not tell."""
-        now = _processor_times()
-        idle, total = (after - before for after, before in zip(now, self._before, strict=True))
+        now = processor_times()
+        idle, busy = now.idle - self._before.idle, now.busy - self._before.busy
         self._before = now
-        return idle / total if total > 0 else 0.0
-
-
-def _processor_times() -> tuple[int, int]:
-    """Idle and total time of all processors this process may use together, in ticks since the machine was started."""
-    own = {f"cpu{number}" for number in os.sched_getaffinity(0)}
-    idle = total = 0
-    with suppress(OSError, ValueError), open("/proc/stat", encoding="utf-8") as file:  # noqa: PTH123 - a plain path
-        for line in file:
-            name, *times = line.split()
-            if name in own:
-                idle += int(times[3])
-                total += sum(map(int, times[:8]))
-    return idle, total
+        return idle / (idle + busy) if idle + busy > 0.0 else 0.0

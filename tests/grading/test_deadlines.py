@@ -1,0 +1,155 @@
+"""A check's deadline ends every wait, whichever verb waits, and what is told then is true."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from course_interfaces.action import MoveRobot
+from course_interfaces.srv import ConvertTemperature
+from geometry_msgs.msg import Twist
+
+from course_kit import environment
+from course_kit.grading.actions import Action, expect_action, start_again
+from course_kit.grading.bench import Bench
+from course_kit.grading.checks import Check, Evidence, run_all
+from course_kit.grading.goals import Goal
+from course_kit.grading.job import Job
+from course_kit.grading.limits import Limits
+from course_kit.grading.load import Load, call_many
+from course_kit.grading.offers import expect_node
+from course_kit.grading.parameters import Remote, expect_served
+from course_kit.grading.services import Service, call, expect_offered
+from course_kit.grading.silence import ANSWER_S
+from course_kit.grading.topics import HEARD_S, Exchange, Topic, await_next, expect_endpoints
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+DEADLINE_S = 0.4
+START_S = PATIENCE_S = 60.0  # against hanging only
+SERVICE = Service("/convert_temperature", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
+MISSING = Service("/not_there", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
+ACTION = Action("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
+NO_ACTION = Action("/no_action", MoveRobot, "course_interfaces/action/MoveRobot")
+SENT = Topic("/cmd_vel_in", Twist, "geometry_msgs/msg/Twist")
+HEARD = Topic("/cmd_vel", Twist, "geometry_msgs/msg/Twist")
+OTHER = Topic("/other", Twist, "geometry_msgs/msg/Twist")
+NODE = "/silent"
+REQUEST = ConvertTemperature.Request()
+EVIDENCE = Evidence("something", "an answer")
+# Everything is on the graph, and nothing is ever answered: nobody spins the node.
+SILENT = """
+import threading
+import rclpy
+from course_interfaces.action import MoveRobot
+from course_interfaces.srv import ConvertTemperature
+from geometry_msgs.msg import Twist
+from rclpy.action import ActionServer
+
+rclpy.init()
+node = rclpy.create_node("silent")
+kept = [
+    node.create_service(ConvertTemperature, "convert_temperature", print),
+    ActionServer(node, MoveRobot, "move_robot", print),
+    node.create_subscription(Twist, "cmd_vel_in", print, 10),
+    node.create_publisher(Twist, "cmd_vel", 10),
+]
+threading.Event().wait()
+"""
+
+
+@pytest.fixture
+def bench(domain: int) -> Iterator[Bench]:
+    """A bench on whose graph is the silent node."""
+    environ = environment.child_environment(ROS_DOMAIN_ID=str(domain))
+    job = Job("temperature_service", "attach", "", 3, limits=Limits(start_s=START_S))
+    with subprocess.Popen([sys.executable, "-c", SILENT], env=environ) as program:
+        made = Bench(None, job)  # type: ignore[arg-type]  # nobody starts anything
+        made.launch()
+        assert made.wait_until(lambda: NODE in made.tester.nodes(), PATIENCE_S)
+        yield made
+        made.close()
+        program.kill()
+
+
+def send(bench: Bench) -> Goal:
+    return Goal(bench, ACTION, MoveRobot.Goal(), "a goal")
+
+
+def cancel(bench: Bench) -> None:
+    assert not bench.wait_until(send(bench).cancel().done, ANSWER_S)
+
+
+# Each asks the silent node for something, and how long it would wait by itself.
+VERBS: dict[str, tuple[Callable[[Bench], Any], float]] = {
+    "call": (lambda bench: call(bench, SERVICE, REQUEST, "a request", "an answer"), ANSWER_S),
+    "call_many": (lambda bench: call_many(bench, SERVICE, [REQUEST] * 20, Load(10, 10, 10.0), EVIDENCE), ANSWER_S),
+    "goal": (lambda bench: send(bench).wait_for_answer("an answer"), ANSWER_S),
+    "cancel": (cancel, ANSWER_S),
+    "result": (lambda bench: send(bench).wait_for_end(ANSWER_S, "an end"), ANSWER_S),
+    "last feedback": (lambda bench: send(bench).wait_for_last_feedback(lambda _: False), 3.5),
+    "parameter names": (lambda bench: Remote(bench, NODE).names(), ANSWER_S),
+    "parameter values": (lambda bench: Remote(bench, NODE).values(["x"]), ANSWER_S),
+    "set": (lambda bench: Remote(bench, NODE).set("x", 1.0), ANSWER_S),
+    "set together": (lambda bench: Remote(bench, NODE).set_together({"x": 1.0}), ANSWER_S),
+    "node that serves its parameters": (lambda bench: expect_served(bench, NODE), ANSWER_S),
+    "exchange": (lambda bench: Exchange(bench, SENT, [HEARD]).send(Twist(), EVIDENCE), HEARD_S),
+    "next message": (lambda bench: await_next(bench, bench.tester.hear(Twist, "/cmd_vel"), 1, 9.0, EVIDENCE), 9.0),
+    "endpoints": (lambda bench: expect_endpoints(bench, [OTHER], []), 2.0),
+    "service that is missing": (lambda bench: expect_offered(bench, MISSING, REQUEST), 2.0),
+    "action that is missing": (lambda bench: expect_action(bench, NO_ACTION), 2.0),
+    "node that is missing": (lambda bench: expect_served(bench, "/nobody"), 2.0),
+    "node's name": (lambda bench: expect_node(bench, "/nobody", lambda: None), 1.5),
+    "start": (lambda bench: bench.wait_for_start(lambda: False), START_S),
+    "another start": (lambda bench: start_again(bench, NO_ACTION), START_S),
+}
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_no_verb_waits_beyond_the_deadline(bench: Bench, verb: str) -> None:
+    ask, patience_s = VERBS[verb]
+    spent: list[float] = []
+
+    def one(bench: Bench) -> Evidence:
+        clock = bench.clock()
+        try:
+            ask(bench)
+        finally:
+            spent.append(clock.fair())
+        return EVIDENCE
+
+    (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], bench)
+    assert result.status in ("failed", "passed"), result.message
+    assert spent[0] < patience_s
+    if told := re.search(r"within ([\d.]+) s", result.got):
+        assert float(told[1]) < patience_s
+
+
+def test_when_the_time_is_up_nothing_more_is_asked(bench: Bench) -> None:
+    def one(bench: Bench) -> Evidence:
+        assert not bench.wait_until(lambda: False, ANSWER_S)
+        return call(bench, SERVICE, REQUEST, "a request", "an answer")  # type: ignore[return-value]
+
+    (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], bench)
+    assert (result.status, result.diagnosis, result.got) == ("failed", "service.blocks", "too late to be asked")
+    assert "0.4 s for this check were over" in result.message
+
+
+def test_the_next_check_has_time_of_its_own(bench: Bench) -> None:
+    waited: list[bool] = []
+
+    def slow(bench: Bench) -> Evidence:
+        waited.append(bench.wait_until(lambda: False, ANSWER_S))
+        return EVIDENCE
+
+    def quick(bench: Bench) -> Evidence:
+        waited.append(bench.wait_until(lambda: NODE in bench.tester.nodes(), ANSWER_S))
+        return EVIDENCE
+
+    checks = [Check("slow", "Slow", 1.0, (), DEADLINE_S, slow), Check("quick", "Quick", 1.0, (), PATIENCE_S, quick)]
+    assert [result.status for result in run_all(checks, bench)] == ["passed", "passed"]
+    assert waited == [False, True]

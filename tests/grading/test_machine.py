@@ -1,0 +1,64 @@
+"""What the machine tells of its processors."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.grading import machine
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+
+@pytest.fixture(autouse=True)
+def fresh() -> Iterator[None]:
+    machine.processor_share.cache_clear()
+    yield
+    machine.processor_share.cache_clear()
+
+
+def test_what_this_process_computes_is_among_what_the_processors_have_done() -> None:
+    before, begun = machine.processor_times(), time.process_time()
+    while time.process_time() - begun < 0.5:
+        pass
+    after = machine.processor_times()
+    assert before.idle > 0.0
+    assert after.busy - before.busy > 0.4  # it is counted in ticks
+
+
+@pytest.mark.parametrize(
+    ("groups", "files", "share"),
+    [
+        ("0::/\n", {}, 1.0),
+        ("0::/\n", {"cpu.max": "50000 100000\n"}, 0.5),
+        ("0::/\n", {"cpu.max": "max 100000\n"}, 1.0),
+        ("0::/\n", {"cpu.max": "400000 100000\n"}, 1.0),
+        ("0::/a/b\n", {"a/cpu.max": "20000 100000\n", "a/b/cpu.max": "max 100000\n"}, 0.2),
+        (
+            "3:cpuset:/\n1:cpu,cpuacct:/docker/x\n0::/\n",
+            {"cpu/docker/x/cpu.cfs_quota_us": "25000\n", "cpu/docker/x/cpu.cfs_period_us": "100000\n"},
+            0.25,
+        ),
+        ("1:cpu:/\n", {"cpu/cpu.cfs_quota_us": "-1\n", "cpu/cpu.cfs_period_us": "100000\n"}, 1.0),
+        ("nonsense\n", {"cpu.max": "nonsense\n"}, 1.0),
+    ],
+)
+def test_a_container_may_be_held_to_less_than_a_processor(
+    groups: str, files: dict[str, str], share: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "own").write_text(groups)
+    root = tmp_path / "cgroup"
+    for name, text in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text)
+    monkeypatch.setattr(machine, "_CGROUPS", root)
+    monkeypatch.setattr(machine, "_OWN_GROUPS", tmp_path / "own")
+    assert machine.processor_share() == share
+
+
+def test_this_machine_gives_a_thread_a_processor_or_a_part_of_it() -> None:
+    assert 0.0 < machine.processor_share() <= 1.0
