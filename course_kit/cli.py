@@ -65,7 +65,7 @@ def build_parser() -> argparse.ArgumentParser:
     doctor.set_defaults(run=_doctor)
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
-    dev.add_argument("tool", choices=("check", "otter"))
+    dev.add_argument("tool", choices=("check", "matrix", "otter"))
     dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
     dev.set_defaults(run=_dev)
     return parser
@@ -140,9 +140,9 @@ def _doctor(options: argparse.Namespace) -> int:
 
 
 def _dev(options: argparse.Namespace) -> int:
-    from course_kit.dev import check, otter
+    from course_kit.dev import check, matrix, otter
 
-    main_of = {"check": check.main, "otter": otter.main}
+    main_of = {"check": check.main, "matrix": matrix.main, "otter": otter.main}
     return main_of[options.tool](options.rest)
 
 
