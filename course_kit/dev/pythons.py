@@ -78,8 +78,8 @@ def find() -> list[Interpreter]:
 
 def _candidates() -> Iterator[Path]:
     yield Path(sys.executable)
-    for folder in os.get_exec_path():
-        yield from (Path(folder, f"python{version}") for version in ("3", *wanted()))
+    for entry in os.get_exec_path():
+        yield from (Path(entry, f"python{version}") for version in ("3", *wanted()))
     home = Path(os.environ.get("HOME", "/"))
     pyenv = Path(os.environ.get("PYENV_ROOT", home / ".pyenv"))
     data = Path(os.environ.get("XDG_DATA_HOME", home / ".local/share"))
