@@ -36,7 +36,8 @@ def fingerprints(source: str) -> frozenset[int]:
         return frozenset()
     runs = np.zeros(len(tokens) - RUN + 1, dtype=np.uint64)
     for place in range(RUN):  # arithmetic of uint64 goes round, as a hash may
-        runs = runs * np.uint64(_BASE) + tokens[place : place + len(runs)]
+        runs *= np.uint64(_BASE)
+        runs += tokens[place : place + len(runs)]
     runs ^= runs >> np.uint64(29)
     runs *= np.uint64(0xBF58476D1CE4E5B9)  # else the smallest of a window would mostly begin alike
     runs ^= runs >> np.uint64(32)
