@@ -129,7 +129,7 @@ class Ours(Contestant):
         del submissions
         more = ["--workers", str(self.workers)] if self.workers else []
         words = ["class", str(self.folder / "in"), "--exercise", EXERCISE, "--out", str(self.folder / "out"), *more]
-        return [python("-m", "course_kit.cli", *words, "--seed", "1")]
+        return [python("-m", "course_kit", *words, "--seed", "1")]
 
     def reports(self) -> dict[str, dict[str, Any]]:
         """By student."""

@@ -40,7 +40,7 @@ def program(folder: str, exercise: str) -> Path:
 
 def command(exercise: str, path: Path) -> dict[str, object]:
     """Grade in a fresh process and return its report."""
-    words = [sys.executable, "-m", "course_kit.cli", "grade", exercise, str(path), "--format", "json"]
+    words = [sys.executable, "-m", "course_kit", "grade", exercise, str(path), "--format", "json"]
     report: dict[str, object] = json.loads(subprocess.run(words, capture_output=True, text=True, check=False).stdout)
     return report
 

@@ -13,14 +13,16 @@ if TYPE_CHECKING:
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
     """Called by `%load_ext course_kit`."""
-    from course_kit import environment, grade_magics, lab, magics, trace
+    from course_kit import environment, grade_magics, magics
     from course_kit.hint_magic import hint_line
     from course_kit.ros2.magic import ros2_line
 
-    environment.apply()
     magics.register(shell)
     shell.register_magics(grade_magics.GradeMagics)
     shell.register_magic_function(hint_line, "line", "hint")
     shell.register_magic_function(ros2_line, "line", "ros2")
+    environment.apply()  # before rclpy is imported; grading works also where this finds no ROS domain
+    from course_kit import lab, trace
+
     lab.current().watch_output()
     trace.attach()

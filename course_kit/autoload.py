@@ -35,8 +35,9 @@ def _make_settings() -> None:
 
     try:
         environment.apply()
-    except (environment.NoDomainError, environment.SettingsError) as problem:
-        print(f"course-kit: {problem}", file=sys.stderr)
+    except environment.DomainError as problem:
+        until_then = "" if "ROS_DOMAIN_ID" in os.environ else " Until then this program uses domain 0."
+        print(f"course-kit: {problem}{until_then}", file=sys.stderr)
 
 
 def install() -> None:

@@ -8,15 +8,15 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import class_cli, otter
+from course_kit import class_cli, environment, otter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
 _ON_LIMITS = (
-    "A submission runs behind walls; --exec leaves two doors open and --attach has no walls. What holds and what does "
-    "not: course_kit/grading/LIMITS.md"
+    "A submission runs sandboxed; --exec relaxes two restrictions, and --attach has no sandbox. What holds and what "
+    "does not: course_kit/grading/LIMITS.md"
 )
 
 
@@ -35,6 +35,7 @@ def build_parser() -> argparse.ArgumentParser:
     grade.add_argument("path", nargs="?", help="your .py or .ipynb file")
     grade.add_argument("--format", choices=("text", "json"), default="text")
     grade.add_argument("--seed", type=int, help="draw the same random values again")
+    grade.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     running = grade.add_mutually_exclusive_group()
     running.add_argument("--attach", action="store_true", help="grade the node that is running on the ROS graph")
     running.add_argument("--exec", dest="exec_command", metavar="CMD", help="start CMD and grade its node")
@@ -106,6 +107,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0 when it went well or the grade is a pass, 1 for a grade below the pass mark or a failing check of
         `doctor`, 2 when it could not be done; 130 after Ctrl-C.
     """
+    environment.heed_interrupts()
     parser = build_parser()
     options, others = parser.parse_known_args(arguments)
     if others and "others" not in options:
@@ -114,6 +116,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _speak_to_any_terminal()
     try:
         return int(options.run(options))
+    except environment.DomainError as problem:
+        return _cannot(problem)
     except KeyboardInterrupt:
         print("\ncourse-kit: stopped.", file=sys.stderr)
         return 130
@@ -164,6 +168,8 @@ def _quiz(options: argparse.Namespace) -> int:
 def _grade(options: argparse.Namespace) -> int:
     from course_kit import grading, progress
 
+    if options.format == "text":
+        _tell(grading.advice_for_root())
     try:
         report = grading.grade(
             options.exercise,
@@ -171,6 +177,7 @@ def _grade(options: argparse.Namespace) -> int:
             seed=options.seed,
             attach=options.attach,
             exec_command=options.exec_command,
+            require_isolation=options.require_isolation,
         )
     except grading.GradingError as problem:
         return _cannot(problem)
@@ -212,7 +219,7 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _hint(options: argparse.Namespace) -> int:
-    from course_kit import environment, hints
+    from course_kit import hints
     from course_kit.grading import GradingError
 
     try:

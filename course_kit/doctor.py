@@ -74,11 +74,15 @@ def render(finding: Finding) -> str:
 
 def findings() -> Iterator[Finding]:
     """All findings, the quick ones first; whatever goes wrong in one is a finding of its own."""
-    for check in (python, settings, jupyter, shared_memory, isolation):
+    for check in (python, packages):
+        yield guarded(check)
+    graph = guarded(settings)
+    yield graph
+    for check in (jupyter, shared_memory, isolation):
         yield guarded(check)
     ros = guarded(rclpy_itself)
     yield ros
-    if ros.verdict != "bad":  # the rest would only fail after it
+    if "bad" not in (graph.verdict, ros.verdict):  # the rest would only fail after it
         for check in (middleware, interfaces, discovery):
             yield guarded(check)
 
@@ -107,12 +111,28 @@ def python() -> Finding:
     )
 
 
+def packages() -> Finding:
+    """Whether packages have lost files to others."""
+    from course_kit.environment import packages as installed
+
+    damaged = installed.damaged()
+    if not damaged:
+        return Finding("packages", "no package has overwritten the files of another")
+    requirement, other = next(iter(damaged.items()))
+    return Finding(
+        "packages",
+        f"{other} has overwritten files of {requirement}, which JupyterLab uses",
+        "bad",
+        f"Install {requirement} again: {installed.remedy(requirement)}",
+    )
+
+
 def settings() -> Finding:
     """The private graph."""
     try:
         chosen = environment.apply()
-    except (environment.NoDomainError, environment.SettingsError) as problem:
-        return Finding("ROS graph", str(problem), "bad", "See the message.")
+    except environment.DomainError as problem:
+        return Finding("ROS graph", str(problem), "bad", "Nodes of the course cannot run before that is put right.")
     reach = "this machine only" if chosen.only_this_machine else "other machines can see it"
     found = f"domain {chosen.domain_id}, chosen by {chosen.domain_chosen_by}; {reach}"
     if chosen.only_this_machine:
@@ -125,7 +145,7 @@ def rclpy_itself() -> Finding:
     """Whether rclpy loads, asked in a process of its own: a wrong RMW ends the process that imports it."""
     done = subprocess.run(
         [sys.executable, "-c", "import rclpy; print(rclpy.__file__)"],
-        env=environment.child_environment(),
+        env=environment.child_environment(ROS_DOMAIN_ID="0"),  # nothing joins it
         capture_output=True,
         text=True,
         timeout=60,
@@ -182,7 +202,7 @@ def interfaces() -> Finding:
 
 def shared_memory() -> Finding:
     """Free space in /dev/shm."""
-    profile = environment.apply().variables.get("FASTRTPS_DEFAULT_PROFILES_FILE")
+    profile = os.environ.get("FASTRTPS_DEFAULT_PROFILES_FILE")  # `settings` has seen to it
     used = profile != str(environment.LOOPBACK_PROFILE)
     try:
         free = shutil.disk_usage(_SHARED_MEMORY).free
@@ -199,6 +219,14 @@ def shared_memory() -> Finding:
 
 def discovery() -> Finding:
     """Time until a client has found and asked a server in another process, on a domain of its own."""
+    try:
+        return _try_discovery()
+    except environment.NoDomainError as problem:
+        advice = "Run ./course doctor again when fewer courses and graders are at work."
+        return Finding("discovery", f"not tried, for want of a domain to try it on. {problem}", "note", advice)
+
+
+def _try_discovery() -> Finding:
     with environment.exclusive_domain() as domain_id:
         environ = environment.child_environment(ROS_DOMAIN_ID=str(domain_id))
         with subprocess.Popen(

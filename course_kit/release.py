@@ -37,7 +37,7 @@ LEFT_OUT = (
     ".github",
 )
 _GENERATED = {
-    ".git", ".venv", ".venv-lock", ".course", ".hypothesis", ".mypy_cache", ".pytest_cache", ".ruff_cache",
+    ".git", ".venv", ".venvs", ".course", ".hypothesis", ".mypy_cache", ".pytest_cache", ".ruff_cache",
     ".ipynb_checkpoints", "__pycache__", "artifacts", "build", "dist",
 }  # fmt: skip
 _GENERATED_ENDINGS = (".so", ".pyc", ".tmp", ".zip")
@@ -145,7 +145,7 @@ def _own_files(root: Path) -> Iterator[str]:
         inner = Path(folder)
         folders[:] = [name for name in folders if name not in _GENERATED and not _is_a_course(inner / name)]
         for name in files:
-            if not name.endswith(_GENERATED_ENDINGS):
+            if name not in _GENERATED and not name.endswith(_GENERATED_ENDINGS):  # .venv is a link
                 yield (inner / name).relative_to(root).as_posix()
 
 

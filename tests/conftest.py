@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from course_kit.lab.core import Lab
 
+environment.heed_interrupts()  # tests press Ctrl-C, wherever they were started from
 environment.apply()  # before any test module imports rclpy
 os.environ["COURSE_KIT_PROGRESS"] = "off"  # what tests grade is not what the person at this machine has reached
 _WITHOUT_BROWSER = (

@@ -31,7 +31,7 @@ class Course:
         self.progress = folder / "progress.json"
 
     def command(self, *arguments: str) -> list[str]:
-        return [sys.executable, "-m", "course_kit.cli", *arguments]
+        return [sys.executable, "-m", "course_kit", *arguments]
 
     def environ(self, **variables: str) -> dict[str, str]:
         changes = {"COURSE_KIT_PROGRESS": str(self.progress), "PYTHONPATH": str(self.root), **variables}
@@ -67,16 +67,23 @@ def copy_course(folder: Path) -> Course:
 def copy_with_notebooks(folder: Path) -> Course:
     """Such a copy with the notebooks and a working `./course`, which uses the Python environment of these tests."""
     course = copy_course(folder)
-    leave = shutil.ignore_patterns(".ipynb_checkpoints")
+    leave = shutil.ignore_patterns(".ipynb_checkpoints", "__pycache__")
     shutil.copytree(REPOSITORY / "notebooks", course.root / "notebooks", ignore=leave, dirs_exist_ok=True)
+    shutil.copytree(REPOSITORY / "course_setup", course.root / "course_setup", ignore=leave)
     for name in ("course", "hatch_build.py"):
         shutil.copy(REPOSITORY / name, course.root)
-    environment, copied = Path(sys.prefix), course.root / ".venv"
-    copied.mkdir()
+    environment = Path(sys.prefix).resolve()
+    kind = environment.name.partition("-")[0]
+    copied = course.root / ".venvs" / f"{kind}-copy"
+    copied.mkdir(parents=True)
+    shutil.copytree(environment / "bin", copied / "bin", symlinks=True)  # programs look for the Python beside them
     for part in environment.iterdir():
-        (copied / part.name).symlink_to(part)
+        if part.name != "bin":
+            (copied / part.name).symlink_to(part)
     stamp = copied / ".course-stamp"  # names the folder it was made for
     stamp.unlink()
     made = (environment / stamp.name).read_text()
     stamp.write_text(made.replace(f"\n{REPOSITORY}\n", f"\n{course.root}\n"))
+    (course.root / ".venvs" / kind).symlink_to(copied.name)
+    (course.root / ".venv").symlink_to(copied.relative_to(course.root))
     return course

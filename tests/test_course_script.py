@@ -7,100 +7,17 @@ works is shown by the fact that this suite runs, since `./course test` had to se
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import subprocess
-import sys
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 from course_kit.cli import build_parser
+from tests.course_clone import BASE_PYTHON, Clone
 
-REPOSITORY = Path(__file__).resolve().parent.parent
-BASE_PYTHON = Path(sys.executable).resolve()  # without the packages of the kit
-
-STAND_IN_UV = """#!/bin/sh
-# Stands in for uv: makes a real venv without pip, and instead of installing notes what it was asked for.
-echo "$@" >>"$STAND_IN_LOG"
-case $1 in
-  venv) for last; do :; done; exec "$STAND_IN_PYTHON" -m venv --without-pip "$last" ;;
-  pip) if [ -n "${STAND_IN_PIPE:-}" ]; then echo blocked >"$STAND_IN_PIPE"; read -r _ <"$STAND_IN_PIPE"; fi
-       exit "${STAND_IN_RESULT:-0}" ;;
-esac
-"""
-STAND_IN_CLI = "import os, sys; print('cli', os.environ['VIRTUAL_ENV'], *sys.argv[1:])\n"
-
-
-class Clone:
-    """A fresh clone in a folder with a space, with the tools its script finds on PATH."""
-
-    def __init__(self, folder: Path) -> None:
-        self.root = folder / "my course"
-        self.tools = folder / "tools"
-        self.log = folder / "log"
-        self.tools.mkdir()
-        for name in (
-            "course",
-            "pyproject.toml",
-            "hatch_build.py",
-            "course_kit/course_kit.pth",
-            "course_kit/interfaces/native/helper.c",
-        ):
-            (self.root / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(REPOSITORY / name, self.root / name)
-        (self.root / "course_kit/cli.py").write_text(STAND_IN_CLI)
-        self.tool("uv", STAND_IN_UV)
-        self.log.touch()
-
-    def tool(self, name: str, text: str) -> None:
-        (self.tools / name).write_text(text)
-        (self.tools / name).chmod(0o755)
-
-    def environ(self, **variables: str) -> dict[str, str]:
-        kept = {
-            name: value
-            for name, value in os.environ.items()
-            if not name.startswith(("ROS", "PYTHON", "COURSE", "VIRTUAL"))
-        }
-
-        return {
-            **kept,
-            "PATH": f"{self.tools}:/usr/bin:/bin",
-            "COURSE_PYTHON": str(BASE_PYTHON),
-            "STAND_IN_PYTHON": str(BASE_PYTHON),
-            "STAND_IN_LOG": str(self.log),
-            **variables,
-        }
-
-    def course(self, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [self.root / "course", *arguments],
-            cwd=self.root,
-            env=self.environ(**variables),
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-        )
-
-    def half_way(self, folder: Path) -> subprocess.Popen[str]:
-        """A set-up in which the installation has begun, and waits."""
-        pipe = folder / "pipe"
-        os.mkfifo(pipe)
-        started = subprocess.Popen(
-            [self.root / "course", "doctor"],
-            cwd=self.root,
-            env=self.environ(STAND_IN_PIPE=str(pipe)),
-            stderr=subprocess.PIPE,
-            text=True,
-            start_new_session=True,
-        )
-        assert pipe.read_text() == "blocked\n"
-        return started
-
-    def calls(self) -> list[str]:
-        return [line.split()[0] for line in self.log.read_text().splitlines()]
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 @pytest.fixture
@@ -110,11 +27,11 @@ def clone(tmp_path: Path) -> Clone:
 
 def test_first_use_sets_up_and_passes_the_command_on_and_later_uses_do_not(clone: Clone) -> None:
     first = clone.course("grade", "temperature_service", "a file.py")
-    assert first.stdout == f"cli {clone.root}/.venv grade temperature_service a file.py\n"
+    assert first.stdout == f"cli {clone.environment} grade temperature_service a file.py\n"
     assert "[1/2]" in first.stderr
     assert "[2/2]" in first.stderr
     again = clone.course("doctor")
-    assert again.stdout == f"cli {clone.root}/.venv doctor\n"
+    assert again.stdout == f"cli {clone.environment} doctor\n"
     assert again.stderr == ""
     assert clone.calls() == ["venv", "pip"]
     assert "[ros]" in clone.log.read_text()
@@ -128,21 +45,23 @@ def test_an_edited_pyproject_installs_again_and_keeps_the_environment(clone: Clo
     assert clone.calls() == ["venv", "pip", "pip"]
 
 
-def test_a_moved_checkout_is_made_anew(clone: Clone) -> None:
-    clone.course("doctor")
-    clone.root = clone.root.rename(clone.root.with_name("moved here"))
-    assert clone.course("doctor").stdout == f"cli {clone.root}/.venv doctor\n"
-    assert clone.calls() == ["venv", "pip", "venv", "pip"]
-
-
 def test_it_works_through_a_link_and_from_another_folder(clone: Clone, tmp_path: Path) -> None:
     clone.course("doctor")
     link = tmp_path / "link"
     link.symlink_to(clone.root / "course")
     done = subprocess.run(
-        [link, "doctor"], cwd=clone.root, env=clone.environ(), capture_output=True, text=True, check=False
+        [link, "doctor"], cwd=tmp_path, env=clone.environ(), capture_output=True, text=True, check=False
     )
-    assert done.stdout == f"cli {clone.root}/.venv doctor\n"
+    assert done.stdout == f"cli {clone.environment} doctor\n"
+
+
+def test_a_file_in_the_folder_one_is_in_takes_the_place_of_no_module(clone: Clone, tmp_path: Path) -> None:
+    (tmp_path / "runpy.py").write_text("raise SystemExit('not meant')\n")
+    (tmp_path / "course_kit").mkdir()
+    (tmp_path / "course_kit" / "cli.py").write_text("raise SystemExit('another course')\n")
+    for _ in range(2):
+        done = clone.course("doctor", cwd=tmp_path)
+        assert done.stdout == f"cli {clone.environment} doctor\n", done.stderr
 
 
 def test_ctrl_c_half_way_says_so_and_the_next_run_goes_on(clone: Clone, tmp_path: Path) -> None:
@@ -151,14 +70,14 @@ def test_ctrl_c_half_way_says_so_and_the_next_run_goes_on(clone: Clone, tmp_path
     _, errors = started.communicate(timeout=30)
     assert started.returncode == 130
     assert "stopped half-way. Run the same command again" in errors
-    assert clone.course("doctor").stdout == f"cli {clone.root}/.venv doctor\n"
+    assert clone.course("doctor").stdout == f"cli {clone.environment} doctor\n"
 
 
 def test_a_set_up_that_was_killed_leaves_nothing_that_stops_the_next(clone: Clone, tmp_path: Path) -> None:
     started = clone.half_way(tmp_path)
     os.killpg(started.pid, signal.SIGKILL)
     started.communicate(timeout=30)
-    assert clone.course("doctor").stdout == f"cli {clone.root}/.venv doctor\n"
+    assert clone.course("doctor").stdout == f"cli {clone.environment} doctor\n"
 
 
 def test_a_failed_installation_says_what_to_do_and_is_not_taken_for_done(clone: Clone) -> None:
@@ -173,7 +92,7 @@ def test_test_tools_that_cannot_be_installed_leave_the_course_as_it_was(clone: C
     failed = clone.course("test", STAND_IN_RESULT="1")
     assert failed.returncode == 2
     assert "the installation did not finish" in failed.stderr
-    assert clone.course("doctor").stdout == f"cli {clone.root}/.venv doctor\n"
+    assert clone.course("doctor").stdout == f"cli {clone.environment} doctor\n"
     assert clone.calls() == ["venv", "pip", "pip"]
 
 
@@ -210,9 +129,9 @@ def test_a_sourced_jazzy_is_used_instead_of_the_wheels(clone: Clone) -> None:
 case "$*" in
   "-c import rclpy" | "-c import ensurepip, venv") exit 0 ;;
   "-m venv "*) for last; do :; done
-     echo "$@" >>"$STAND_IN_LOG"; mkdir -p "$last/bin"; cp "$0" "$last/bin/python" ;;
+     echo "$@" >>"$STAND_IN_LOG"; mkdir -p "$last/bin"; cp "$0" "$last/bin/python"; touch "$last/bin/activate" ;;
   "-m pip "*) echo "$@" >>"$STAND_IN_LOG" ;;
-  *) exec {BASE_PYTHON} "$@" ;;
+  *) PYTHONPATH=$PWD exec {BASE_PYTHON} "$@" ;;
 esac
 """,
     )

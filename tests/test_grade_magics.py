@@ -97,7 +97,7 @@ def test_the_line_of_the_magic() -> None:
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "course_kit.cli", *arguments], capture_output=True, text=True, timeout=60, check=False
+        [sys.executable, "-m", "course_kit", *arguments], capture_output=True, text=True, timeout=60, check=False
     )
 
 

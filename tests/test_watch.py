@@ -15,10 +15,11 @@ import pytest
 
 from course_kit import watch
 from course_kit.grading import CheckReport, GradingError, Report
+from tests.background import IN_BACKGROUND
 from tests.course_copy import SOLUTION, TEMPERATURE, Course, starter
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
 DEADLINE = 60.0  # seconds; only against hanging
@@ -28,9 +29,9 @@ REFUSES_ALL = "raise SystemExit(3)\n"
 class Watching:
     """A running `course-kit watch`, and the lines it prints."""
 
-    def __init__(self, course: Course, file: Path) -> None:
+    def __init__(self, course: Course, file: Path, started: Sequence[str] = ()) -> None:
         self.process = subprocess.Popen(
-            course.command("watch", TEMPERATURE, str(file)), cwd=course.root, env=course.environ(),
+            [*started, *course.command("watch", TEMPERATURE, str(file))], cwd=course.root, env=course.environ(),
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True,
         )  # fmt: skip
         self.lines: list[str] = []
@@ -89,6 +90,15 @@ def save_by_renaming(file: Path, text: str) -> None:
     fresh = file.with_name(f"{file.name}.part")
     fresh.write_text(text)
     fresh.replace(file)
+
+
+def test_ctrl_c_ends_it_wherever_it_was_started(tmp_path: Path, file: Path) -> None:
+    watching = Watching(Course(tmp_path), file, IN_BACKGROUND)
+    try:
+        watching.until("points")
+        assert "No longer watching." in watching.interrupt()
+    finally:
+        watching.close()
 
 
 @pytest.mark.answers

@@ -46,14 +46,18 @@ def normalised(notebook: Any) -> Any:
 
 
 def main(arguments: list[str]) -> int:
-    """Run the notebooks named on the command line on a graph of their own."""
+    """Run the notebooks named on the command line on a graph of their own; 2 when there is no domain for it."""
     os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])  # for !ros2
-    with environment.exclusive_domain() as domain_id:
-        os.environ["ROS_DOMAIN_ID"] = str(domain_id)
-        os.environ["COURSE_KIT_PROGRESS"] = "off"  # the author has passed nothing here
-        for name in arguments:
-            run(Path(name))
-            print(f"stored {name}")
+    try:
+        with environment.exclusive_domain() as domain_id:
+            os.environ["ROS_DOMAIN_ID"] = str(domain_id)
+            os.environ["COURSE_KIT_PROGRESS"] = "off"  # the author has passed nothing here
+            for name in arguments:
+                run(Path(name))
+                print(f"stored {name}")
+    except environment.DomainError as problem:
+        print(f"course-kit: {problem}", file=sys.stderr)
+        return 2
     return 0
 
 

@@ -17,6 +17,7 @@ from course_kit.dev import browser
 
 # Tests wait for nodes more than they compute. Files stay together: their fixtures are dear.
 _NOTEBOOKS_AT_ONCE = 2
+_QUEUE_S = 60.0  # for a ROS domain, where others have all of them
 SIDE_BY_SIDE = ["-n", "auto", "--maxprocesses", "4", "--dist", "loadfile"]
 
 NBVAL = [
@@ -31,17 +32,21 @@ NBVAL = [
 
 def main(arguments: list[str]) -> int:
     """Run the suite and return its exit code: 0 when everything passed."""
+    environment.heed_interrupts()
     root = environment.checkout()
     if root is None:
         print("course: the tests belong to the course's folder; run ./course test there.", file=sys.stderr)
         return 2
     os.chdir(root)
-    environ = environment.child_environment(COURSE_BROWSER=browser.find_or_install(), COURSE_KIT_PROGRESS="off")
     try:
+        environ = environment.child_environment(COURSE_BROWSER=browser.find_or_install(), COURSE_KIT_PROGRESS="off")
         if arguments:
             return pytest(arguments, environ)
         tests = pytest([*SIDE_BY_SIDE, "tests"], environ)
         return notebooks(environ) or tests
+    except environment.DomainError as problem:
+        print(f"course: {problem}", file=sys.stderr)
+        return 2
     except KeyboardInterrupt:  # pytest, which got it too, has said so
         return 130
 
@@ -73,7 +78,7 @@ def notebooks(environ: dict[str, str]) -> int:
 def _notebook(path: Path, environ: dict[str, str]) -> tuple[int, float]:
     """Exit code and seconds of one notebook."""
     began = time.monotonic()
-    with environment.exclusive_domain() as domain_id:
+    with environment.exclusive_domain(_QUEUE_S) as domain_id:
         ran = subprocess.run(
             [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *NBVAL, str(path)],
             env={**environ, "ROS_DOMAIN_ID": str(domain_id)},

@@ -7,17 +7,20 @@ child processes and the grader alike. A value the user has set always wins.
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from course_kit.environment.domains import Lease, NoDomainError, exclusive_domain, share
+from course_kit.environment.domains import DomainError, Lease, NoDomainError, exclusive_domain, share
 from course_kit.environment.files import write_atomically, write_new
+from course_kit.environment.interrupts import heed_interrupts
 from course_kit.environment.places import checkout, command, run_dir, state_dir
 
 __all__ = [
     "FAST_DISCOVERY_PROFILE",
     "LOOPBACK_PROFILE",
     "PRIVATE_NETWORK_PROFILE",
+    "DomainError",
     "NoDomainError",
     "Settings",
     "SettingsError",
@@ -27,8 +30,10 @@ __all__ = [
     "command",
     "defaults",
     "exclusive_domain",
+    "heed_interrupts",
     "run_dir",
     "state_dir",
+    "trusted_python",
     "write_atomically",
     "write_new",
 ]
@@ -43,8 +48,8 @@ _LOGS_KEPT = 40
 _HIGHEST_DOMAIN = 232  # the ports of a higher one would lie past 65535
 
 
-class SettingsError(ValueError):
-    """A value the user has set cannot be used."""
+class SettingsError(DomainError, ValueError):
+    """ROS_DOMAIN_ID is no number that ROS can use."""
 
 
 @dataclass(frozen=True)
@@ -109,16 +114,10 @@ def apply() -> Settings:
     """Put the course's settings into this process's environment; calling it again changes nothing.
 
     Raises:
-        NoDomainError: all ROS domains of this machine are in use.
-        SettingsError: ROS_DOMAIN_ID is no number that ROS can use.
+        DomainError: all ROS domains of this machine are in use, ROS_DOMAIN_ID is no number that ROS can use, or there
+            is no loopback interface. All other settings are made then.
     """
-    made = defaults()
-    for name, value in made.items():
-        if os.environ.get(name) in _PROFILES:  # inherited from a process in which the user had chosen otherwise
-            del os.environ[name]
-        os.environ.setdefault(name, value)
-    if "ROS_LOG_DIR" not in os.environ and "ROS_HOME" not in os.environ:
-        os.environ["ROS_LOG_DIR"] = str(_log_folder())
+    made = _apply_defaults()
     by_user = _domain_set_by_user(os.environ)
     if by_user is None:
         _hold_domain()
@@ -130,12 +129,19 @@ def apply() -> Settings:
 def child_environment(**changes: str | None) -> dict[str, str]:
     """The environment for a child process of the course: the settings of `apply`, then `changes`.
 
-    A change of None removes the variable. A changed ROS_DOMAIN_ID counts as the user's choice in the child.
+    A change of None removes the variable. A changed ROS_DOMAIN_ID counts as the user's choice in the child, and no
+    domain is leased for it.
+
+    Raises:
+        DomainError: see `apply`; never with a ROS_DOMAIN_ID among the changes.
     """
-    apply()
-    environ = dict(os.environ)
     if changes.get("ROS_DOMAIN_ID"):
+        _apply_defaults()
+        environ = dict(os.environ)
         environ.pop(_CHOSEN_BY_KIT, None)
+    else:
+        apply()
+        environ = dict(os.environ)
     for name, value in changes.items():
         if value is None:
             environ.pop(name, None)
@@ -144,20 +150,52 @@ def child_environment(**changes: str | None) -> dict[str, str]:
     return environ
 
 
+def trusted_python(module: str, function: str, *arguments: str) -> list[str]:
+    """The command that calls a function of the kit in a fresh Python, to be run with `cwd="/"`.
+
+    Neither `-m` nor `-c` as they are would do: both put the working directory, where submissions may lie, before
+    Python's own modules. `-P` does not exist in Python 3.10, and `-I` would lose the PYTHONPATH of a sourced ROS;
+    relative and empty entries of that mean the working directory, too, which is why it has to be "/".
+
+    Args:
+        module: where the function is.
+        function: its name; it is called without arguments.
+        arguments: what it finds in `sys.argv[1:]`.
+    """
+    program = (
+        f"import sys; sys.path[:] = [entry for entry in sys.path if entry not in ('', '/')]; "
+        f"from {module} import {function}; {function}()"
+    )
+    return [sys.executable, "-c", program, *arguments]
+
+
+def _apply_defaults() -> dict[str, str]:
+    made = defaults()
+    for name, value in made.items():
+        if os.environ.get(name) in _PROFILES:  # inherited from a process in which the user had chosen otherwise
+            del os.environ[name]
+        os.environ.setdefault(name, value)
+    if "ROS_LOG_DIR" not in os.environ and "ROS_HOME" not in os.environ:
+        os.environ["ROS_LOG_DIR"] = str(_log_folder())
+    return made
+
+
 def _domain_set_by_user(environ: os._Environ[str]) -> int | None:
     value = environ.get("ROS_DOMAIN_ID", "")
     if not value or value == environ.get(_CHOSEN_BY_KIT):
         return None
-    if not value.isdecimal() or int(value) > _HIGHEST_DOMAIN:
+    if value not in map(str, range(_HIGHEST_DOMAIN + 1)):  # more is read by ROS as something: 010 as the octal 8
         raise SettingsError(
-            f"ROS_DOMAIN_ID is set to '{value}', and ROS needs a whole number from 0 to {_HIGHEST_DOMAIN}. "
-            "Correct it, or unset it and the course chooses one."
+            f"ROS_DOMAIN_ID is set to '{value}', and it has to be a whole number from 0 to {_HIGHEST_DOMAIN}, without "
+            "leading zeros. Correct it, or unset it and the course chooses one."
         )
     return int(value)
 
 
 def _hold_domain() -> None:
     if _Held.lease is None or _Held.process_id != os.getpid():
+        for name in ("ROS_DOMAIN_ID", _CHOSEN_BY_KIT):  # what was inherited may be somebody else's by now
+            os.environ.pop(name, None)
         _Held.lease = share(f"{os.getuid()}:{checkout() or state_dir()}")
         _Held.process_id = os.getpid()
     os.environ["ROS_DOMAIN_ID"] = os.environ[_CHOSEN_BY_KIT] = str(_Held.lease.domain_id)

@@ -1,39 +1,72 @@
 """ROS domains as leases: no two courses, and no two graders, on one machine ever share a graph.
 
-A domain is a number; whoever uses the same number on the same machine sees the same graph, other users
-included. So the numbers 1 to 101 (safe beside the kernel's ephemeral ports, see "The ROS_DOMAIN_ID" among the
-ROS 2 concepts; 0 is left to the user's own robots) are handed out through locked files. The kernel drops the
-lock when the process ends, however it ends: a crash never leaks a domain.
+A domain is a number, and the number stands for UDP ports: whoever uses the same one in the same network namespace sees
+the same graph, other users and other containers included. So a lease is a port, too, one that RTPS leaves free in the
+domain's own block: it is held where the graph is, needs no file, and the kernel takes it back when the process ends,
+however it ends. The numbers 1 to 101 are leased (safe beside the kernel's ephemeral ports, see "The ROS_DOMAIN_ID"
+among the ROS 2 concepts; 0 is left to the user's own robots).
+
+*Exclusive*: the lease port of the domain, bound by one socket. A domain in which somebody has ROS nodes without a
+lease, such as a robot's, is passed over.
+
+*Shared*: every process of an owner binds the lease port with SO_REUSEPORT, which the kernel grants to processes of one
+user only. So that they find each other, and no other owner, each also binds a mark: a port of the domain on a loopback
+address that is made of the owner's name.
+
+A forked child has its parent's leases, as it has its sockets, and keeps them as long as it lives; a program that is
+started (exec) has not.
 """
 
 from __future__ import annotations
 
-import fcntl
+import errno
 import os
-import tempfile
+import socket
 import threading
 import time
 import zlib
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+from course_kit.environment import ports
+
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Container, Iterator
 
 FIRST, LAST = 1, 101
-_EXCLUSIVE = "exclusive"
+_LEASE, _MARK, _CHOICE = 2, 3, 4  # places in a domain's block of ports that RTPS does not use
+_LOOPBACK, _DISCARD = "127.0.0.1", 9  # the port of the discard service (RFC 863), which no machine runs
 _QUEUE_S = 0.05  # how often one who queues for a domain looks
+_CHOICE_LOOK_S = 0.002
+_CHOICE_S = 10.0
 
 
-class NoDomainError(RuntimeError):
+class DomainError(RuntimeError):
+    """This process gets no ROS domain to work in; the message says why and what to do."""
+
+    def _render_traceback_(self) -> list[str]:
+        """IPython's hook for exceptions that print themselves: in a notebook the message alone matters."""
+        return [f"{type(self).__name__}: {self}"]
+
+
+class NoDomainError(DomainError):
     """Every domain of this machine is in use."""
 
     def __init__(self) -> None:
         super().__init__(
             f"All ROS domains from {FIRST} to {LAST} on this machine are in use by courses or graders. "
-            "Close some of them, or set ROS_DOMAIN_ID to a number you know is free."
+            "Close some of them, or set ROS_DOMAIN_ID to a number you know is free: 215 to 232 are never given out."
+        )
+
+
+class NoLoopbackError(DomainError):
+    """There is no network over which the course's nodes could meet."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            f"The address {_LOOPBACK} does not work here, and ROS nodes of the course talk over it. Switch on the "
+            "loopback interface of this machine or container, with 'ip link set lo up' as root."
         )
 
 
@@ -42,70 +75,124 @@ class Lease:
     """A domain this process may use until it lets go of it."""
 
     domain_id: int
-    _descriptor: int
+    _descriptors: tuple[int, ...]
 
     def release(self) -> None:
         """Give the domain back. Safe to call twice."""
-        if self._descriptor >= 0:
-            os.close(self._descriptor)
-            self._descriptor = -1
+        for descriptor in self._descriptors:
+            os.close(descriptor)
+        self._descriptors = ()
 
 
-def lease_folder() -> Path:
-    """The machine-wide folder of the lock files, shared by all users like the ports they stand for."""
-    folder = Path(tempfile.gettempdir()) / "ros2-course-kit-domains"
-    previous = os.umask(0)
-    try:
-        folder.mkdir(mode=0o1777, exist_ok=True)
-    finally:
-        os.umask(previous)
-    return folder
+class Leases:
+    """The leases in the network namespace of this process.
+
+    Args:
+        scope: leases of different scopes know nothing of each other; all courses use the same.
+        occupied: tells the domains that are in use without a lease.
+    """
+
+    def __init__(self, scope: str = "", occupied: Callable[[], Container[int]] = ports.domains_in_use) -> None:
+        self._scope = scope
+        self._address = _address(scope) if scope else _LOOPBACK
+        self._occupied = occupied
+
+    def share(self, owner: str) -> Lease:
+        """Lease the domain of `owner`, together with every other process of the same user and owner.
+
+        The number is stable: it follows from the owner's name, or is the one its living processes use already.
+
+        Raises:
+            NoDomainError: all are taken.
+            NoLoopbackError: no loopback interface.
+        """
+        candidates = _candidates(owner)
+        mark = _address(f"{self._scope} {_realm()} {owner}")
+        with self._choice():
+            if not _has(mark):
+                return Lease(candidates[0], ())
+            for domain_id in candidates:
+                if _is_bound(mark, ports.port(domain_id, _MARK)) and (lease := self._join(domain_id, mark)):
+                    return lease
+            for domain_id in candidates:
+                free = not _is_bound(self._address, ports.port(domain_id, _LEASE))
+                if free and (lease := self._join(domain_id, mark)):
+                    return lease
+        raise NoDomainError
+
+    def exclusive(self, patience_s: float = 0.0) -> Lease:
+        """Lease a domain nobody else uses.
+
+        Args:
+            patience_s: for how many seconds to queue for one while all are taken.
+
+        Raises:
+            NoDomainError: all are taken, and stayed so.
+            NoLoopbackError: no loopback interface.
+        """
+        deadline = time.monotonic() + patience_s
+        pause = threading.Event()  # a port that becomes free tells nobody: look again and again, with a deadline
+        while True:
+            occupied = self._occupied()
+            for domain_id in range(LAST, FIRST - 1, -1):
+                if domain_id in occupied:
+                    continue
+                descriptor = _bind(self._address, ports.port(domain_id, _LEASE))
+                if descriptor is not None:
+                    return Lease(domain_id, (descriptor,))
+            if time.monotonic() >= deadline:
+                raise NoDomainError
+            pause.wait(_QUEUE_S)
+
+    @contextmanager
+    def exclusive_domain(self, patience_s: float = 0.0) -> Iterator[int]:
+        """`exclusive` as a context manager that yields the domain's number."""
+        lease = self.exclusive(patience_s)
+        try:
+            yield lease.domain_id
+        finally:
+            lease.release()
+
+    def _join(self, domain_id: int, mark: str) -> Lease | None:
+        """Hold a domain beside others of the owner; None when it is somebody else's."""
+        held: list[int] = []
+        for address, place in ((mark, _MARK), (self._address, _LEASE)):
+            descriptor = _bind(address, ports.port(domain_id, place), shared=True)
+            if descriptor is None:
+                Lease(domain_id, tuple(held)).release()
+                return None
+            held.append(descriptor)
+        return Lease(domain_id, tuple(held))
+
+    @contextmanager
+    def _choice(self) -> Iterator[None]:
+        """One process at a time, of all in this network namespace, chooses which domain it shares.
+
+        It takes a millisecond. Whoever keeps others from it for longer was stopped in the middle, or does so on
+        purpose: then the choice is made all the same, and what may go wrong is that two programs of an owner that are
+        started in the same moment do not meet.
+        """
+        deadline = time.monotonic() + _CHOICE_S
+        pause = threading.Event()
+        while (held := _bind(self._address, ports.port(0, _CHOICE))) is None and time.monotonic() < deadline:
+            pause.wait(_CHOICE_LOOK_S)
+        try:
+            yield
+        finally:
+            if held is not None:
+                os.close(held)
 
 
 def share(owner: str) -> Lease:
-    """Lease the domain of `owner`, together with every other process of the same owner.
-
-    The number is stable: it follows from the owner's name, or is the one its living processes use already.
-
-    Raises:
-        NoDomainError: all are taken.
-    """
-    with _catalogue_locked():
-        for domain_id in _candidates(owner):
-            if _owner(domain_id) == owner and (lease := _lock(domain_id, fcntl.LOCK_SH)):
-                return lease
-        return _take(_candidates(owner), owner, fcntl.LOCK_SH)
-
-
-def exclusive(patience_s: float = 0.0) -> Lease:
-    """Lease a domain nobody else uses.
-
-    Args:
-        patience_s: for how many seconds to queue for one while all are taken.
-
-    Raises:
-        NoDomainError: all are taken, and stayed so.
-    """
-    deadline = time.monotonic() + patience_s
-    pause = threading.Event()  # a lock that becomes free tells nobody: look again and again, with a deadline
-    while True:
-        try:
-            with _catalogue_locked():
-                return _take(range(LAST, FIRST - 1, -1), _EXCLUSIVE, fcntl.LOCK_EX)
-        except NoDomainError:
-            if time.monotonic() >= deadline:
-                raise
-        pause.wait(_QUEUE_S)
+    """See `Leases.share`."""
+    return Leases().share(owner)
 
 
 @contextmanager
 def exclusive_domain(patience_s: float = 0.0) -> Iterator[int]:
-    """`exclusive` as a context manager that yields the domain's number."""
-    lease = exclusive(patience_s)
-    try:
-        yield lease.domain_id
-    finally:
-        lease.release()
+    """See `Leases.exclusive_domain`."""
+    with Leases().exclusive_domain(patience_s) as domain_id:
+        yield domain_id
 
 
 def _candidates(owner: str) -> list[int]:
@@ -114,57 +201,50 @@ def _candidates(owner: str) -> list[int]:
     return [FIRST + (start + step) % count for step in range(count)]
 
 
-def _take(candidates: range | list[int], owner: str, mode: int) -> Lease:
-    for domain_id in candidates:
-        lease = _lock(domain_id, fcntl.LOCK_EX)
-        if lease is None:
-            continue
-        os.ftruncate(lease._descriptor, 0)  # noqa: SLF001 - this module makes and unmakes leases
-        os.pwrite(lease._descriptor, owner.encode(), 0)  # noqa: SLF001
-        if mode != fcntl.LOCK_EX:
-            # Not atomic in itself (see flock(2)); the catalogue's lock keeps everybody else away meanwhile.
-            fcntl.flock(lease._descriptor, mode)  # noqa: SLF001
-        return lease
-    raise NoDomainError
+def _realm() -> str:
+    """The user, and the root directory: in another container the same user and path may be another person's course."""
+    root = os.stat("/")  # noqa: PTH116 - a fast command does without pathlib
+    return f"{os.getuid()} {root.st_dev} {root.st_ino}"
 
 
-def _owner(domain_id: int) -> str:
+def _address(name: str) -> str:
+    """An address for a name, one of the 16 million of the loopback interface."""
+    first, second, last = zlib.crc32(name.encode()).to_bytes(4, "big")[1:]
+    return f"127.{first}.{second}.{1 + last % 254}"
+
+
+def _has(address: str) -> bool:
+    """Whether the loopback interface has this address; it has all that begin with 127, unless somebody changed that."""
     try:
-        return (lease_folder() / str(domain_id)).read_text()
-    except OSError:
-        return ""
+        _is_bound(address, ports.port(0, _MARK))
+    except NoLoopbackError:
+        return False
+    return True
 
 
-def _lock(domain_id: int, mode: int) -> Lease | None:
-    try:
-        descriptor = _open(str(domain_id))
-    except PermissionError:  # another user's file, made by hand or under a strange umask
-        return None
-    try:
-        fcntl.flock(descriptor, mode | fcntl.LOCK_NB)
-    except OSError:
+def _is_bound(address: str, port: int) -> bool:
+    descriptor = _bind(address, port)
+    if descriptor is not None:
         os.close(descriptor)
-        return None
-    return Lease(domain_id, descriptor)
+    return descriptor is None
 
 
-@contextmanager
-def _catalogue_locked() -> Iterator[None]:
-    descriptor = _open("catalogue")
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(descriptor)
+def _bind(address: str, port: int, *, shared: bool = False) -> int | None:
+    """The descriptor of a socket that holds a port from now on; None when somebody else holds it.
 
-
-def _open(name: str) -> int:
-    path = lease_folder() / name
-    flags = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC
-    try:
-        return os.open(path, flags)  # first without O_CREAT: Linux refuses that on another user's file in /tmp
-    except FileNotFoundError:
-        descriptor = os.open(path, flags | os.O_CREAT, 0o666)
-        if os.fstat(descriptor).st_uid == os.getuid():
-            os.fchmod(descriptor, 0o666)  # whatever the umask: other users lease from the same files
-        return descriptor
+    Raises:
+        NoLoopbackError: this machine does not have the address, or its loopback interface is switched off.
+    """
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as holder:
+        if shared:
+            holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+        try:
+            holder.bind((address, port))
+            # Sends nothing. But the kernel drops from now on what others send to the port, which nobody would read, and
+            # it fails where the loopback interface is switched off.
+            holder.connect((_LOOPBACK, _DISCARD))
+        except OSError as problem:
+            if problem.errno in (errno.EADDRNOTAVAIL, errno.ENETUNREACH):
+                raise NoLoopbackError from None
+            return None
+        return holder.detach()

@@ -6,7 +6,7 @@ the user; `Worker` to grade many; `isolation_status` for the doctor.
 
 from course_kit.grading.engine import grade
 from course_kit.grading.errors import GradingError
-from course_kit.grading.isolation import Isolation
+from course_kit.grading.isolation import Isolation, advice_for_root
 from course_kit.grading.isolation import status as isolation_status
 from course_kit.grading.render_html import render_html
 from course_kit.grading.render_text import render_text
@@ -19,6 +19,7 @@ __all__ = [
     "Isolation",
     "Report",
     "Worker",
+    "advice_for_root",
     "exit_code",
     "grade",
     "isolation_status",

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import endings, machine, processes
+from course_kit.grading import endings, limits, machine, processes
 from course_kit.grading.checks import Evidence, Failed, NotRun
 from course_kit.grading.patience import MOST, FairClock, Recent, State, Used
 from course_kit.grading.steps import Record
@@ -81,6 +81,7 @@ class Bench:
         self.deadline_s = 0.0
         self.spent = dict.fromkeys(PHASES, 0.0)  # seconds
         self._clock: FairClock | None = None
+        self._queued_s = 0.0  # for a ROS domain, which is not the submission's fault
         self._used = self._used_before = Used()  # by the submission, in all and until it was started last
         self._state = Recent(self._look)
 
@@ -125,8 +126,10 @@ class Bench:
         domain = None
         if self.job.mode != "attach":
             changed = {**self._variables, **(variables or {})}
-            answer = self._ask("launch", arguments=list(arguments), files=dict(files or {}), variables=changed)
+            program = {"arguments": list(arguments), "files": dict(files or {}), "variables": changed}
+            answer = self._ask("launch", patience_s=limits.QUEUE_S, **program)
             domain = int(answer["domain"])
+            self._queued_s += float(answer["queued_s"])
         self._tester = Tester(domain)
         self.spent["start"] += time.monotonic() - began
 
@@ -135,7 +138,7 @@ class Bench:
 
         What it has put into the job's variable is in the notes of the result, as `values.describe` puts it.
         """
-        self._ask("launch", arguments=[], files={}, variables=self._variables)
+        self._ask("launch", patience_s=limits.QUEUE_S, arguments=[], files={}, variables=self._variables)
         return _life(self._ask("finish", patience_s=self.job.limits.wall_s))
 
     def close(self) -> None:
@@ -154,11 +157,12 @@ class Bench:
         if self.job.fault:
             raise Failed(Evidence("", "a Python program", "a syntax error"), self.job.fault, "start.syntax")
         self.deadline_s = deadline_s
+        self._queued_s = 0.0
         self._clock = self.clock()
 
     def time_is_up(self) -> bool:
         """Whether the check has used up its time, fairly counted; every wait is over then."""
-        return self._clock is not None and self._clock.past(self.deadline_s)
+        return self._clock is not None and self._clock.past(self.deadline_s + self._queued_s)
 
     def require_time(self, evidence: Evidence) -> None:
         """See that there is time left to ask something more.

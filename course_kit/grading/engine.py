@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.submission import Submission
 
-_HIDDEN = ("solutions", "tests", "course_kit/quiz/data")  # where the answers are
 _NOT_STARTED = ("start.", "limit.")
 
 
@@ -39,6 +38,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
     exec_command: str | None = None,
     worker: Worker | None = None,
     exercises: Path | None = None,
+    require_isolation: bool = False,
 ) -> Report:
     """Grade one submission.
 
@@ -52,9 +52,11 @@ def grade(  # noqa: PLR0913 - the options of one verb
         exec_command: start this command and grade its node.
         worker: a running worker to use; one is started and ended when None.
         exercises: the folder of exercises, the course's own when None.
+        require_isolation: refuse to run a submission where it would not be fully isolated.
 
     Raises:
-        GradingError: usage, an unknown exercise, or a broken installation; the text is for the user.
+        GradingError: usage, an unknown exercise, no ROS domain to look for a running node in, a broken installation or
+            a lack of isolation; the text is for the user.
     """
     task = exercise.load(exercise_id, exercises)
     if sum((path is not None, attach, exec_command is not None)) != 1:
@@ -65,15 +67,17 @@ def grade(  # noqa: PLR0913 - the options of one verb
         seed = secrets.randbits(31) if task.seed is None else task.seed
     if path is not None:
         try:
-            return _grade_file(task, Path(path), seed, worker)
+            return _grade_file(task, Path(path), seed, worker, require_isolation)
         except submission.UnreadableError as problem:
             return unreadable(task, str(path), str(problem))
-    shown = exec_command or f"the node on ROS domain {_domain()}"
+    if attach and require_isolation:
+        raise GradingError("A node that is running already, as with --attach, is not isolated.")
+    shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
-        return _grade(task, _job(task, None, seed, exec_command), shown, used)
+        return _grade(task, _job(task, None, seed, exec_command), shown, used, require_isolation)
 
 
-def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None) -> Report:
+def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None, require_isolation: bool) -> Report:
     """Have a file read and grade it.
 
     Raises:
@@ -84,7 +88,8 @@ def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None) ->
         copy = opened.enter_context(submission.Copy(path))
         reader = opened.enter_context(Reader())
         used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
-        return grade_text(task, reader.read(copy, task), str(path), seed, used)
+        text = reader.read(copy, task)
+        return grade_text(task, text, str(path), seed, used, require_isolation=require_isolation)
 
 
 def grade_text(  # noqa: PLR0913 - the options of one grading
@@ -95,6 +100,7 @@ def grade_text(  # noqa: PLR0913 - the options of one grading
     worker: Worker | None = None,
     *,
     hidden: Sequence[str] = (),
+    require_isolation: bool = False,
 ) -> Report:
     """Grade a submission that has been read.
 
@@ -104,15 +110,16 @@ def grade_text(  # noqa: PLR0913 - the options of one grading
         shown: what the report calls it.
         seed: what the checks draw their random values from.
         worker: a running worker to use; one is started and ended when None.
-        hidden: folders the submission must not see, beside those of the course.
+        hidden: folders the submission must not see, wherever they lie.
+        require_isolation: refuse to run it where it would not be fully isolated.
 
     Raises:
-        GradingError: a broken installation, or the worker ended.
+        GradingError: a broken installation, a lack of isolation, or the worker ended.
     """
     job = _job(task, text, seed, None)
-    job = replace(job, hidden=(*job.hidden, *hidden))
+    job = replace(job, hidden=tuple(hidden))
     with Worker() if worker is None else nullcontext(worker) as used:
-        return _grade(task, job, shown, used)
+        return _grade(task, job, shown, used, require_isolation)
 
 
 def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
@@ -130,24 +137,28 @@ def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadab
     )
 
 
-def _grade(task: Exercise, job: Job, shown: str, worker: Worker) -> Report:
+def _grade(task: Exercise, job: Job, shown: str, worker: Worker, require_isolation: bool) -> Report:
     began = time.monotonic()
-    walls = _walls(Isolation.from_mapping(worker.ready()), job.mode)
+    found = Isolation.from_mapping(worker.ready())
+    if require_isolation:
+        found.require()
+    isolation = _told(found, job.mode)
     waited_s = time.monotonic() - began
     outcome = worker.grade(job)
     outcome["timings"]["worker_s"] = waited_s
-    return _report(task, shown, outcome, walls, began)
+    return _report(task, shown, outcome, isolation, began)
 
 
 def _domain() -> int:
-    return environment.apply().domain_id
+    try:
+        return environment.apply().domain_id
+    except environment.DomainError as problem:
+        raise GradingError(str(problem)) from None
 
 
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
     job = Job(task.id, "attach", "", seed, class_name=task.class_name, variable=task.variable, limits=task.limits)
     if text is not None:
-        root = environment.checkout()
-        hidden = tuple(str(root / folder) for folder in _HIDDEN) if root else ()
         return replace(
             job,
             mode="run",
@@ -157,7 +168,6 @@ def _job(task: Exercise, text: Submission | None, seed: int, command: str | None
             places=text.places,
             facts=text.facts,
             literal=text.literal,
-            hidden=hidden,
         )
     if command is None:
         return job
@@ -170,8 +180,8 @@ def _job(task: Exercise, text: Submission | None, seed: int, command: str | None
     return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
 
 
-def _walls(found: Isolation, mode: str) -> str:
-    """What stood around the submission, in one line."""
+def _told(found: Isolation, mode: str) -> str:
+    """What isolated the submission, in one line."""
     if mode == "attach":
         return "none: the node was running already, and the grader only talked to it"
     text = found.describe()
@@ -186,7 +196,7 @@ def _fault(text: Submission) -> str:
     return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."
 
 
-def _report(task: Exercise, shown: str, outcome: dict[str, Any], walls: str, began: float) -> Report:
+def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: str, began: float) -> Report:
     checks = tuple(_check(task, result) for result in bounds.results(outcome["results"]))
     score = sum(check.points for check in checks)
     problem = _no_grade(outcome["problem"], checks)
@@ -209,7 +219,7 @@ def _report(task: Exercise, shown: str, outcome: dict[str, Any], walls: str, beg
         stdout=outcome["stdout"],
         stderr=outcome["stderr"],
         problem=problem,
-        isolation=walls,
+        isolation=isolation,
         timings=outcome["timings"],
     )
 

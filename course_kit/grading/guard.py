@@ -6,7 +6,6 @@ worth stealing: what it tells serves the diagnosis, never the points.
 
 from __future__ import annotations
 
-import json
 import os
 import select
 import signal
@@ -29,12 +28,17 @@ _PATIENCE_S = 0.2  # for an exact count of memory, during which processes are no
 _MB = 1024 * 1024
 
 
-def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
+def main(program: Program, cell: Cell, inside: Streams) -> None:
     """Arrange the files, start the program, watch it, and end when it has ended."""
+    namespaces.set_name("grade guard")
     namespaces.die_with_parent()
     namespaces.adopt_orphans()
     if cell.isolation.files:
-        arrange_files(folder, 2 * cell.limits.file_mb, cell.hidden)
+        try:
+            arrange_files(cell.view, cell.scratch, 2 * cell.limits.file_mb, cell.user)
+        except OSError as problem:  # it worked when it was tried out: the machine has run out of something
+            inside.tell(problem=f"the sandbox cannot be arranged: {problem}")
+            return
     reader, writer = os.pipe()
     for end in (reader, writer):
         os.set_blocking(end, False)
@@ -45,7 +49,7 @@ def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
         try:
             signal.set_wakeup_fd(-1)
             signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-            runner.main(program, cell, folder, inside)
+            runner.main(program, cell, inside)
         finally:
             os._exit(FAILED)
     namespaces.forbid_tracing()
@@ -61,13 +65,12 @@ class _Watch:
     def __init__(self, child: int, limits: Limits, inside: Streams) -> None:
         self._child = child
         self._limits = limits
-        self._control = inside.control
-        self._status = inside.status
+        self._inside = inside
         self._root = processes.this_process()
 
     def until_end(self, wakeup: int) -> None:
         poll = select.poll()
-        poll.register(self._control, select.POLLIN)
+        poll.register(self._inside.control, select.POLLIN)
         poll.register(wakeup, select.POLLIN)
         while True:
             events = dict(poll.poll(_PERIOD_S * 1000))
@@ -76,12 +79,12 @@ class _Watch:
                     os.read(wakeup, 4096)
             ended = self._reap()
             if ended is not None:
-                self._tell(**self._usage(), **_how(ended))
+                self._inside.tell(**self._usage(), **_how(ended))
                 return
-            if self._control in events and not self._obey():
+            if self._inside.control in events and not self._obey():
                 return
             if limit := self._exceeded():
-                self._tell(**self._usage(), limit=limit)
+                self._inside.tell(**self._usage(), limit=limit)
                 return
 
     def _reap(self) -> int | None:
@@ -96,13 +99,13 @@ class _Watch:
         return None
 
     def _obey(self) -> bool:
-        wishes = os.read(self._control, 64)
+        wishes = os.read(self._inside.control, 64)
         if not wishes:  # the grader has gone
             return False
         if STACKS in wishes:
             with suppress(ProcessLookupError):
                 os.kill(self._child, runner.STACKS_SIGNAL)
-        self._tell(**self._usage())
+        self._inside.tell(**self._usage())
         return True
 
     def _exceeded(self) -> str:
@@ -114,17 +117,14 @@ class _Watch:
         if usage.tasks > self._limits.tasks:
             return "processes"
         allowed = self._limits.memory_mb * _MB
-        if usage.memory > allowed and processes.own_memory(everything, _PATIENCE_S) > allowed:
+        files = processes.memory_files(everything, _PATIENCE_S)  # their pages take memory without being mapped, too
+        if usage.memory + files > allowed and processes.own_memory(everything, files, _PATIENCE_S) > allowed:
             return "memory"
         return ""
 
     def _usage(self) -> dict[str, Any]:
         usage = processes.usage(processes.descendants(self._root))
         return {"cpu_s": usage.cpu_s, "waited_s": usage.waited_s, "tasks": usage.tasks, "memory": usage.memory}
-
-    def _tell(self, **what: Any) -> None:
-        with suppress(OSError):
-            os.write(self._status, json.dumps(what).encode() + b"\n")
 
 
 def _how(status: int) -> dict[str, Any]:

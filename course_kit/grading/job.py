@@ -32,7 +32,8 @@ class Job:
         isolation: filled in by the worker, which has tried it out.
         priority: the nice value the submission and the probe run at; filled in by the worker, whose own may be better.
         scratch: the folder for the scratch directory; filled in by the worker.
-        hidden: folders to keep out of the submission's sight.
+        user: the number of the user that submissions run as; 0 for the grader's own; filled in by the worker.
+        hidden: folders to keep out of the submission's sight, wherever they lie.
     """
 
     exercise: str
@@ -51,6 +52,7 @@ class Job:
     limits: Limits = field(default_factory=Limits)
     isolation: Isolation = field(default_factory=Isolation)
     hidden: tuple[str, ...] = ()
+    user: int = 0
     priority: int = 0
     scratch: str = ""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +19,10 @@ _LISTS = ("node_classes", "classes", "functions", "set_names")
 _TEXTS = ("returned", "result", "value")
 _FACTS = ("exit_in_callback", "ended_itself", "too_large")
 _NOTE_ITEMS, _NOTE_LENGTH = 20, 80
+_ENDS = {"exit_code", "signal", "limit"}  # one of these facts says how a program has ended
 _LAST_WORDS = 1 << 20  # the most a pipe holds
 _THREAD = re.compile(rb"^(?:Current thread|Thread) 0x(?P<id>[0-9a-f]+)\b.*\n", re.MULTILINE)
+_EVIDENCE_TAKEN = 4 * 1024 * 1024  # bytes of one program; nobody listens any more after that
 _EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
 
 
@@ -38,6 +41,7 @@ class Life:
         self._notes: dict[str, Any] = {}
         self._status = b""
         self._evidence = b""
+        self._evidence_taken = 0
 
     def open_streams(self) -> dict[int, str]:
         """The descriptors that may still bring something, with their names."""
@@ -63,12 +67,23 @@ class Life:
         elif name == "status":
             self._take_status(data)
         else:
-            self.evidence_bytes += len(data)
-            self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
+            self._take_evidence(data)
 
     def too_much_output(self) -> bool:
         """Whether it has printed more than it may."""
         return sum(output.count for output in self._output.values()) > self._limit
+
+    def fault(self) -> str:
+        """What of the sandbox has failed by itself, for people; empty while all is well."""
+        if told := self._facts.get("problem"):
+            return str(told)
+        if self.over and not _ENDS & set(self._facts):
+            return "the process that watches the submission was killed, perhaps because the machine is out of memory"
+        return ""
+
+    def killed(self) -> bool:
+        """Whether it ended by a signal that nothing accounts for: its own, or of a machine without memory."""
+        return self._facts.get("signal") == signal.SIGKILL and "limit" not in self._facts
 
     def stopped_by_us(self, limit: str) -> None:
         """Remember that a limit was hit."""
@@ -108,13 +123,21 @@ class Life:
             "stderr": self._output["stderr"].text(),
         }
 
+    def _take_evidence(self, data: bytes) -> None:
+        self.evidence_bytes += len(data)
+        self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
+        self._evidence_taken += len(data)
+        if self._evidence_taken > _EVIDENCE_TAKEN:  # written by the submission itself, to keep the grader busy
+            os.close(self._streams.evidence)
+            self._streams.evidence = -1
+
     def _drain(self) -> None:
         """Read what the program had still written when it ended: its last words explain the end."""
         for name in ("stdout", "stderr", "evidence"):
             with suppress(OSError):
                 data = os.read(getattr(self._streams, name), _LAST_WORDS)
                 if name == "evidence":
-                    self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
+                    self._take_evidence(data)
                 else:
                     self._output[name].add(data)
                     self._totals[name].add(data)

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+QUEUE_S = 60.0  # for which a grading may wait for a ROS domain, where it needs one of the machine's
 _MB = 1024 * 1024
 # Stacks and arenas of the threads that ROS 2 starts: address space that is reserved and hardly touched.
 _RESERVED_MB = 512
+_READER_MB = 1024
 _SPARE_TASKS = 32  # the kernel's own stop lies above the one that is reported
 
 
@@ -74,6 +76,19 @@ def apply_to_this_process(limits: Limits, others: int) -> None:
     _lower(resource.RLIMIT_NPROC, tasks, tasks)
     _lower(resource.RLIMIT_FSIZE, limits.file_mb * _MB, limits.file_mb * _MB)
     _lower(resource.RLIMIT_NOFILE, limits.open_files, limits.open_files)
+    _lower(resource.RLIMIT_CORE, 0, 0)
+
+
+def bound_reader(seconds: float) -> None:
+    """Bound this process of the grader, which reads what a submission sends.
+
+    What a check keeps has limits of its own; these are for what nobody has thought of. Who runs into them ends.
+
+    Args:
+        seconds: of computing.
+    """
+    _lower(resource.RLIMIT_DATA, _READER_MB * _MB, _READER_MB * _MB)
+    _lower(resource.RLIMIT_CPU, int(seconds) + 1, int(seconds) + 2)
     _lower(resource.RLIMIT_CORE, 0, 0)
 
 

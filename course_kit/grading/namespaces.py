@@ -8,12 +8,18 @@ AppArmor (Ubuntu 23.10 and later) or by a container's seccomp filter.
 from __future__ import annotations
 
 import ctypes
+import errno
 import fcntl
 import os
 import signal
 import socket
 import struct
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 CLONE_NEWNS = 0x00020000
 CLONE_NEWUTS = 0x04000000
@@ -26,15 +32,14 @@ _SIOCGIFFLAGS, _SIOCSIFFLAGS = 0x8913, 0x8914
 _IFF_UP = 0x1
 _INTERFACE_FLAGS = struct.Struct("16sH14x")  # struct ifreq with ifr_flags
 
-_MS_NOSUID, _MS_NODEV, _MS_NOEXEC, _MS_REC, _MS_PRIVATE = 0x2, 0x4, 0x8, 0x4000, 0x40000
-_SYS_MOUNT_SETATTR = 442  # the same number on every architecture, Linux 5.12 and later
-_AT_FDCWD, _AT_RECURSIVE, _MOUNT_ATTR_RDONLY = -100, 0x8000, 0x1
-
-_PR_SET_PDEATHSIG, _PR_SET_DUMPABLE, _PR_CAPBSET_DROP = 1, 4, 24
+_PR_SET_PDEATHSIG, _PR_GET_DUMPABLE, _PR_SET_DUMPABLE, _PR_CAPBSET_DROP = 1, 3, 4, 24
+_PR_SET_NAME = 15
 _PR_SET_CHILD_SUBREAPER, _PR_SET_NO_NEW_PRIVS = 36, 38
 _PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL = 47, 4
 _CAPABILITY_VERSION_3 = 0x20080522
 _HIGHEST_CAPABILITY = 63
+_SYS_KEYCTL = {"x86_64": 250, "aarch64": 219}
+_KEYCTL_JOIN_SESSION_KEYRING = 1
 
 _libc = ctypes.CDLL(None, use_errno=True)
 
@@ -45,17 +50,73 @@ def _checked(result: int, what: str) -> None:
         raise OSError(number, f"{what}: {os.strerror(number)}")
 
 
-def enter(kinds: int) -> None:
+def enter(kinds: int, guest: int = 0) -> None:
     """Move into a new user namespace and, in it, the new namespaces `kinds` (CLONE_NEW... or-ed).
 
     The user and group keep their numbers, everything else is nobody. A new PID namespace holds for the
     children of the process from then on, not for itself.
+
+    Args:
+        kinds: CLONE_NEW... or-ed.
+        guest: the number of a second user and group that exists in it; 0 for none. Needs the privileges of root.
     """
-    user, group = os.geteuid(), os.getegid()
-    _checked(_libc.unshare(CLONE_NEWUSER | kinds), "unshare")
-    Path("/proc/self/setgroups").write_bytes(b"deny")
-    Path("/proc/self/uid_map").write_bytes(b"%d %d 1" % (user, user))
-    Path("/proc/self/gid_map").write_bytes(b"%d %d 1" % (group, group))
+    with _readable_proc():
+        if guest:
+            _unshare_with_guest(kinds, guest)
+            return
+        user, group = os.geteuid(), os.getegid()
+        _checked(_libc.unshare(CLONE_NEWUSER | kinds), "unshare")
+        Path("/proc/self/setgroups").write_bytes(b"deny")
+        Path("/proc/self/uid_map").write_bytes(b"%d %d 1" % (user, user))
+        Path("/proc/self/gid_map").write_bytes(b"%d %d 1" % (group, group))
+
+
+def _unshare_with_guest(kinds: int, guest: int) -> None:
+    """Only a process that stays outside may map more than one number; it has to be root there."""
+    own = Path("/proc/self").readlink().name
+    told, tell = os.pipe()
+    helper = os.fork()
+    if helper == 0:
+        status = 1
+        try:
+            os.close(tell)
+            if os.read(told, 1):
+                for name, number in (("uid_map", os.geteuid()), ("gid_map", os.getegid())):
+                    Path(f"/proc/{own}/{name}").write_bytes(b"%d %d 1\n%d %d 1" % (number, number, guest, guest))
+                status = 0
+        finally:
+            os._exit(status)
+    os.close(told)
+    try:
+        _checked(_libc.unshare(CLONE_NEWUSER | kinds), "unshare")
+        os.write(tell, b"!")
+    finally:
+        os.close(tell)
+        _, status = os.waitpid(helper, 0)
+    if status:
+        raise OSError(errno.EPERM, "a second user cannot be mapped into the user namespace")
+
+
+@contextmanager
+def _readable_proc() -> Iterator[None]:
+    """Have /proc/self belong to this process's user, which it does not while tracing is forbidden."""
+    before = _libc.prctl(_PR_GET_DUMPABLE, 0, 0, 0, 0)
+    allow_tracing()
+    try:
+        yield
+    finally:
+        _libc.prctl(_PR_SET_DUMPABLE, before, 0, 0, 0)
+
+
+def join(user: int, network: int) -> None:
+    """Move into the user and the network namespace of another process of the same user (setns(2)).
+
+    Args:
+        user: a descriptor of /proc/PID/ns/user.
+        network: a descriptor of /proc/PID/ns/net.
+    """
+    for descriptor, kind in ((user, CLONE_NEWUSER), (network, CLONE_NEWNET)):
+        _checked(_libc.setns(descriptor, kind), "setns")
 
 
 def raise_loopback() -> None:
@@ -66,36 +127,9 @@ def raise_loopback() -> None:
         fcntl.ioctl(control, _SIOCSIFFLAGS, _INTERFACE_FLAGS.pack(b"lo", flags | _IFF_UP))
 
 
-def detach_mounts() -> None:
-    """Keep what is mounted from now on out of the sight of every other process."""
-    _checked(_libc.mount(None, b"/", None, ctypes.c_ulong(_MS_REC | _MS_PRIVATE), None), "mount private")
-
-
-def make_files_read_only() -> None:
-    """Make every file system read-only for the processes of this mount namespace (mount_setattr(2))."""
-    attributes = struct.pack("QQQQ", _MOUNT_ATTR_RDONLY, 0, 0, 0)
-    result = _libc.syscall(
-        ctypes.c_long(_SYS_MOUNT_SETATTR),
-        ctypes.c_int(_AT_FDCWD),
-        b"/",
-        ctypes.c_uint(_AT_RECURSIVE),
-        attributes,
-        ctypes.c_size_t(len(attributes)),
-    )
-    _checked(result, "mount_setattr")
-
-
-def mount_scratch(folder: str, megabytes: int) -> None:
-    """Put an empty file system in memory over `folder`, gone with the last process that sees it."""
-    options = f"size={megabytes}m,nr_inodes=4096,mode=700".encode()
-    flags = ctypes.c_ulong(_MS_NOSUID | _MS_NODEV)
-    _checked(_libc.mount(b"tmpfs", os.fsencode(folder), b"tmpfs", flags, options), f"mount tmpfs on {folder}")
-
-
-def mount_processes() -> None:
-    """Have /proc show the processes of this PID namespace only."""
-    flags = ctypes.c_ulong(_MS_NOSUID | _MS_NODEV | _MS_NOEXEC)
-    _checked(_libc.mount(b"proc", b"/proc", b"proc", flags, None), "mount proc")
+def set_name(name: str) -> None:
+    """Have `ps` and `top` show this process under a name of at most 15 characters."""
+    _libc.prctl(_PR_SET_NAME, name.encode(), 0, 0, 0)
 
 
 def die_with_parent() -> None:
@@ -111,6 +145,18 @@ def adopt_orphans() -> None:
 def forbid_tracing() -> None:
     """Let no process of the same user read this one's memory or trace it (ptrace(2))."""
     _checked(_libc.prctl(_PR_SET_DUMPABLE, 0, 0, 0, 0), "prctl DUMPABLE")
+
+
+def allow_tracing() -> None:
+    """Take `forbid_tracing` back; a change of the user forbids it as well."""
+    _checked(_libc.prctl(_PR_SET_DUMPABLE, 1, 0, 0, 0), "prctl DUMPABLE")
+
+
+def join_new_keyring() -> None:
+    """Leave the user's session keyring for an empty one (keyctl(2)); a kernel without keyrings has nothing to leave."""
+    number = _SYS_KEYCTL.get(os.uname().machine)
+    if number is not None:
+        _libc.syscall(ctypes.c_long(number), ctypes.c_int(_KEYCTL_JOIN_SESSION_KEYRING), None)
 
 
 def drop_privileges() -> None:

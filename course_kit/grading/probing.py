@@ -7,7 +7,7 @@ import os
 import time
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import bounds, machine
+from course_kit.grading import bounds, limits, machine, namespaces
 from course_kit.grading.bench import Bench
 from course_kit.grading.checks import run_all
 from course_kit.grading.wire import ChannelClosedError
@@ -54,7 +54,9 @@ def checks_of(grader: Any, job: Job) -> Sequence[Check]:
 
 def main(warden: Channel, job: Job) -> None:
     """Run all checks of the job's exercise; returns when each is told, or why they could not be run."""
+    namespaces.set_name("grade grader")
     os.setpriority(os.PRIO_PROCESS, 0, job.priority)
+    limits.bound_reader(job.limits.wall_s)
     told: dict[str, Any] = {"do": "done", "problem": "", "timings": {}}
     try:
         told["timings"] = _run(warden, job)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 _TICKS = os.sysconf("SC_CLK_TCK")
 _PAGE = os.sysconf("SC_PAGE_SIZE")
+_IN_MEMORY = ("/memfd:", "/dev/shm/", "/dev/zero (deleted)", "/SYSV")  # noqa: S108 - as /proc names what is open
 
 
 @dataclass(frozen=True)
@@ -75,27 +76,58 @@ def usage(process_ids: Iterable[int]) -> Usage:
     return Usage(cpu_s, waited_s, tasks, memory)
 
 
-def own_memory(process_ids: Iterable[int], patience_s: float) -> int:
+def own_memory(process_ids: Iterable[int], files: int, patience_s: float) -> int:
     """Bytes of memory these processes take from the machine: pages that forks share are counted once.
 
     Exact and slow, for a process that is just forking very slow: stops after `patience_s` seconds with what it has.
+
+    Args:
+        process_ids: the processes.
+        files: bytes in their files in memory, of which some are mapped and counted that way already.
+        patience_s: seconds.
     """
     deadline = time.monotonic() + patience_s
-    total = 0
+    total = mapped = 0
     for process_id in process_ids:
-        total += _proportional(process_id)
+        own, shared = _proportional(process_id)
+        total += own
+        mapped += shared
         if time.monotonic() > deadline:
             break
-    return total
+    return total + max(0, files - mapped)
 
 
-def _proportional(process_id: int) -> int:
-    """Resident bytes, shared ones divided by their users; all of them for a process that hides the figures."""
+def _proportional(process_id: int) -> tuple[int, int]:
+    """Resident bytes, shared ones divided by their users, and those in files in memory among them.
+
+    All resident bytes for a process that hides the figures.
+    """
     try:
         text = Path(f"/proc/{process_id}/smaps_rollup").read_text(encoding="utf-8")
-        return next(int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")) * 1024
-    except (OSError, ValueError, StopIteration):
-        return usage([process_id]).memory
+        rows = {row.partition(":")[0]: row.split()[1] for row in text.splitlines()[1:]}
+        return int(rows["Pss"]) * 1024, int(rows.get("Pss_Shmem", 0)) * 1024
+    except (OSError, ValueError, LookupError):
+        return usage([process_id]).memory, 0
+
+
+def memory_files(process_ids: Iterable[int], patience_s: float) -> int:
+    """Bytes in files that exist in memory alone, mapped or not: those of memfd_create(2), and deleted ones of a tmpfs.
+
+    Stops after `patience_s` seconds with what it has.
+    """
+    deadline = time.monotonic() + patience_s
+    sizes: dict[tuple[int, int], int] = {}
+    for process_id in process_ids:
+        folder = f"/proc/{process_id}/fd"
+        with suppress(OSError):
+            for name in os.listdir(folder):  # noqa: PTH208 - hot
+                with suppress(OSError):
+                    if os.readlink(f"{folder}/{name}").startswith(_IN_MEMORY):  # noqa: PTH115 - hot
+                        status = os.stat(f"{folder}/{name}")  # noqa: PTH116 - hot
+                        sizes[status.st_dev, status.st_ino] = status.st_blocks * 512
+        if time.monotonic() > deadline:
+            break
+    return sum(sizes.values())
 
 
 def tasks_of_user(user: int) -> int:
@@ -103,10 +135,19 @@ def tasks_of_user(user: int) -> int:
     tasks = 0
     for name in os.listdir("/proc"):  # noqa: PTH208 - hot
         if name.isdecimal():
-            with suppress(OSError, ValueError, IndexError):
-                if Path(f"/proc/{name}").stat().st_uid == user:
+            with suppress(OSError, ValueError, IndexError, StopIteration):
+                if _user(name) == user:
                     tasks += int(_stat(int(name))[17])
     return tasks
+
+
+def _user(name: str) -> int:
+    """Whose process it is; the files of one that forbids tracing belong to root, whoever's it is."""
+    owner = Path(f"/proc/{name}").stat().st_uid
+    if owner:
+        return owner
+    with open(f"/proc/{name}/status", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
+        return next(int(line.split()[1]) for line in file if line.startswith("Uid:"))
 
 
 def own_waiting(*, helpers_only: bool = False) -> float:
@@ -119,6 +160,14 @@ def own_waiting(*, helpers_only: bool = False) -> float:
         own = this_process()
         return _waited(own, but=own if helpers_only else 0)
     return 0.0
+
+
+def killed_for_lack_of_memory() -> int:
+    """How many processes this machine has killed because its memory was used up, since it was started; 0 if unknown."""
+    with suppress(OSError, ValueError, IndexError):
+        text = Path("/proc/vmstat").read_text(encoding="ascii")
+        return int(text.partition("oom_kill ")[2].split()[0])
+    return 0
 
 
 def end_descendants(keep: Container[int] = ()) -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from html import escape
 from typing import TYPE_CHECKING
 
+from course_kit.grading.output import escaped
 from course_kit.grading.render_html import render_html
 
 if TYPE_CHECKING:
@@ -24,9 +24,9 @@ def render_page(report: Report, student: str) -> str:
         report: the report.
         student: whose it is, for the heading.
     """
-    title = escape(f"{report.title}: {student}")
+    title = escaped(f"{report.title}: {student}")
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
         f'<meta name="viewport" content="width=device-width, initial-scale=1"><style>{STYLE}</style></head>'
-        f"<body><main><h1>{escape(student)}</h1>{render_html(report)}</main></body></html>\n"
+        f"<body><main><h1>{escaped(student)}</h1>{render_html(report)}</main></body></html>\n"
     )

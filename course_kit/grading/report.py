@@ -6,6 +6,8 @@ import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from course_kit.grading.output import encodable
+
 if TYPE_CHECKING:
     from course_kit.grading.steps import Step
 
@@ -97,7 +99,7 @@ class Report:
 
     def to_json(self) -> str:
         """One JSON document, without a trailing line end."""
-        return json.dumps(self.to_mapping(), indent=2, ensure_ascii=False, allow_nan=False)
+        return encodable(json.dumps(self.to_mapping(), indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def _check_mapping(check: CheckReport) -> dict[str, Any]:

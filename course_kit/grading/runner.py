@@ -18,13 +18,13 @@ import sys
 import tempfile
 import threading
 import traceback
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import limits, namespaces, values
+from course_kit.grading import limits, locking, namespaces, values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -64,19 +64,36 @@ class Program:
     folder: str = ""
     variable: str = ""
 
+    @classmethod
+    def from_mapping(cls, values: Mapping[str, Any]) -> Program:
+        """The inverse of `to_mapping`."""
+        program = cls(**values)
+        return replace(program, arguments=tuple(program.arguments), command=tuple(program.command))
 
-def main(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
-    """Turn this process into the submission; never returns."""
+    def to_mapping(self) -> dict[str, Any]:
+        """The program as plain data."""
+        return asdict(self)
+
+
+def main(program: Program, cell: Cell, inside: Streams) -> None:
+    """Turn this process into the submission; never returns but where it cannot be locked in."""
+    namespaces.set_name("submission")
+    folder = cell.scratch
     os.setsid()
-    atexit._clear()  # noqa: SLF001 - what the warm process has registered is not the program's
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it
+    atexit._clear()  # noqa: SLF001 - what the launcher has registered is not the program's
+    os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
+    try:
+        locking.lock_in(cell)
+    except OSError as problem:  # it worked when it was tried out
+        inside.tell(problem=f"the sandbox cannot be closed: {problem}")
+        return
     evidence = _arrange_streams(inside)
     variables = {**cell.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}
     os.environ.update(variables)
     tempfile.tempdir = None  # the grader's own choice; TMPDIR counts now
     os.chdir(program.folder or folder)
-    os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
     limits.apply_to_this_process(cell.limits, cell.others)
-    namespaces.drop_privileges()
     program = _with_files(program, Path(folder))
     if program.command:
         _execute(program)

@@ -1,36 +1,27 @@
-"""A submission's cage: how it is started, watched and ended.
+"""A submission's sandbox as the supervisor of a grading sees it: what it is given, its streams, its end.
 
-Three processes stand between the grader and the submission, each a fork of the warm one, so that nothing is
-loaded twice: the *gate* enters the namespaces and waits; the *guard*, process 1 of the new PID namespace,
-arranges the files, counts, and enforces what the kernel does not; the *program* has given up every privilege
-and runs the learner's code (see `runner`). When the guard ends, the kernel ends all the program has started.
-
-Where there are no namespaces the same three run without them: every kept descendant is adopted
-(PR_SET_CHILD_SUBREAPER) and killed at the end, however often it has forked or called setsid.
-
-What this is not is said in LIMITS.md, the page for users: a boundary against kernel bugs; nor, without namespaces,
-against a program that signals, traces or talks to other processes of the same user. With namespaces a submission can
-still read every file its user can read (but for hidden folders) and connect to sockets that are files.
+What stands around the program, process by process, is in `launcher`, `guard` and `runner`. What it is not is said in
+LIMITS.md, the page for users.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
-import signal
 import tempfile
 from contextlib import suppress
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import asdict, dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import guard, namespaces, processes
-from course_kit.grading.isolation import enter_processes
+from course_kit.grading.file_view import FileView
+from course_kit.grading.isolation import Isolation
+from course_kit.grading.limits import Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Mapping
+    from collections.abc import Mapping, Sequence
 
-    from course_kit.grading.isolation import Isolation
-    from course_kit.grading.limits import Limits
+    from course_kit.grading.launcher import Launcher
     from course_kit.grading.runner import Program
 
 
@@ -40,21 +31,37 @@ class Cell:
 
     Attributes:
         limits: what it may use.
-        isolation: the walls known to stand on this machine.
+        isolation: what is known to hold on this machine.
+        scratch: the folder in which its scratch directory is made; within the sandbox that directory itself.
+        view: the files it sees.
         environment: variables to set for the program, beside HOME, TMPDIR and PWD.
-        scratch: where its scratch directory is made.
         priority: the nice value to run at.
         others: the user's other processes and threads where the kernel counts them together with the program's.
-        hidden: folders that appear empty to it, where its files are walled off.
+        user: the number of the user and group it runs as; 0 for the grader's own.
     """
 
     limits: Limits
     isolation: Isolation
     scratch: str
+    view: FileView = field(default_factory=FileView)
     environment: Mapping[str, str] = field(default_factory=dict)
-    hidden: tuple[str, ...] = ()
     priority: int = 0
     others: int = 0
+    user: int = 0
+
+    @classmethod
+    def from_mapping(cls, values: Mapping[str, Any]) -> Cell:
+        """The inverse of `to_mapping`."""
+        made = {
+            "limits": Limits.from_mapping(values["limits"]),
+            "isolation": Isolation.from_mapping(values["isolation"]),
+            "view": FileView.from_mapping(values["view"]),
+        }
+        return cls(**{**values, **made})
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The conditions as plain data."""
+        return asdict(self)
 
 
 @dataclass
@@ -67,6 +74,15 @@ class Streams:
     evidence: int
     control: int
 
+    def descriptors(self) -> tuple[int, ...]:
+        """All of them, in the order of the arguments."""
+        return (self.stdout, self.stderr, self.status, self.evidence, self.control)
+
+    def tell(self, **what: Any) -> None:
+        """From the inside: tell the supervisor facts, on the stream for them."""
+        with suppress(OSError):
+            os.write(self.status, json.dumps(what).encode() + b"\n")
+
     def close(self) -> None:
         """Close all of them, once."""
         for name in ("stdout", "stderr", "status", "evidence", "control"):
@@ -77,36 +93,46 @@ class Streams:
 
 
 class Sandbox:
-    """One running submission. The caller must have one thread, and have called `adopt_orphans`."""
+    """One running submission."""
 
-    def __init__(self, program: Program, cell: Cell) -> None:
-        """Start `program`. Returns at once; whether it starts well is seen in what comes out of `streams`."""
+    def __init__(self, program: Program, cell: Cell, launcher: Launcher, network: Sequence[int] = ()) -> None:
+        """Start `program`. Returns at once; whether it starts well is seen in what comes out of `streams`.
+
+        Args:
+            program: what to run.
+            cell: under which conditions.
+            launcher: where it is started.
+            network: descriptors of the user and the network namespace it is to join.
+
+        Raises:
+            LaunchError: the launcher has ended.
+            OSError: the scratch directory or the pipes cannot be made.
+        """
+        self._launcher = launcher
         self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=cell.scratch or None)
+        if cell.user:
+            os.chown(self._folder, cell.user, cell.user)
         self.streams, inside = _pipes()
-        self._gate = os.fork()
-        if self._gate == 0:
-            try:
-                self.streams.close()
-                _gate(program, cell, self._folder, inside)
-            finally:
-                os._exit(guard.FAILED)
-        inside.close()
+        try:
+            launcher.start(program, replace(cell, scratch=self._folder), inside, network)
+        finally:
+            inside.close()
 
     def ask(self, what: bytes) -> None:
         """Ask the guard for `guard.SAMPLE` or `guard.STACKS`; the answer comes on its stream."""
         with suppress(OSError):  # it has ended; so its stream says
             os.write(self.streams.control, what)
 
-    def end(self, keep: Container[int]) -> None:
+    def end(self) -> None:
         """Kill all that was started; returns when it is dead and its scratch directory gone.
 
-        Args:
-            keep: other children of this process, which are to live on.
+        Raises:
+            LaunchError: the launcher has ended.
         """
-        with suppress(ProcessLookupError):
-            os.kill(self._gate, signal.SIGKILL)
-        processes.end_descendants(keep)
-        shutil.rmtree(self._folder, ignore_errors=True)
+        try:
+            self._launcher.end()
+        finally:
+            shutil.rmtree(self._folder, ignore_errors=True)
 
 
 def _pipes() -> tuple[Streams, Streams]:
@@ -114,22 +140,6 @@ def _pipes() -> tuple[Streams, Streams]:
     (stdout, stderr, status, evidence, control) = pipes
     ours = Streams(stdout[0], stderr[0], status[0], evidence[0], control[1])
     inside = Streams(stdout[1], stderr[1], status[1], evidence[1], control[0])
-    for descriptor in (ours.stdout, ours.stderr, ours.status, ours.evidence, ours.control):
+    for descriptor in ours.descriptors():
         os.set_blocking(descriptor, False)
     return ours, inside
-
-
-def _gate(program: Program, cell: Cell, folder: str, inside: Streams) -> None:
-    namespaces.die_with_parent()
-    if cell.isolation.processes:
-        enter_processes()
-        namespaces.die_with_parent()  # entering a user namespace has cleared it
-    child = os.fork()
-    if child == 0:
-        try:
-            guard.main(program, cell, folder, inside)
-        finally:
-            os._exit(guard.FAILED)
-    inside.close()
-    os.waitpid(child, 0)
-    os._exit(0)

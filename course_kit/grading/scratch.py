@@ -26,7 +26,8 @@ def make() -> Path:
 
 
 def clear(folder: Path) -> None:
-    """Remove what a grading that was broken off has left in the folder."""
+    """Remove what a grading that was broken off has left in the folder, and make it anew if somebody has removed it."""
+    folder.mkdir(mode=0o700, exist_ok=True)
     for path in folder.iterdir():
         remove(path)
 

@@ -52,11 +52,12 @@ def last_exception(stderr: str, program: str) -> Raised | None:
         stderr: the text.
         program: the file name of the learner's program in tracebacks.
     """
-    _, found, tail = stderr.rpartition(_HEADER)
-    if not found:
+    lines = stderr.splitlines()
+    begins = [number for number, line in enumerate(lines) if _HEADER in line and not _is_ignored(lines, number)]
+    if not begins:
         return None
     frames = []
-    for line in tail.splitlines():
+    for line in lines[begins[-1] + 1 :]:
         if match := _FILE_LINE.match(line):
             frames.append(Frame(match["file"], int(match["line"]), match["function"]))
         elif line and not line[0].isspace() and (match := _EXCEPTION.match(line)):
@@ -64,6 +65,11 @@ def last_exception(stderr: str, program: str) -> Raised | None:
             kind = match["type"].rpartition(".")[2]
             return Raised(kind, (match["text"] or "").strip(), own[-1] if own else None, tuple(frames))
     return None
+
+
+def _is_ignored(lines: list[str], header: int) -> bool:
+    """Whether a traceback is of an exception that Python could only mention, such as one in an object's finalizer."""
+    return header > 0 and lines[header - 1].startswith("Exception ignored")
 
 
 @dataclass(frozen=True)

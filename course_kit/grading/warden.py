@@ -12,63 +12,86 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.grading import guard, namespaces, processes
+from course_kit.grading import conditions, guard, limits, namespaces, processes
 from course_kit.grading.bench import PHASES
 from course_kit.grading.isolation import enter_network
+from course_kit.grading.launcher import LaunchError
 from course_kit.grading.life import Life
 from course_kit.grading.output import Output
 from course_kit.grading.runner import Program
-from course_kit.grading.sandbox import Cell, Sandbox
+from course_kit.grading.sandbox import Sandbox
 from course_kit.grading.wire import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.grading.job import Job
+    from course_kit.grading.launcher import Launcher
 
 _ANSWER_S = 5.0  # how long the guard is waited for; it has answered long before, unless the machine is very busy
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
-_COUNTS_BY_NAMESPACE = (5, 14)  # Linux
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
-_QUEUE_S = 60.0  # more gradings side by side than the machine has domains take turns
 _PROBE_GRACE_S = 20.0  # the probe stops by itself at the wall time; a probe that hangs is stopped this much later
+_NO_DOMAIN = (
+    "no ROS domain became free within {:g} s, because courses and graders on this machine use all of them. Close some, "
+    "then grade again"
+)
+
+
+class _BrokenOffError(Exception):
+    """The grading cannot go on, by no fault of the submission; the text says why."""
+
+
+def broken_off(problem: str) -> dict[str, Any]:
+    """The outcome, as `Warden.run` gives it, of a grading that came to nothing by no fault of the submission."""
+    return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": True}
 
 
 class Warden:
     """The master of one grading."""
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, launcher: Launcher) -> None:
         self._job = job
+        self._launcher = launcher
+        self._profile: dict[str, str] = {}
+        self._network: tuple[int, ...] = ()  # descriptors of the namespaces that the submission is to join
         self._began = time.monotonic()
         self._totals = (Output(), Output())
         self._sandbox: Sandbox | None = None
         self._life: Life | None = None
         self._domains = ExitStack()
+        self._queued_s = 0.0
         self._launches = 0
         self._arguments: tuple[str, ...] = ()
         self._results: list[dict[str, Any]] = []
         self._extra: dict[str, Any] = {}
+        self._fault = ""
+        self._killed_before = processes.killed_for_lack_of_memory()
         self._probe_id = 0
+        self._again = False  # whether this may go better the next time: something was killed that should not be
 
     def run(self) -> dict[str, Any]:
         """Grade, and return the outcome as plain data; nothing that was started is alive then."""
+        namespaces.set_name("grade supervise")
         namespaces.die_with_parent()
         namespaces.adopt_orphans()
         if self._job.isolation.network and self._job.mode != "attach":
-            enter_network()
+            enter_network(self._job.user)
             namespaces.die_with_parent()  # entering a user namespace has cleared it
-            _expect_few_participants()
+            self._network = tuple(os.open(f"/proc/self/ns/{kind}", os.O_RDONLY) for kind in ("user", "net"))
+            self._profile = conditions.expect_few_participants()
         probe_end = self._start_probe()
         problem = self._serve(probe_end)
         stopping = time.monotonic()
-        self._stop(with_probe=True)
+        self._stop()
         processes.end_descendants()
         return {
             "results": self._results,
             "stdout": self._totals[0].text(),
             "stderr": self._totals[1].text(),
-            "problem": problem,
+            "problem": problem or self._fault,
             "timings": self._timings(stopping),
+            "again": self._again,
         }
 
     def _timings(self, stopping: float) -> dict[str, Any]:
@@ -96,16 +119,12 @@ class Warden:
         return ours
 
     def _serve(self, probe: Channel) -> str:
-        deadline = self._began + self._job.limits.wall_s
-        while True:
-            now = time.monotonic()
-            if now > deadline and self._life is not None and not self._life.over:
-                self._end_life("time")
-            if now > deadline + _PROBE_GRACE_S:
-                return "the grader's probe did not finish in time"
-            if not self._pump(0.25, probe):
-                continue
-            try:
+        """Obey the grader's process until it is done; returns why the grading came to no end, or nothing."""
+        try:
+            while True:
+                self._look_after_everything()
+                if not self._pump(0.25, probe):
+                    continue
                 message = probe.receive(_ANSWER_S)
                 if message["do"] == "done":
                     self._extra = message["timings"]
@@ -113,8 +132,31 @@ class Warden:
                 answer = self._obey(message)
                 if answer is not None:
                     probe.send(answer)
-            except (ChannelClosedError, TimeoutError) as gone:
-                return f"the grader's probe ended unexpectedly ({gone})"
+        except environment.NoDomainError:
+            return _NO_DOMAIN.format(limits.QUEUE_S)
+        except (environment.DomainError, _BrokenOffError) as problem:
+            self._again = isinstance(problem, _BrokenOffError)
+            return str(problem)
+        except (ChannelClosedError, TimeoutError) as gone:
+            self._again = True
+            return f"the grader's own process ended unexpectedly ({gone})"
+        except (LaunchError, OSError) as problem:  # the machine has run out of something
+            self._again = True
+            return f"the submission could not be started: {problem}"
+
+    def _look_after_everything(self) -> None:
+        """End a submission whose time is up.
+
+        Raises:
+            _BrokenOffError: the sandbox has failed, or the grader's process hangs.
+        """
+        deadline, now = self._began + self._job.limits.wall_s, time.monotonic()
+        if self._life is not None and (fault := self._life.fault()):
+            raise _BrokenOffError(fault)
+        if now > deadline and self._life is not None and not self._life.over:
+            self._end_life("time")
+        if now > deadline + _PROBE_GRACE_S:
+            raise _BrokenOffError("the grader's own process did not finish in time")
 
     def _obey(self, message: dict[str, Any]) -> dict[str, Any] | None:
         what = message["do"]
@@ -135,7 +177,7 @@ class Warden:
         self._stop()
         self._arguments = arguments
         self._launches += 1
-        domain = self._domain()
+        domain, queued_s = self._domain()
         job = self._job
         program = Program(
             name=job.name,
@@ -147,11 +189,11 @@ class Warden:
             folder=job.folder,
             variable=job.variable,
         )
-        variables = {**variables, "ROS_DOMAIN_ID": str(domain)}
-        cell = Cell(job.limits, job.isolation, job.scratch, variables, job.hidden, job.priority, self._others())
-        self._sandbox = Sandbox(program, cell)
+        variables = {**variables, **self._profile, "ROS_DOMAIN_ID": str(domain)}
+        cell = conditions.of(job, variables)
+        self._sandbox = Sandbox(program, cell, self._launcher, self._network)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
-        return {"domain": domain}
+        return {"domain": domain, "queued_s": queued_s}
 
     def _finish(self) -> None:
         """Wait until the submission has ended, or end it when its time is up."""
@@ -162,21 +204,24 @@ class Warden:
                 return
             self._pump(_QUIET_S, None)
 
-    def _domain(self) -> int:
-        """A ROS domain nobody else uses: any in a network of our own, else one leased on this machine."""
+    def _domain(self) -> tuple[int, float]:
+        """A ROS domain nobody else uses, and for how many seconds we have queued for it.
+
+        In a network of our own that is any, else one leased on this machine. More gradings side by side than the
+        machine has domains take turns.
+
+        Raises:
+            DomainError: none became free in time.
+        """
         if self._job.isolation.network:
-            return self._launches
+            return self._launches, 0.0
         self._domains.close()
         asked = time.monotonic()
-        domain = self._domains.enter_context(environment.exclusive_domain(_QUEUE_S))
-        self._began += time.monotonic() - asked  # the queue is not the submission's fault
-        return domain
-
-    def _others(self) -> int:
-        """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""
-        version = tuple(int(part) for part in os.uname().release.split(".")[:2])
-        counted_apart = self._job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
-        return 0 if counted_apart else processes.tasks_of_user(os.getuid())
+        domain = self._domains.enter_context(environment.exclusive_domain(limits.QUEUE_S - self._queued_s))
+        queued_s = time.monotonic() - asked
+        self._queued_s += queued_s
+        self._began += queued_s  # that is not the submission's fault
+        return domain, queued_s
 
     def _facts(self, *, fresh: bool) -> dict[str, Any]:
         if self._life is None or self._sandbox is None:
@@ -198,7 +243,8 @@ class Warden:
         self._sandbox.ask(guard.STACKS)
         self._pump_until(lambda life: life.has_whole_dump() or life.over, began + _DUMP_S - time.monotonic())
         size = -1
-        while size != self._life.evidence_bytes:  # the rest of the second, which would be in the next one's way
+        # The rest of the second, which would be in the next one's way; a submission can go on writing for ever.
+        while size != self._life.evidence_bytes and time.monotonic() < began + _DUMP_S:
             size = self._life.evidence_bytes
             self._pump(_QUIET_S, None)
         return self._life.stacks()
@@ -231,26 +277,23 @@ class Warden:
             self._life.stopped_by_us(limit)
         self._kill()
 
-    def _kill(self, *, with_probe: bool = False) -> None:
+    def _kill(self) -> None:
         if self._sandbox is None or self._life is None:
             return
-        self._sandbox.end(keep=() if with_probe else {self._probe_id})
+        self._sandbox.end()
         # All writers are dead: the streams end, and reading them cannot block.
         while streams := self._life.open_streams():
             for name in streams.values():
                 self._life.take(name)
         self._sandbox.streams.close()
 
-    def _stop(self, *, with_probe: bool = False) -> None:
-        self._kill(with_probe=with_probe)
+    def _stop(self) -> None:
+        if self._life is not None and self._life.killed():
+            self._again = True
+            if processes.killed_for_lack_of_memory() != self._killed_before:
+                self._fault = "the machine ran out of memory, and Linux killed something to get some"
+        self._kill()
         if self._arguments and self._life is not None and self._life.facts()["stderr"]:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.
             self._totals[1].add(f"[The lines above are of a start with: {' '.join(self._arguments)}]\n".encode())
         self._sandbox = self._life = None
-
-
-def _expect_few_participants() -> None:
-    """Have Fast DDS announce itself to fewer ports than on a graph that a whole machine shares."""
-    name = "FASTRTPS_DEFAULT_PROFILES_FILE"
-    if os.environ.get(name) == str(environment.LOOPBACK_PROFILE):
-        os.environ[name] = str(environment.PRIVATE_NETWORK_PROFILE)

@@ -10,7 +10,6 @@ import os
 import signal
 import socket
 import subprocess
-import sys
 import tempfile
 import threading
 from contextlib import suppress
@@ -67,10 +66,11 @@ class WarmProcess:
         theirs = [end for _, end in pairs]
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 - closed at the end; a pipe nobody reads would fill up
         descriptors = [end.fileno() for end in theirs]
-        module = ("-W", _FORKS_ARE_MEANT, "-m", "course_kit.grading.worker_process")
+        python, *call = environment.trusted_python("course_kit.grading.worker_process", "main")
         try:
             self._process = subprocess.Popen(
-                [sys.executable, *module, ",".join(map(str, descriptors)), *exercises],
+                [python, "-W", _FORKS_ARE_MEANT, *call, ",".join(map(str, descriptors)), *exercises],
+                cwd="/",
                 env=dict(variables),
                 stdin=subprocess.DEVNULL,
                 stdout=self._said,
@@ -138,11 +138,17 @@ def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
         whole: pass on all variables, for commands of the user's own.
         own_graph: False to grade nodes on the graph this environment belongs to.
     """
-    variables = environment.child_environment(
-        PYTHONDONTWRITEBYTECODE="1", PYTHONUNBUFFERED=None, OPENBLAS_NUM_THREADS="1", ROS_PYTHON_CHECK_FIELDS="1"
-    )
+    changes: dict[str, str | None] = {
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "PYTHONUNBUFFERED": None,
+        "PYTHON_COLORS": "0",  # where FORCE_COLOR is set, Python 3.13 colours tracebacks, and they could not be read
+        "OPENBLAS_NUM_THREADS": "1",
+        "ROS_PYTHON_CHECK_FIELDS": "1",
+    }
     if own_graph:
-        variables["ROS_DOMAIN_ID"] = "0"  # never joined: each grading has its own, and the worker needs no lease
+        changes["ROS_DOMAIN_ID"] = "0"  # never joined: each grading has its own, and the worker needs no lease
+    variables = environment.child_environment(**changes)
+    if own_graph:
         for name in _OTHER_GRAPHS:
             variables.pop(name, None)
         if variables.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps"):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from course_kit.grading import limits
 from course_kit.grading.errors import GradingError
 from course_kit.grading.warm_process import WarmProcess, variables_of
 from course_kit.grading.wire import Channel, ChannelClosedError
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from course_kit.grading.job import Job
 
 _START_S = 60.0  # importing everything from a cold disk on a loaded machine
-_GRACE_S = 60.0  # beyond the wall time; a worker that is later than that hangs, by a fault of ours
+_GRACE_S = 60.0  # beyond the queue and the wall time; a worker that is later than that hangs, by a fault of ours
 
 
 class Worker:
@@ -91,7 +92,7 @@ class Worker:
         self.ready()
         try:
             self._channel.send({"job": job.to_mapping()})
-            return self._channel.receive(job.limits.wall_s + _GRACE_S)
+            return self._channel.receive(limits.QUEUE_S + job.limits.wall_s + _GRACE_S)
         except (ChannelClosedError, TimeoutError) as problem:
             raise GradingError(f"The grader ended while it was at work. {self._last_words()}") from problem
 

@@ -6,6 +6,7 @@ It never calls rclpy.init itself: a process that has cannot be forked any more.
 from __future__ import annotations
 
 import gc
+import json
 import os
 import select
 import signal
@@ -16,15 +17,18 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import isolation, namespaces, probing, processes, scratch
+from course_kit.grading import launcher as launchers
 from course_kit.grading.job import Job
-from course_kit.grading.warden import Warden
+from course_kit.grading.launcher import Launcher, LaunchError
+from course_kit.grading.warden import Warden, broken_off
 from course_kit.grading.wire import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Container, Sequence
 
     from course_kit.grading.isolation import Isolation
 
+_TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
 _FIRST_SERVED = -19  # nice value
 
 
@@ -35,28 +39,71 @@ def serve(channels: Sequence[Channel], exercises: Sequence[str]) -> None:
         channels: the line to each worker. A single worker is this process; of several each is a fork of it.
         exercises: whose graders are loaded beforehand.
     """
+    namespaces.set_name("grade warm")
     usual = os.getpriority(os.PRIO_PROCESS, 0)
     with suppress(OSError):
         # Root only, whom the kernel's limit on processes does not hold: the guard has to get a turn in a fork bomb.
         os.setpriority(os.PRIO_PROCESS, 0, _FIRST_SERVED)
+    namespaces.forbid_tracing()
     namespaces.adopt_orphans()
     found = isolation.try_out()
     probing.warm_up()
-    for exercise in exercises:
-        _load(exercise)
+    pairs = [Launcher.pair() for _ in channels]
+    starter, names = _fork_launchers(pairs, channels)
+    for _, end in pairs:
+        end.close()
+    launchers = [launcher for launcher, _ in pairs]
+    loaded = [grader for exercise in exercises if (grader := _load(exercise))]
+    names.send(json.dumps(_interfaces(loaded)).encode())
+    names.close()
     gc.freeze()  # keeps the forks from copying what they only look at
     if len(channels) == 1:
-        _work(channels[0], found, usual)
+        _work(channels[0], launchers[0], found, usual, keep=(starter,))
         return
-    children = [_fork_worker(channel, channels, found, usual) for channel in channels]
-    for channel in channels:
+    lines = list(zip(channels, launchers, strict=True))
+    children = [_fork_worker(line, lines, found, usual) for line in lines]
+    for channel, launcher in lines:
         channel.close()
+        launcher.close()
     for child in children:  # not reaped: while this process lives, no other one gets the number of a fork
         os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
     processes.end_descendants()
 
 
-def _fork_worker(channel: Channel, channels: Sequence[Channel], found: Isolation, usual: int) -> int:
+def _fork_launchers(
+    pairs: Sequence[tuple[Launcher, socket.socket]], channels: Sequence[Channel]
+) -> tuple[int, socket.socket]:
+    """Start the process from which submissions are forked, before anything is loaded that is not for them.
+
+    Returns:
+        its number, and the line on which it waits for the names of the interfaces to load.
+    """
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    gc.freeze()
+    if child := os.fork():
+        theirs.close()
+        return child, ours
+    try:
+        ours.close()
+        for channel in channels:
+            channel.close()
+        for launcher, _ in pairs:
+            launcher.close()
+        launchers.serve_all(theirs, [end for _, end in pairs])
+    except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the file of last words has it
+        sys.excepthook(*sys.exc_info())
+    finally:
+        os._exit(0)
+
+
+def _interfaces(graders: Sequence[Any]) -> list[tuple[str, str]]:
+    """Module and name of each interface that some graders use, for a process that must not load the graders."""
+    return sorted({(one.__module__, one.__name__) for grader in graders for one in grader.INTERFACES})
+
+
+def _fork_worker(
+    line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], found: Isolation, usual: int
+) -> int:
     child = os.fork()
     if child:
         return child
@@ -65,11 +112,12 @@ def _fork_worker(channel: Channel, channels: Sequence[Channel], found: Isolation
         os.setsid()  # Linux shares a busy machine out among sessions; each worker is to have its part
         namespaces.die_with_parent()
         namespaces.adopt_orphans()
-        for other in channels:
-            if other is not channel:
-                other.close()  # else nobody would notice the end of that worker
+        for other in lines:
+            if other is not line:
+                other[0].close()  # else nobody would notice the end of that worker
+                other[1].close()
         with suppress(ChannelClosedError):
-            _work(channel, found, usual)
+            _work(*line, found, usual)
         status = 0
     except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the file of last words has it
         sys.excepthook(*sys.exc_info())
@@ -77,36 +125,52 @@ def _fork_worker(channel: Channel, channels: Sequence[Channel], found: Isolation
         os._exit(status)
 
 
-def _work(channel: Channel, found: Isolation, usual: int) -> None:
-    """One worker: it ends with ChannelClosedError."""
+def _work(channel: Channel, launcher: Launcher, found: Isolation, usual: int, keep: Container[int] = ()) -> None:
+    """One worker: it ends with ChannelClosedError.
+
+    Args:
+        channel: brings jobs, takes outcomes.
+        launcher: where its submissions are started.
+        found: what isolates them.
+        usual: the nice value they run at.
+        keep: children of this process that outlive a grading.
+    """
+    namespaces.set_name("grade worker")
     folder = scratch.make()
+    user = isolation.guest(os.getpid()) if found.user else 0
+    if user:
+        folder.chmod(0o711)  # that user finds its own directory in it, and sees no other
     os.environ["ROS_LOG_DIR"] = str(folder)  # of the probe, which logs nothing
     try:
         channel.send({"isolation": found.to_mapping(), "process": os.getpid()})
         while True:
             job = Job.from_mapping(channel.receive()["job"])
-            job = replace(job, isolation=found, priority=usual, scratch=str(folder))
+            job = replace(job, isolation=found, priority=usual, scratch=str(folder), user=user)
             _load(job.exercise)
-            outcome = _grade(job, channel)
-            scratch.clear(folder)
+            for _ in range(_TRIES):
+                scratch.clear(folder)
+                outcome = _grade(job, channel, launcher, keep)
+                if not outcome["again"]:
+                    break
             channel.send(outcome)
     finally:
         scratch.remove(folder)
 
 
-def _load(exercise: str) -> None:
+def _load(exercise: str) -> Any:
     with suppress(Exception):  # the probe meets it again, and says what is wrong with the grader
-        probing.load(exercise)
+        return probing.load(exercise)
+    return None
 
 
-def _grade(job: Job, channel: Channel) -> dict[str, Any]:
+def _grade(job: Job, channel: Channel, launcher: Launcher, keep: Container[int]) -> dict[str, Any]:
     ours, theirs = Channel.pair()
     child = os.fork()
     if child == 0:
         status = 1
         try:
             ours.close()
-            theirs.send(Warden(job).run())
+            theirs.send(_run(job, launcher))
             status = 0
         except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the worker reports it
             sys.excepthook(*sys.exc_info())
@@ -117,7 +181,15 @@ def _grade(job: Job, channel: Channel) -> dict[str, Any]:
         return _outcome(ours, channel)
     finally:
         ours.close()
-        processes.end_descendants()
+        processes.end_descendants(keep)
+        launcher.end()
+
+
+def _run(job: Job, launcher: Launcher) -> dict[str, Any]:
+    try:
+        return Warden(job, launcher).run()
+    except (LaunchError, OSError) as problem:  # the machine has run out of something
+        return broken_off(f"the submission could not be run: {problem}")
 
 
 def _outcome(warden: Channel, parent: Channel) -> dict[str, Any]:
@@ -130,10 +202,11 @@ def _outcome(warden: Channel, parent: Channel) -> dict[str, Any]:
     try:
         return warden.receive()
     except ChannelClosedError:
-        return {"results": [], "stdout": "", "stderr": "", "problem": "the grader's warden was killed", "timings": {}}
+        return broken_off("the process that supervises it was killed")
 
 
-def _main() -> None:
+def main() -> None:
+    """The process; its arguments are the descriptors of its channels, comma-separated, and ids of exercises."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channel
     descriptors, *exercises = sys.argv[1:]
     channels = [Channel(socket.socket(fileno=int(number))) for number in descriptors.split(",")]
@@ -145,7 +218,3 @@ def _main() -> None:
         for channel in channels:
             with suppress(ChannelClosedError):
                 channel.send({"problem": f"The grader could not start: {problem}"})
-
-
-if __name__ == "__main__":
-    _main()

@@ -23,7 +23,7 @@ from course_kit.lab.executor import Turn
 from course_kit.lab.failures import Failures
 from course_kit.lab.live_nodes import Nodes
 from course_kit.lab.messages import type_name
-from course_kit.lab.patches import Patches
+from course_kit.lab.patches import Patches, quieten_finalizers
 from course_kit.lab.spinner import Spinner
 from course_kit.lab.tapping import Tapping
 
@@ -80,6 +80,7 @@ class Engine:
         self._install()
 
     def _install(self) -> None:
+        quieten_finalizers(self._patches)
         guards.install(self._patches, self)
         ActionTapping(self._tapping, self._patches)  # before the sending of goals is held back
         actions.install(self._patches, self.executions, self._failures.callback_crashed)

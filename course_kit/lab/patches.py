@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import Any
 
 _MISSING = object()
@@ -33,3 +34,22 @@ class Patches:
                 delattr(owner, name)
             else:
                 setattr(owner, name, own)
+
+
+def quieten_finalizers(patches: Patches) -> None:
+    """Keep an executor that is collected from complaining about what is gone already; nobody could do anything then.
+
+    rclpy's finalizer destroys a part of the executor. Python may have collected that part before it: both belong to a
+    circle of objects, which are finalized in any order. And an executor that could not be made does not have the part.
+    """
+    from rclpy.exceptions import InvalidHandle
+    from rclpy.executors import Executor
+
+    finalize = Executor.__del__
+    gone = contextlib.suppress(AttributeError, ValueError, InvalidHandle)  # kept: at the very end modules are empty
+
+    def finalize_quietly(executor: Any) -> None:
+        with gone:
+            finalize(executor)
+
+    patches.set(Executor, "__del__", finalize_quietly)

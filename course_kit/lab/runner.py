@@ -17,6 +17,7 @@ import os
 import runpy
 import signal
 import sys
+import threading
 import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -72,13 +73,14 @@ def tap(reports: Reports) -> None:
     from rclpy.node import Node
 
     from course_kit.lab.action_tapping import ActionTapping
-    from course_kit.lab.patches import Patches
+    from course_kit.lab.patches import Patches, quieten_finalizers
     from course_kit.lab.tapping import Tapping
 
     taps = Taps()
     taps.listen(reports.event)
     tapping = Tapping(taps)
     patches = Patches()
+    quieten_finalizers(patches)
     tapping.tap_sending(patches)
     ActionTapping(tapping, patches)
 
@@ -137,6 +139,7 @@ def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:
     """Run the program; returns its exit code."""
     sys.argv = [path, *arguments]
     sys.path[0] = os.getcwd()  # noqa: PTH109 - sys.path takes strings
+    threading.excepthook = lambda failure: _report_thread(failure, path)
     try:
         runpy.run_path(path, run_name="__main__")
     except SystemExit as end:
@@ -152,15 +155,30 @@ def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:
     return 0
 
 
+def _report_thread(failure: threading.ExceptHookArgs, path: str) -> None:
+    if failure.exc_value is None or isinstance(failure.exc_value, SystemExit):
+        return
+    name = failure.thread.name if failure.thread is not None else "?"
+    sys.stderr.write(f"Exception in thread {name}:\n{own_traceback(failure.exc_value, path)}")
+
+
 def own_traceback(error: BaseException, path: str) -> str:
-    """The traceback with the lines of the program itself, under its plain name."""
+    """The traceback with the lines of the program itself, under its plain name.
+
+    It looks the same on every Python: without the marks below a line, which Python 3.10 does not have, and which later
+    versions draw in different ways.
+    """
     report = traceback.TracebackException.from_exception(error)
     for part in _chain(report):
         own = [frame for frame in part.stack if frame.filename == path]
-        part.stack = traceback.StackSummary.from_list(own)
+        part.stack = traceback.StackSummary.from_list([_without_columns(frame) for frame in own])
     text = "".join(report.format(chain=True)).replace(path, Path(path).name)
     # To rclpy it is a TypeError without a text; ours has one, and a name that says nothing to a learner.
     return text.replace("course_kit.lab.tapping.WrongResponseError", "TypeError")
+
+
+def _without_columns(frame: traceback.FrameSummary) -> traceback.FrameSummary:
+    return traceback.FrameSummary(frame.filename, frame.lineno, frame.name, line=frame.line)
 
 
 def _chain(report: traceback.TracebackException | None) -> list[traceback.TracebackException]:

@@ -120,7 +120,11 @@ class Scripts:
             stdout=self._text_end,
             stderr=self._text_end,
             pass_fds=(self._reports_end,),
-            env=environment.child_environment(RCUTILS_CONSOLE_OUTPUT_FORMAT=LOG_FORMAT, RCUTILS_COLORIZED_OUTPUT="0"),
+            env=environment.child_environment(
+                RCUTILS_CONSOLE_OUTPUT_FORMAT=LOG_FORMAT,
+                RCUTILS_COLORIZED_OUTPUT="0",
+                PYTHON_COLORS="0",  # kernels set FORCE_COLOR, and Python 3.13 would colour what it complains of
+            ),
             start_new_session=True,
         )
         script = Script(name, process)

@@ -2,6 +2,6 @@
 
 import sys
 
-from course_kit.ros2.cli import run
+from course_kit.ros2.cli import run_program
 
-sys.exit(run(sys.argv[1:]))
+sys.exit(run_program())

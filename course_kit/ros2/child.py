@@ -20,7 +20,7 @@ def run_and_show(command: list[str]) -> int:
         stderr=subprocess.STDOUT,
         text=True,
         errors="replace",
-        env=environment.child_environment(PYTHONUNBUFFERED="1"),
+        env=environment.child_environment(PYTHONUNBUFFERED="1", PYTHON_COLORS="0"),
         start_new_session=True,  # the kernel passes the interrupt on; it must not come twice
     )
     assert process.stdout is not None  # noqa: S101 - for the type checker: it is a pipe

@@ -24,7 +24,16 @@ def main() -> None:
         from course_kit.ros2 import real
 
         real.step_aside()
-    sys.exit(run(sys.argv[1:]))
+    sys.exit(run_program())
+
+
+def run_program() -> int:
+    """Run the course kit's own command in a process of its own, with the words it was called with; the exit code."""
+    if "_ARGCOMPLETE" not in os.environ:
+        from course_kit import environment
+
+        environment.heed_interrupts()  # as programs with rclpy do
+    return run(sys.argv[1:])
 
 
 def run(arguments: Sequence[str], context: Any = None, guests: set[Any] | None = None) -> int:
@@ -67,9 +76,11 @@ def _run_verb(options: Any, context: Any, guests: set[Any] | None) -> int:
 
     session = Session(context, guests)
     try:
+        if options.on_graph:
+            environment.apply()  # first: the import of rclpy would print a problem with the domain once more
         code: int | None = options.run(options, session)
         sys.stdout.flush()
-    except (environment.NoDomainError, environment.SettingsError) as problem:
+    except environment.DomainError as problem:
         raise CommandError(str(problem)) from problem
     else:
         return code or 0

@@ -14,6 +14,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
+from course_kit import environment
 from course_kit.ros2 import sockets
 from course_kit.ros2.meeting import Meeting
 
@@ -30,6 +31,7 @@ _CLIENT_PATIENCE = 5.0
 
 def main() -> None:
     """Serve graphs until the domain is empty, nobody asks any more, or a client says stop."""
+    environment.apply()  # while the command that has started us still holds the domain
     meeting = Meeting.here()
     with meeting.listen() as listening:
         sys.stdout.write("ready\n")

@@ -12,6 +12,7 @@ import signal
 import sys
 from pathlib import Path
 
+from course_kit import environment
 from course_kit.launch_shim.errors import LaunchError
 from course_kit.launch_shim.process import Child
 from course_kit.launch_shim.service import LaunchService
@@ -71,7 +72,7 @@ def main() -> int:
         values[key] = value
     try:
         return NotebookLaunch(name, int(descriptor)).run(Path(path), values)
-    except LaunchError as error:
+    except (LaunchError, environment.DomainError) as error:
         sys.stderr.write(f"{error}\n".replace(f"{Path(path).parent}{os.sep}", ""))
         return 1
 

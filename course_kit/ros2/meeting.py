@@ -44,7 +44,7 @@ class Meeting:
     def here(cls) -> Meeting:
         """The place for this process's settings, which `environment.apply` has made."""
         code = str(Path(__file__).parent.stat().st_mtime_ns)  # a daemon of an older kit is not asked
-        settings = "\0".join([sys.prefix, code, *(os.environ.get(name, "") for name in _SETTINGS)])
+        settings = "\0".join([sys.prefix, code, _network(), *(os.environ.get(name, "") for name in _SETTINGS)])
         folder = environment.state_dir() / "daemons"
         folder.mkdir(mode=0o700, exist_ok=True)
         return cls(folder, f"{os.environ['ROS_DOMAIN_ID']}-{zlib.crc32(settings.encode()):08x}")
@@ -103,3 +103,11 @@ class Meeting:
             return (self._folder / self.name).stat().st_ino
         except OSError:
             return None
+
+
+def _network() -> str:
+    """This process's network namespace: containers with one home directory may have different graphs on one domain."""
+    try:
+        return os.readlink("/proc/self/ns/net")  # noqa: PTH115 - as above, without pathlib
+    except OSError:
+        return ""

@@ -35,16 +35,37 @@ _BAD_CHOICE = re.compile(r"invalid choice: '(?P<word>[^']*)' \(choose from (?P<c
 
 
 class _Help(argparse.HelpFormatter):
-    """Help in the terminal's width, which a command that prints no help need not find out."""
+    """Help in the terminal's width, which a command that prints no help need not find out.
+
+    It is laid out alike by every Python, as Python 3.13 does it: the names of verbs count with their indentation, and
+    an option with two names shows its value once. A learner's help has to look like the one in the lessons.
+    """
 
     def __init__(self, prog: str) -> None:
-        super().__init__(prog, width=int(os.environ.get("COLUMNS", "0")) or _HELP_WIDTH, max_help_position=32)
+        columns = os.environ.get("COLUMNS", "")
+        width = int(columns) if columns.isdecimal() else 0
+        super().__init__(prog, width=width or _HELP_WIDTH, max_help_position=32)
+
+    def add_argument(self, action: argparse.Action) -> None:
+        """Add an argument to the help, and see how much room its name takes."""
+        super().add_argument(action)
+        for verb in self._iter_indented_subactions(action):
+            length = self._current_indent + len(self._format_action_invocation(verb))
+            self._action_max_length = max(self._action_max_length, length)
+
+    def _format_action_invocation(self, action: argparse.Action) -> str:
+        if not action.option_strings or action.nargs == 0:
+            return super()._format_action_invocation(action)
+        value = self._format_args(action, action.dest.upper())
+        return f"{', '.join(action.option_strings)} {value}"
 
 
 class Parser(argparse.ArgumentParser):
     """An ArgumentParser whose errors are one line."""
 
     def __init__(self, **options: Any) -> None:
+        if sys.version_info >= (3, 14):
+            options = {"color": False, **options}
         super().__init__(**{"formatter_class": _Help, **options})
 
     def error(self, message: str) -> NoReturn:
@@ -71,7 +92,7 @@ def build(commands: Sequence[str]) -> Parser:
     places = parser.add_subparsers(metavar="command", title="commands", parser_class=Parser)
     for name, purpose in COMMANDS.items():
         place = places.add_parser(name, help=purpose, description=f"{purpose}. {_SUBSET}")
-        place.set_defaults(parser=place)
+        place.set_defaults(parser=place, on_graph=name != "interface")
         if name in commands:
             verb_module(name).add_to(place)
     return parser
@@ -122,9 +143,13 @@ class _Completer:
         self._function = function
 
     def __call__(self, **about: Any) -> list[str]:
+        from course_kit import environment
         from course_kit.ros2 import completion
 
-        found: list[str] = getattr(completion, self._function)(**about)
+        try:
+            found: list[str] = getattr(completion, self._function)(**about)
+        except environment.DomainError:  # the command itself says so
+            return []
         return found
 
 

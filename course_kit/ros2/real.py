@@ -31,13 +31,21 @@ def clean_environment(environ: dict[str, str]) -> dict[str, str]:
 
 
 def step_aside() -> None:
-    """Become the real command, on the course's graph; returns when there is none."""
+    """Become the real command, on the course's graph; returns when there is none.
+
+    Raises:
+        SystemExit: there is no domain for it; the reason is printed.
+    """
     command = find()
     if command is None:
         return
     from course_kit import environment
 
-    environment.apply()
+    try:
+        environment.apply()
+    except environment.DomainError as problem:
+        sys.stderr.write(f"{problem}\n")
+        sys.exit(1)
     sys.stdout.flush()
     os.execve(command, [command, *sys.argv[1:]], clean_environment(dict(os.environ)))
 

@@ -1,8 +1,8 @@
 """Who is in a ROS domain on this machine, told by the kernel rather than by waiting.
 
-Every participant binds a UDP port for discovery, 7400 + 250 * domain + 10 + 2 * participant (DDSI-RTPS, 9.6.2.2).
-With the course's loopback discovery all peers are on this machine, so the bound ports say how many participants
-discovery has still to find: an empty graph is known at once, and a listing never ends before all are found.
+Every participant binds a UDP port for discovery. With the course's loopback discovery all peers are on this machine, so
+the bound ports say how many participants discovery has still to find: an empty graph is known at once, and a listing
+never ends before all are found.
 """
 
 from __future__ import annotations
@@ -10,10 +10,7 @@ from __future__ import annotations
 import os
 
 from course_kit import environment
-
-_PORT_BASE, _DOMAIN_GAIN, _FIRST_UNICAST = 7400, 250, 10
-_TABLES = ("/proc/net/udp", "/proc/net/udp6")
-_LOCAL_ADDRESS, _INODE = 1, 9
+from course_kit.environment import ports
 
 
 def is_local_only() -> bool:
@@ -23,7 +20,7 @@ def is_local_only() -> bool:
         and not os.environ.get("ROS_STATIC_PEERS")
         and os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps")
         and not os.environ.get("ROS_DISCOVERY_SERVER")
-        and os.access(_TABLES[0], os.R_OK)
+        and ports.are_told()
     )
 
 
@@ -32,15 +29,5 @@ def participants(domain_id: int) -> frozenset[int]:
 
     An inode, unlike a port number, is not taken over by the next process when one ends.
     """
-    first = _PORT_BASE + _DOMAIN_GAIN * domain_id
-    ports = range(first + _FIRST_UNICAST, first + _DOMAIN_GAIN, 2)
-    return frozenset(inode for table in _TABLES for port, inode in _bound(table) if port in ports)
-
-
-def _bound(table: str) -> list[tuple[int, int]]:
-    try:
-        with open(table, encoding="ascii") as lines:  # noqa: PTH123 - pathlib is an import a fast command does without
-            rows = [line.split() for line in lines][1:]
-    except OSError:
-        return []
-    return [(int(row[_LOCAL_ADDRESS].rpartition(":")[2], 16), int(row[_INODE])) for row in rows]
+    wanted = ports.discovery_ports(domain_id)
+    return frozenset(inode for number, inode in ports.bound() if number in wanted)

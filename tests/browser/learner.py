@@ -161,7 +161,6 @@ def served(root: Path, folder: Path, verb: str) -> Iterator[tuple[str, str]]:
             ],
             cwd=root,
             env=environment.child_environment(
-                PYTHONPATH=str(root),  # the environment knows the course by its first folder
                 ROS_DOMAIN_ID=str(domain_id),
                 JUPYTERLAB_SETTINGS_DIR=str(folder / "settings"),
                 JUPYTERLAB_WORKSPACES_DIR=str(folder / "workspaces"),

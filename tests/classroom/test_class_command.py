@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
 import signal
 import subprocess
 import sys
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,10 +39,10 @@ def handed_in(tmp_path: Path) -> Path:
 
 
 @contextmanager
-def started(*command: object) -> Iterator[subprocess.Popen[str]]:
+def started(*command: object, **variables: str) -> Iterator[subprocess.Popen[str]]:
     process = subprocess.Popen(
         [sys.executable, *map(str, command)],
-        env=environment.child_environment(PYTHONUNBUFFERED="1"),
+        env=environment.child_environment(PYTHONUNBUFFERED="1", **variables),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -56,7 +58,7 @@ def started(*command: object) -> Iterator[subprocess.Popen[str]]:
 
 def class_run(handed_in: Path, *more: object) -> tuple[object, ...]:
     out = handed_in.parent / "out"
-    return ("-m", "course_kit.cli", "class", handed_in, "--exercise", "temperature_service", "--out", out, *more)
+    return ("-m", "course_kit", "class", handed_in, "--exercise", "temperature_service", "--out", out, *more)
 
 
 def records(handed_in: Path) -> dict[str, Path]:
@@ -88,7 +90,9 @@ def test_a_run_that_was_killed_is_resumed_without_doing_anything_twice(handed_in
 
 def test_a_submission_sees_neither_the_others_nor_the_results(handed_in: Path) -> None:
     out = handed_in.parent / "out"
-    spy = f"import os\nprint('SEEN', os.listdir({str(handed_in)!r}), os.listdir({str(out)!r}), flush=True)\n"
+    spy = (
+        f"import glob\nprint('SEEN', glob.glob({str(handed_in / '*')!r}), glob.glob({str(out / '*')!r}), flush=True)\n"
+    )
     (handed_in / "student0/temperature_service.py").write_text(spy + SOLUTION.read_text())
     finish(handed_in)
     printed = json.loads(records(handed_in)["student0"].read_text())["report"]["stdout"]
@@ -116,6 +120,63 @@ def test_a_worker_that_is_killed_costs_nobody_a_grade(handed_in: Path) -> None:
         said, _ = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0, said
     finish(handed_in, "--resume")
+
+
+def test_names_steer_nothing_and_whoever_is_left_out_is_named(handed_in: Path) -> None:
+    """Beside the others a name that is not UTF-8, and one with an escape sequence of whom there is only a link."""
+    evil = "evil\x1b[31m\u202e"
+    (handed_in / evil).symlink_to("student0")
+    shutil.move(handed_in / "student1", os.fsencode(handed_in) + b"/j\xf6rg")
+    for resume in ((), ("--resume",)):
+        with started(*class_run(handed_in, *resume)) as process:
+            said, _ = process.communicate(timeout=PATIENCE_S)
+        assert process.returncode == 2, said
+        assert "Traceback" not in said
+        assert "1 student handed in something that was not graded: evil\ufffd[31m\ufffd (" in said
+        assert "it is a link, which is not followed" in said
+        assert evil not in said
+        assert len(records(handed_in)) == CLASS_SIZE
+    grades = (handed_in.parent / "out/grades.csv").read_text(encoding="utf-8-sig")
+    assert "j\ufffdrg,,10," in grades
+    assert grades.count(",10,10,passed,") == CLASS_SIZE
+
+
+def test_submissions_that_vanish_once_they_are_read_are_graded(handed_in: Path) -> None:
+    archive = shutil.make_archive(str(handed_in.parent / "all"), "zip", handed_in)
+    unpacked = handed_in.parent / "out/handed_in"
+    python, module, verb, _, *options = class_run(handed_in)
+    with started(python, module, verb, archive, *options) as process:
+        wait_until(lambda: len(records(handed_in)) >= 1)
+        shutil.rmtree(unpacked)
+        said, _ = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 0, said
+    assert len(records(handed_in)) == CLASS_SIZE
+
+
+def test_workers_whose_folders_vanish_end_nothing_and_take_no_points(handed_in: Path, tmp_path: Path) -> None:
+    """A cleaner of temporary files, or a student's program that escaped: whoever is hit is graded again, or named."""
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    with started(*class_run(handed_in, "--workers", 2), TMPDIR=str(temporary)) as process:
+        removed: set[str] = set()
+        while process.poll() is None and len(removed) < 5:
+            for folder in temporary.glob("course-kit-worker-*"):
+                if records(handed_in) and folder.is_dir():
+                    shutil.rmtree(folder, ignore_errors=True)
+                    removed.add(folder.name)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(0.02)
+        said, _ = process.communicate(timeout=PATIENCE_S)
+    assert removed
+    assert "Traceback" not in said
+    assert "KeyError" not in said
+    reports = {name: json.loads(path.read_text())["report"] for name, path in records(handed_in).items()}
+    assert len(reports) == CLASS_SIZE, said
+    assert {report["status"] for report in reports.values()} <= {"graded", "error"}
+    errors = [name for name, report in reports.items() if report["status"] == "error"]
+    assert all(report["score"] == 10 for report in reports.values() if report["status"] == "graded")
+    assert process.returncode == (2 if errors else 0)
+    assert all(name in said for name in errors)
 
 
 def test_a_cluster_does_the_same_and_loses_nothing_with_a_machine(handed_in: Path, tmp_path: Path) -> None:
@@ -161,3 +222,13 @@ def test_what_cannot_be_done_is_said_in_one_line(handed_in: Path, more: list[str
     assert process.returncode == 2
     assert sentence in said
     assert "Traceback" not in said
+
+
+def test_results_that_would_lie_among_the_submissions_are_not_begun(handed_in: Path) -> None:
+    before = sorted(handed_in.rglob("*"))
+    with started(*class_run(handed_in, "--out", handed_in)) as process:
+        said, _ = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2
+    assert f"course-kit: The results would lie among the submissions in {handed_in}. Name another" in said
+    assert "Traceback" not in said
+    assert sorted(handed_in.rglob("*")) == before

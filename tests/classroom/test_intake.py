@@ -10,7 +10,6 @@ import pytest
 
 from course_kit.grading import GradingError, exercise
 from course_kit.grading.classroom import archive, intake
-from course_kit.grading.classroom.layouts import recognise
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -163,5 +162,5 @@ def test_what_is_no_archive_or_not_there_is_said(tmp_path: Path, monkeypatch: py
         collect(tmp_path / "bomb.zip")
 
 
-def test_folders_called_alike_are_not_taken_for_repositories() -> None:
-    assert recognise(["student-1/a.py", "student-2/a.py"]) == "folders"
+def test_folders_called_alike_are_not_taken_for_repositories(tmp_path: Path) -> None:
+    assert collect(lay_out(tmp_path / "in", {"student-1/a.py": "", "student-2/a.py": ""})).layout == "folders"

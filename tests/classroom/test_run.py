@@ -5,20 +5,22 @@ from __future__ import annotations
 import errno
 import io
 import json
+import os
+import shutil
 from concurrent.futures import Future
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading import GradingError, exercise
+from course_kit.grading import GradingError, exercise, exports
 from course_kit.grading.classroom.records import Entry, Record, Records, safe_name
 from course_kit.grading.classroom.run import ClassRun, Plan
 from course_kit.grading.classroom.watching import Tally
 from course_kit.grading.report import CheckReport, Report
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from course_kit.grading.classroom.gradebook import Gradebook
     from course_kit.grading.classroom.pool import Task
 
@@ -180,12 +182,26 @@ def test_a_record_survives_its_file(tmp_path: Path) -> None:
         Record.from_json(json.dumps({**json.loads(record.to_json()), "format_version": 99}))
 
 
-@pytest.mark.parametrize("names", [("a/b", "a_b"), ("Jane", "jane"), ("..", "_"), ("a" * 300, "a" * 301), ("é", "è")])
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("a/b", "a_b"),
+        ("Jane", "jane"),
+        ("..", "_"),
+        ("a" * 300, "a" * 301),
+        ("é", "è"),
+        ("あ" * 85, "あ" * 84),  # 255 bytes, the longest name that a folder can have
+        ("\U00020000" * 63, "\U00020000" * 62),
+        ("a b", safe_name("a b")),  # whoever is called like somebody else's folder
+        ("con", "con "),
+    ],
+)
 def test_two_students_never_share_a_folder(names: tuple[str, str]) -> None:
     first, second = (safe_name(name) for name in names)
     assert first.lower() != second.lower()
     assert "/" not in first
-    assert len(first) < 120
+    assert max(len(first.encode()), len(second.encode())) < 200, "with an ending and a mark it has to fit"
+    assert "con" not in (first, second), "a device, where Windows reads the results"
 
 
 def test_progress_counts_and_estimates(handed_in: Path, tmp_path: Path) -> None:
@@ -205,3 +221,103 @@ def test_progress_counts_what_an_earlier_run_has_done(handed_in: Path, tmp_path:
     tally.begin(total=4, ready=book.records[:3])
     tally.done(book.records[3])
     assert tally.line() == "[4/4] 2 passed, 1 not passed, 1 unreadable"
+
+
+def test_names_that_are_not_utf_8_are_graded_reported_and_resumed(handed_in: Path, tmp_path: Path) -> None:
+    for name in (b"j\xf6rg", b"j\xe4rg", b"esc\x1b[31m\xe2\x80\xae"):
+        folder = Path(os.fsdecode(os.fsencode(handed_in) + b"/" + name))
+        folder.mkdir()
+        (folder / os.fsdecode(b"\xfftemperature_service.py")).write_text("right = 5")
+    book = run(handed_in, tmp_path / "out", StandInForGrading())
+    exports.write_all(book, tmp_path / "out")
+    again = StandInForGrading()
+    second = run(handed_in, tmp_path / "out", again, resume=True)
+    assert again.tasks == []
+    assert results(second) == results(book)
+    first, other = (student for student in results(book) if student.startswith("j\ufffdrg~"))
+    assert results(book)[other] == ("graded", 10.0, results(book)[first][2] or first)
+    written = [path for path in (tmp_path / "out").rglob("*") if path.suffix in (".csv", ".html", ".xml")]
+    assert {path.suffix for path in written} == {".csv", ".html", ".xml"}
+    for path in written:
+        assert not {"\x1b", "\u202e"} & set(path.read_text(encoding="utf-8"))
+    assert all(path.name.isprintable() for path in (tmp_path / "out").rglob("*"))
+
+
+def test_half_a_character_in_a_report_is_written_everywhere(handed_in: Path, tmp_path: Path) -> None:
+    """As an answer of the quiz, or the text of an exception, can hold one."""
+    half = "\ud800 and \x1b[2J and \u202e"
+
+    class StandInForHalves(StandInForGrading):
+        def submit(self, task: Task) -> Future[Report]:
+            whole = super().submit(task).result()
+            check = replace(whole.checks[0], status="failed", got=half, message=half, sent=half, hint=half)
+            done: Future[Report] = Future()
+            done.set_result(replace(whole, checks=(check,), stdout=half, stderr=half, passed=False))
+            return done
+
+    book = run(handed_in, tmp_path / "out", StandInForHalves())
+    exports.write_all(book, tmp_path / "out")
+    assert run(handed_in, tmp_path / "out", StandInForGrading(), resume=True).records == book.records
+    shown = [path for path in (tmp_path / "out").rglob("*") if path.suffix in (".csv", ".html", ".xml")]
+    assert len(shown) > len(book.records)
+    for path in shown:
+        assert not {"\x1b", "\u202e"} & set(path.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(
+    ("source", "out"),
+    [("in", "in"), ("in", "in/results"), ("all/in", "all"), ("in/../in", "in/.."), ("all/in", "link")],
+)
+def test_results_and_submissions_never_lie_in_one_another(tmp_path: Path, source: str, out: str) -> None:
+    for name in ("in/ann", "all/in/ann"):
+        (tmp_path / name).mkdir(parents=True)
+        (tmp_path / name / "temperature_service.py").write_text("right = 1")
+    (tmp_path / "link").symlink_to("all/in")
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(GradingError, match="Name another folder with --out"):
+        run(tmp_path / source, tmp_path / out, StandInForGrading())
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_an_archive_may_lie_beside_its_results(handed_in: Path, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    archive = shutil.make_archive(str(tmp_path / "out/all"), "zip", handed_in)
+    assert len(run(Path(archive), tmp_path / "out", StandInForGrading()).records) == 5
+    (tmp_path / "out/handed_in/all.zip").write_bytes(Path(archive).read_bytes())
+    with pytest.raises(GradingError, match="the folder for the results"):
+        run(tmp_path / "out/handed_in/all.zip", tmp_path / "out", StandInForGrading(), resume=True)
+
+
+def test_where_nobody_has_handed_in_anything_that_is_said_and_nothing_is_begun(tmp_path: Path) -> None:
+    (tmp_path / "in/ann").mkdir(parents=True)
+    (tmp_path / "in/ann/\x1bnotes.txt").write_text("")
+    (tmp_path / "in/ann/more.txt").write_text("")
+    with pytest.raises(
+        GradingError, match="holds no submission of temperature_service, read by the layout 'folders'"
+    ) as told:
+        run(tmp_path / "in", tmp_path / "out", StandInForGrading())
+    assert "ann (nothing of it is for the exercises)" in str(told.value)
+    assert "\x1b" not in str(told.value)
+    (tmp_path / "in/ann/temperature_service.py").write_text("right = 1")
+    assert run(tmp_path / "in", tmp_path / "out", StandInForGrading()).complete, "without --resume"
+
+
+def test_a_grading_that_fails_is_an_error_for_its_student_and_graded_again(handed_in: Path, tmp_path: Path) -> None:
+    class StandInForALostMachine(StandInForGrading):
+        def submit(self, task: Task) -> Future[Report]:
+            if not task.shown.startswith("ada"):
+                return super().submit(task)
+            lost: Future[Report] = Future()
+            lost.set_exception(KeyError("timings"))
+            return lost
+
+    book = run(handed_in, tmp_path / "out", StandInForALostMachine())
+    assert {name: result[0] for name, result in results(book).items() if result[0] == "error"} == {
+        "ada": "error",
+        "cem": "error",
+    }
+    assert book.complete
+    assert [record.entry.student for record in book.not_graded] == ["ada", "cem"]
+    again = StandInForGrading()
+    assert results(run(handed_in, tmp_path / "out", again, resume=True))["ada"] == ("graded", 10.0, "")
+    assert len(again.tasks) == 1

@@ -1,132 +1,370 @@
 from __future__ import annotations
 
 import os
+import secrets
+import socket
 import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.environment import domains
+from course_kit.environment import domains, ports
+from course_kit.environment.domains import Leases
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Container, Iterator
     from pathlib import Path
 
+    Hold = Callable[..., "Holder"]
+
 HOLD = """
-import sys
-from course_kit.environment import domains
-lease = domains.share(sys.argv[1]) if len(sys.argv) > 1 else domains.exclusive()
+import os, sys
+from course_kit.environment.domains import Leases
+scope, *owner = sys.argv[1:]
+lease = Leases(scope, frozenset).share(*owner) if owner else Leases(scope, frozenset).exclusive()
 print(lease.domain_id, flush=True)
-sys.stdin.read()
+"""
+AS_NOBODY = "import course_kit.environment.domains, os\nos.setgroups([])\nos.setresuid(65534, 65534, 65534)\n"
+# Where even namespaces are refused, a stand-in: the name of the realm is all that another container changes.
+IN_ANOTHER_CONTAINER = """
+import os, sys
+from course_kit.environment import domains
+from course_kit.grading import namespaces
+def another_root():
+    os.chroot(os.environ["ROOT"])
+try:
+    another_root()
+except PermissionError:
+    try:
+        namespaces.enter(0)
+        another_root()
+    except OSError:
+        domains._realm = lambda: "a stand-in for another container"
+"""
+AND_FORK = """
+if os.fork():
+    os._exit(0)
+os.read(0, 100)
+more = "import os; os.write(1, b'started\\\\n'); os.read(0, 100); os.write(1, b'yes\\\\n')"
+os.execv(sys.executable, [sys.executable, "-S", "-c", more])
+"""
+IN_ANOTHER_NETWORK = """
+from course_kit.grading import isolation
+isolation.enter_network()
+"""
+IN_A_NETWORK_THAT_IS_OFF = """
+from course_kit.grading import namespaces
+namespaces.enter(namespaces.CLONE_NEWNET)
 """
 
 
-@pytest.fixture(autouse=True)
-def own_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leases of these tests live in a folder of their own, as on a machine without other courses."""
-    monkeypatch.setenv("TMPDIR", str(tmp_path))
-    monkeypatch.setattr("tempfile.tempdir", None)
+@pytest.fixture
+def scope() -> str:
+    """Leases of these tests are apart from all others, as on a machine without other courses."""
+    return f"test {secrets.token_hex(8)}"
+
+
+class Remembered(Leases):
+    """Leases that can be given back all together."""
+
+    def __init__(self, scope: str, occupied: Callable[[], Container[int]] = frozenset) -> None:
+        super().__init__(scope, occupied)
+        self._given: list[domains.Lease] = []
+
+    def share(self, owner: str) -> domains.Lease:
+        self._given.append(super().share(owner))
+        return self._given[-1]
+
+    def exclusive(self, patience_s: float = 0.0) -> domains.Lease:
+        self._given.append(super().exclusive(patience_s))
+        return self._given[-1]
+
+    def rest(self) -> set[int]:
+        """The domains that could still be had."""
+        before = len(self._given)
+        for _ in range(domains.FIRST, domains.LAST + 1):
+            with suppress(domains.NoDomainError):
+                self.exclusive()
+        rest = {lease.domain_id for lease in self._given[before:]}
+        self.release(before)
+        return rest
+
+    def release(self, first: int = 0) -> None:
+        for lease in self._given[first:]:
+            lease.release()
+        del self._given[first:]
+
+
+@pytest.fixture
+def leases(scope: str) -> Iterator[Remembered]:
+    given = Remembered(scope)
+    yield given
+    given.release()
 
 
 class Holder:
-    """A child process that holds a lease until it is told to end or is killed."""
+    """A child process that holds a lease until it is killed.
 
-    def __init__(self, *owner: str) -> None:
+    Args:
+        scope: of its lease.
+        owner: the owner it shares with; none for an exclusive lease.
+        before: what it does first.
+        after: what it does with the lease; to wait for its end when empty.
+        environ: variables it has beside ours.
+    """
+
+    def __init__(self, scope: str, *owner: str, before: str = "", after: str = "", **environ: str) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-c", HOLD, *owner], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+            [sys.executable, "-c", before + HOLD + (after or "sys.stdin.read()"), scope, *owner],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, **environ},
         )
         assert self.process.stdout is not None
-        self.domain_id = int(self.process.stdout.readline())
+        told = self.process.stdout.readline()
+        self.domain_id = int(told) if told else 0
+        self.problem = "" if told else self.process.communicate()[1]
+
+    def tell(self, line: str) -> str:
+        """Write a line to it, and read one."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.process.stdin.write(f"{line}\n")
+        self.process.stdin.flush()
+        return self.process.stdout.readline()
 
     def kill(self) -> None:
-        self.process.kill()
-        self.process.communicate()
+        if not self.problem:
+            self.process.kill()
+            self.process.communicate()
 
 
-def test_an_owner_gets_the_same_domain_every_time() -> None:
-    first = domains.share("me")
+@pytest.fixture
+def hold(scope: str) -> Iterator[Hold]:
+    """Starts holders, which end with the test."""
+    started: list[Holder] = []
+
+    def start(*owner: str, **options: str) -> Holder:
+        started.append(Holder(scope, *owner, **options))
+        return started[-1]
+
+    yield start
+    for holder in started:
+        holder.kill()
+
+
+def raced(scope: str, *owner: str) -> list[int]:
+    """The domains of six processes that ask at the same time."""
+    command = [
+        sys.executable,
+        "-c",
+        f"from course_kit.environment import domains\nprint(flush=True)\ninput()\n{HOLD}input()",
+        scope,
+        *owner,
+    ]
+    racers = [subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) for _ in range(6)]
+    for racer in racers:
+        assert racer.stdin is not None
+        assert racer.stdout is not None
+        racer.stdout.readline()
+    for racer in racers:
+        racer.stdin.write("go\n")
+        racer.stdin.flush()
+    numbers = [int(racer.stdout.readline()) for racer in racers]
+    for racer in racers:
+        racer.communicate("end\n")
+    return numbers
+
+
+def owner_of(number: int) -> str:
+    """An owner whose usual number is this one."""
+    return next(name for name in map(str, range(10_000)) if domains._candidates(name)[0] == number)
+
+
+def test_an_owner_gets_the_same_domain_every_time(leases: Leases) -> None:
+    first = leases.share("me")
     domain_id = first.domain_id
     first.release()
-    assert domains.share("me").domain_id == domain_id
+    assert leases.share("me").domain_id == domain_id
 
 
-def test_processes_of_one_owner_share_and_others_are_kept_apart() -> None:
-    mine = domains.share("me")
-    sibling, stranger = Holder("me"), Holder("somebody else")
+def test_processes_of_one_owner_share_and_others_are_kept_apart(leases: Leases, hold: Hold) -> None:
+    mine = leases.share("me")
+    sibling, stranger = hold("me"), hold("somebody else")
     assert sibling.domain_id == mine.domain_id
     assert stranger.domain_id != mine.domain_id
-    sibling.kill()
-    stranger.kill()
 
 
-def test_an_owner_whose_number_is_taken_moves_and_its_processes_follow() -> None:
-    usual = domains.share("me")
+def test_an_owner_whose_number_is_taken_moves_and_its_processes_follow(leases: Leases, hold: Hold) -> None:
+    usual = leases.share("me")
     number = usual.domain_id
     usual.release()
-    with_number = next(name for name in map(str, range(10_000)) if domains._candidates(name)[0] == number)
-    squatter = Holder(with_number)
+    squatter = hold(owner_of(number))
     assert squatter.domain_id == number
-    moved = domains.share("me")
+    moved = leases.share("me")
     assert moved.domain_id != number
     squatter.kill()
     # The usual number is free again, but a process of ours lives on the other one: that decides.
-    assert domains.share("me").domain_id == moved.domain_id
+    assert leases.share("me").domain_id == moved.domain_id
 
 
-def test_an_exclusive_domain_is_never_handed_out_twice_and_comes_back_after_a_kill() -> None:
-    first = Holder()
-    second = domains.exclusive()
+def test_a_shared_domain_is_leased_until_its_last_process_has_gone(leases: Remembered, hold: Hold) -> None:
+    first, *others = (hold("me") for _ in range(4))
+    number = first.domain_id
+    assert {other.domain_id for other in others} == {number}
+    first.kill()
+    while others:
+        assert leases.rest() == set(range(1, 102)) - {number}
+        others.pop().kill()
+    assert leases.rest() == set(range(1, 102))
+
+
+def test_processes_of_one_owner_that_start_in_the_same_moment_meet(scope: str) -> None:
+    assert len(set(raced(scope, "me"))) == 1
+
+
+def test_an_exclusive_domain_is_never_handed_out_twice_and_comes_back_after_a_kill(leases: Leases, hold: Hold) -> None:
+    first = hold()
+    second = leases.exclusive()
     assert first.domain_id != second.domain_id
     first.kill()
-    assert domains.exclusive().domain_id == first.domain_id
+    assert leases.exclusive().domain_id == first.domain_id
 
 
-def test_an_exclusive_domain_is_not_shared_with_an_owner_of_its_number() -> None:
-    lease = domains.exclusive()
-    owner = next(name for name in map(str, range(10_000)) if domains._candidates(name)[0] == lease.domain_id)
-    assert domains.share(owner).domain_id != lease.domain_id
+def test_an_exclusive_domain_is_not_shared_with_an_owner_of_its_number(leases: Leases) -> None:
+    lease = leases.exclusive()
+    assert leases.share(owner_of(lease.domain_id)).domain_id != lease.domain_id
 
 
-def test_when_all_are_taken_the_message_says_what_to_do() -> None:
-    leases = [domains.exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
-    assert sorted(lease.domain_id for lease in leases) == list(range(1, 102))
+def test_when_all_are_taken_the_message_says_what_to_do(leases: Leases) -> None:
+    taken = [leases.exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
+    assert sorted(lease.domain_id for lease in taken) == list(range(1, 102))
     with pytest.raises(domains.NoDomainError, match="Close some of them, or set ROS_DOMAIN_ID"):
-        domains.exclusive()
+        leases.exclusive()
+    with pytest.raises(domains.NoDomainError, match="Close some of them, or set ROS_DOMAIN_ID"):
+        leases.share("me")
 
 
-def test_racing_processes_get_different_domains() -> None:
-    program = "from course_kit.environment import domains; print(domains.exclusive().domain_id, flush=True); input()"
-    racers = [
-        subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        for _ in range(6)
-    ]
-    numbers = [int(racer.stdout.readline()) for racer in racers if racer.stdout]
-    for racer in racers:
-        racer.communicate("\n")
-    assert len(set(numbers)) == len(racers)
+def test_racing_processes_get_different_domains(scope: str) -> None:
+    assert len(set(raced(scope))) == 6
 
 
-def test_another_users_lock_file_that_may_not_be_written_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
-    usual = domains.share("me")
+def test_leases_do_not_depend_on_the_temporary_folder(hold: Hold, tmp_path: Path) -> None:
+    folders = [tmp_path / "one", tmp_path / "two"]
+    for folder in folders:
+        folder.mkdir()
+    graders = [hold(TMPDIR=str(folder)) for folder in folders]
+    programs = [hold("me", TMPDIR=str(folder)) for folder in folders]
+    assert graders[0].domain_id != graders[1].domain_id
+    assert programs[0].domain_id == programs[1].domain_id
+    assert [list(folder.iterdir()) for folder in folders] == [[], []]
+
+
+def test_another_users_domain_is_passed_over_though_the_owner_has_the_same_name(
+    leases: Leases, scope: str, hold: Hold
+) -> None:
+    usual = leases.share("me")
     number = usual.domain_id
+    mark = domains._address(f"{scope} {domains._realm()} me")
     usual.release()
-    real_open = os.open
+    if os.getuid() == 0:
+        assert hold("me", before=AS_NOBODY).domain_id == number
+        held = ()
+    else:  # to the kernel the sockets of another user are as those that nobody may share
+        places = ((mark, domains._MARK), (leases._address, domains._LEASE))
+        held = tuple(domains._bind(address, ports.port(number, place)) for address, place in places)
+        assert None not in held
+    assert leases.share("me").domain_id != number
+    for descriptor in held:
+        os.close(descriptor)
 
-    def refusing(path: object, flags: int, mode: int = 0o777) -> int:
-        if str(path).endswith(f"/{number}"):
-            raise PermissionError(13, "not yours", str(path))
-        return real_open(path, flags, mode)
 
-    monkeypatch.setattr(os, "open", refusing)
-    assert domains.share("me").domain_id != number
+def test_another_container_on_the_same_network_is_another_owner(leases: Leases, hold: Hold, tmp_path: Path) -> None:
+    mine = leases.share("me")
+    other = hold("me", before=IN_ANOTHER_CONTAINER, ROOT=str(tmp_path))
+    assert other.domain_id not in (0, mine.domain_id)
 
 
-def test_one_who_queues_gets_the_next_domain_that_comes_back() -> None:
-    held = [domains.exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
+def test_networks_that_are_apart_need_no_lease_between_them(hold: Hold) -> None:
+    """Nodes of different network namespaces cannot meet, so both may have the same domain."""
+    here, there = hold(), hold(before=IN_ANOTHER_NETWORK)
+    assert here.domain_id == domains.LAST
+    assert there.domain_id == domains.LAST or "Error: [Errno" in there.problem  # namespaces are refused
+
+
+def test_without_a_loopback_interface_the_message_says_what_to_do(hold: Hold) -> None:
+    with pytest.raises(domains.NoLoopbackError, match="ip link set lo up"):
+        domains._bind("192.0.2.1", 7402)  # an address for documentation, which no machine has
+    for owner in ((), ("me",)):
+        problem = hold(*owner, before=IN_A_NETWORK_THAT_IS_OFF).problem.splitlines()[-1]
+        assert "NoLoopbackError" in problem or "Error: [Errno" in problem  # namespaces are refused
+
+
+def test_a_fork_keeps_the_domain_and_a_program_it_starts_does_not(leases: Remembered, hold: Hold) -> None:
+    forked = hold(after=AND_FORK)
+    assert forked.process.wait(60) == 0
+    assert forked.domain_id not in leases.rest()
+    assert forked.tell("another program") == "started\n"
+    assert forked.domain_id in leases.rest()
+    assert forked.tell("still there?") == "yes\n"
+
+
+def test_one_chooses_after_the_other(leases: Leases) -> None:
+    other = domains._bind(leases._address, ports.port(0, domains._CHOICE))
+    assert other is not None
+    chosen: list[domains.Lease] = []
+    waiting = threading.Thread(target=lambda: chosen.append(leases.share("me")))
+    waiting.start()
+    waiting.join(0.2)
+    assert not chosen
+    os.close(other)
+    waiting.join(60)
+    assert len(chosen) == 1
+
+
+def test_one_who_keeps_others_from_choosing_costs_time_and_nothing_else(
+    leases: Leases, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(domains, "_CHOICE_S", 0.2)
+    first = leases.share("me")
+    squatter = domains._bind(leases._address, ports.port(0, domains._CHOICE))
+    assert squatter is not None
+    assert leases.share("me").domain_id == first.domain_id
+    assert leases.share("somebody else").domain_id != first.domain_id
+    os.close(squatter)
+
+
+def test_a_domain_with_nodes_of_somebody_without_a_lease_is_passed_over(scope: str, domain: int) -> None:
+    leases = Remembered(scope, ports.domains_in_use)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as robot:
+        robot.bind(("127.0.0.1", ports.discovery_ports(domain)[50]))
+        beside_it = leases.rest()
+        assert beside_it
+        assert domain not in beside_it
+    assert domain in leases.rest()
+
+
+def test_leases_work_where_the_kernel_does_not_tell_which_ports_are_bound(
+    scope: str, hold: Hold, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(ports, "_TABLES", (str(tmp_path / "none"), str(tmp_path / "none")))
+    leases = Remembered(scope, ports.domains_in_use)
+    grader, mine = leases.exclusive(), leases.share("me")
+    assert hold("me").domain_id == mine.domain_id
+    assert len({grader.domain_id, mine.domain_id, hold().domain_id}) == 3
+    leases.release()
+
+
+def test_one_who_queues_gets_the_next_domain_that_comes_back(leases: Leases) -> None:
+    held = [leases.exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
     queued: list[domains.Lease] = []
-    waiting = threading.Thread(target=lambda: queued.append(domains.exclusive(patience_s=60.0)))
+    waiting = threading.Thread(target=lambda: queued.append(leases.exclusive(patience_s=60.0)))
     waiting.start()
     waiting.join(0.2)
     assert not queued
@@ -134,18 +372,16 @@ def test_one_who_queues_gets_the_next_domain_that_comes_back() -> None:
     back.release()
     waiting.join(60)
     assert [lease.domain_id for lease in queued] == [back.domain_id]
-    for lease in (*held, *queued):
-        lease.release()
 
 
-def test_more_who_want_a_domain_than_there_are_take_turns_and_never_share() -> None:
+def test_more_who_want_a_domain_than_there_are_take_turns_and_never_share(leases: Leases) -> None:
     """Twice as many as there are, as workers of a class without network namespaces would be."""
     in_use: set[int] = set()
     collisions: list[int] = []
     guard = threading.Lock()
 
     def one() -> None:
-        with domains.exclusive_domain(patience_s=100.0) as domain_id:
+        with leases.exclusive_domain(patience_s=100.0) as domain_id:
             with guard:
                 collisions.extend({domain_id} & in_use)
                 in_use.add(domain_id)

@@ -62,10 +62,12 @@ def test_apply_says_who_chose_the_domain(domain: int, monkeypatch: pytest.Monkey
     assert environment.apply().domain_chosen_by == "the course kit"
 
 
-@pytest.mark.parametrize("value", ["abc", "-1", "233", "4.5"])
+@pytest.mark.parametrize(
+    "value", ["abc", "-1", "233", "300", "4.5", "010", "0x10", " 5", "5 ", "+5", "\N{ARABIC-INDIC DIGIT FIVE}"]
+)
 def test_an_impossible_domain_is_named_and_not_changed(value: str) -> None:
     result = in_fresh_process("import rclpy, os; print(os.environ['ROS_DOMAIN_ID'])", ROS_DOMAIN_ID=value)
-    assert result.stdout.strip() == value
+    assert result.stdout == f"{value}\n"
     assert f"ROS_DOMAIN_ID is set to '{value}'" in result.stderr
     assert "Traceback" not in result.stderr
 

@@ -17,7 +17,7 @@ PATH = ROOT / "artifacts" / "hostile_set.md"
 class Table:
     """Rows as they come; written only when all are there, so that a part of the tests leaves the whole table be."""
 
-    walls: Isolation
+    isolation: Isolation
     rows: dict[str, tuple[str, str, str]] = field(default_factory=dict)
 
     def add(self, attack: str, report: Report, held: str) -> None:
@@ -33,7 +33,7 @@ class Table:
         lines = [
             "# The hostile set",
             "",
-            f"Walls in this run: {self.walls.describe()}.",
+            f"Walls in this run: {self.isolation.describe()}.",
             "",
             "| a submission | points | verdict | what held |",
             "|---|---|---|---|",

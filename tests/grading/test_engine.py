@@ -59,6 +59,15 @@ def test_exec_grades_a_command() -> None:
     assert report.submission == command
 
 
+def test_exec_of_a_program_that_crashes_names_the_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where FORCE_COLOR is set Python 3.13 would colour its traceback, and nobody could read it."""
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    (tmp_path / "program.py").write_text("import rclpy\nrclpy.init()\n1 / 0\n")
+    report = grading.grade(EXERCISE, exec_command=shlex.join([sys.executable, str(tmp_path / "program.py")]))
+    assert report.checks[0].diagnosis == "start.crash"
+    assert "ZeroDivisionError: division by zero" in report.checks[0].message
+
+
 def test_exec_of_nothing_there_says_so() -> None:
     report = grading.grade(EXERCISE, exec_command="no_such_program --x")
     assert report.checks[0].diagnosis == "start.exit"
@@ -103,6 +112,20 @@ def test_syntax_error_is_graded_without_running_anything(grade_source: Callable[
 def test_output_of_the_submission_is_reported(grade_source: Callable[..., grading.Report], solution: str) -> None:
     report = grade_source(solution.replace("    rclpy.init()", "    print('hello')\n    rclpy.init()"))
     assert report.stdout == "hello\n"
+
+
+def test_ctrl_c_of_a_child_is_what_it_is_everywhere(tmp_path: Path) -> None:
+    """The grader's own processes ignore Ctrl-C, and that is inherited."""
+    path = tmp_path / "a.py"
+    path.write_text(
+        "import signal, subprocess, sys\n"
+        "program = 'import time; print(0, flush=True); time.sleep(60)'\n"
+        "child = subprocess.Popen([sys.executable, '-c', program], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)\n"
+        "child.stdout.readline()\n"
+        "child.send_signal(signal.SIGINT)\n"
+        "print('ended by', child.wait(), signal.getsignal(signal.SIGINT) is signal.default_int_handler)\n"
+    )
+    assert grading.grade(EXERCISE, path).stdout == f"ended by {-signal.SIGINT} True\n"
 
 
 def test_field_checks_are_on_whatever_the_user_has_set(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 PAGE = files("course_kit.grading").joinpath("LIMITS.md").read_text(encoding="utf-8")
 CURIOUS = """
 import os, socket
-print("READ", open({other!r}).read().strip())
+print("READ", os.path.exists({other!r}))
+print("PUBLIC", len(os.listdir("/usr")) > 0)
 with socket.socket(socket.AF_UNIX) as line:
     print("CONNECTED", line.connect_ex({path!r}))
 with socket.socket(socket.AF_UNIX) as line:
@@ -37,7 +38,7 @@ def test_what_the_page_admits_and_promises_is_so(
 ) -> None:
     other, path = tmp_path / "of_another_student.py", tmp_path / "socket"
     other.write_text("their work")
-    walls = Isolation.from_mapping(worker.ready())
+    found = Isolation.from_mapping(worker.ready())
     name = f"course-kit-{tmp_path.name}"
     with socket.socket(socket.AF_UNIX) as by_file, socket.socket(socket.AF_UNIX) as by_name:
         by_file.bind(str(path))
@@ -46,11 +47,12 @@ def test_what_the_page_admits_and_promises_is_so(
             server.listen()
         report = grade_source(CURIOUS.format(other=str(other), path=str(path), name=name))
     told = dict(line.split(" ", 1) for line in report.stdout.splitlines())
-    assert told["READ"] == "their work"
-    assert told["CONNECTED"] == "0"
-    assert told["ABSTRACT"] == str(not walls.network)
+    assert told["READ"] == str(not found.files)
+    assert told["PUBLIC"] == "True"
+    assert (told["CONNECTED"] == "0") == (not found.files)
+    assert told["ABSTRACT"] == str(not found.network)
     assert told["CAPABILITIES"] == "['0000000000000000']"
-    assert (int(told["SEEN"]) == 2) == walls.processes
+    assert (int(told["SEEN"]) == 2) == found.processes
     added = {"PWD", "ROS_LOG_DIR", "OPENBLAS_NUM_THREADS"}
     for variable in told["VARIABLES"].split():
         assert variable in {*_PASSED_ON, *added} or variable.startswith(_PASSED_ON_PREFIXES), variable
@@ -65,8 +67,8 @@ def test_a_command_sees_the_variables_and_the_folder_and_cannot_change_it(
     command = 'sh -c "echo $MY_SECRET_TOKEN; cat mine.txt; echo theirs > mine.txt"'
     report = grading.grade("temperature_service", exec_command=command)
     assert report.stdout == "abc123\nmine"
-    walls = Isolation.from_mapping(worker.ready())
-    assert ((tmp_path / "mine.txt").read_text() == "mine") == walls.files
+    found = Isolation.from_mapping(worker.ready())
+    assert ((tmp_path / "mine.txt").read_text() == "mine") == (found.files or found.landlock)
     assert "The command saw your environment variables" in report.isolation
 
 

@@ -6,57 +6,25 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
+from course_kit import grading
 from course_kit.grading import isolation
+from tests.grading import attack_modes
 from tests.grading.conftest import EXERCISE, ROOT
+from tests.refused import COMMAND_WITHOUT_NAMESPACES, WITHOUT_NAMESPACES
 
-if TYPE_CHECKING:
-    from course_kit import grading
-
-WITHOUT_NAMESPACES = """
-import sys
-from pathlib import Path
-from course_kit.grading import namespaces
-try:
-    namespaces.enter(0)
-    Path("/proc/sys/user/max_user_namespaces").write_text("0")
-except OSError:
-    pass  # this machine allows none anyhow
-"""
 GRADE = """
 from course_kit import grading
 report = grading.grade("temperature_service", sys.argv[1], seed=3)
 print(report.isolation, file=sys.stderr)
 print(report.to_json())
 """
-# Everything is imported first: the interpreter may lie where nobody may read.
-AS_NOBODY = """
-import ctypes, json, os, sys
-from pathlib import Path
-from course_kit.grading import isolation, namespaces, probing, processes
-from course_kit.grading.job import Job
-from course_kit.grading.warden import Warden
-probing.warm_up()
-probing.load("temperature_service")
-text = Path(sys.argv[1]).read_text()
-os.environ.update(ROS_LOG_DIR="/tmp", HOME="/nonexistent")
-if os.getuid() == 0:
-    os.setgroups([])
-    os.setresgid(65534, 65534, 65534)
-    os.setresuid(65534, 65534, 65534)
-    ctypes.CDLL(None).prctl(4, 1, 0, 0, 0)  # as after an exec: /proc/self belongs to the user
-namespaces.adopt_orphans()
-found = isolation.try_out()
-job = Job("temperature_service", "run", "answer.py", 3, source=text, class_name="TemperatureService", isolation=found)
-if os.fork() == 0:
-    print(json.dumps({"isolation": found.to_mapping(), **Warden(job).run()}), flush=True)
-    os._exit(0)
-sys.exit(os.waitstatus_to_exitcode(os.wait()[1]))
-"""
+PATIENCE_S = 100.0  # against hanging only
 DAEMON = """
 import os, signal, sys, time
 if os.fork() == 0:
@@ -108,30 +76,83 @@ def test_status_without_namespaces() -> None:
     assert "user namespaces" in found["reason"]
 
 
-def test_ordinary_users_get_the_same_walls() -> None:
-    done = python(AS_NOBODY, str(ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"))
-    assert done.returncode == 0, done.stderr
-    outcome = json.loads(done.stdout)
-    assert [result["status"] for result in outcome["results"]] == ["passed"] * len(outcome["results"])
-    assert len(outcome["results"]) > 5
+def test_ordinary_users_get_the_same_isolation() -> None:
+    solution = (ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py").read_text()
+    outcome = attack_modes.outcomes(attack_modes.USER, {"solution": solution})
+    results = outcome["solution"]["results"]
+    assert [result["status"] for result in results] == ["passed"] * len(results)
+    assert len(results) > 5
+    found = outcome["isolation"]
     restricted = Path("/proc/sys/kernel/apparmor_restrict_unprivileged_userns")
     if restricted.exists() and restricted.read_text().strip() == "1":
-        assert outcome["isolation"]["reason"]
+        assert found.reason
     else:
-        assert outcome["isolation"] == isolation.status().to_mapping()
+        assert replace(isolation.status(), user=False, root=False) == found
 
 
 def test_description_names_what_does_not_hold() -> None:
     text = isolation.Isolation(network=True, reason="no PID namespace").describe()
-    assert "own network" in text
-    assert "read-only files" not in text
+    assert "own network" in text.partition("Missing")[0]
+    assert "own file system" not in text.partition("Missing")[0]
+    assert "own file system" in text.partition("Missing")[2]
     assert "no PID namespace" in text
+
+
+def test_full_isolation_can_be_required() -> None:
+    everything = isolation.Isolation(network=True, processes=True, files=True, syscalls=True)
+    everything.require()
+    for missing in ("network", "processes", "files", "syscalls"):
+        with pytest.raises(grading.GradingError, match="--require-isolation"):
+            replace(everything, **{missing: False}).require()
+    with pytest.raises(grading.GradingError, match="own user"):
+        replace(everything, root=True).require()
+
+
+def test_a_command_that_requires_isolation_refuses_to_grade_without_namespaces(tmp_path: Path) -> None:
+    solution = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
+    one = python(COMMAND_WITHOUT_NAMESPACES, "grade", EXERCISE, str(solution), "--require-isolation")
+    many = python(
+        COMMAND_WITHOUT_NAMESPACES,
+        "class",
+        str(solution.parent),
+        "--exercise",
+        EXERCISE,
+        "--out",
+        str(tmp_path / "o"),
+        "--require-isolation",
+    )
+    for done in (one, many):
+        assert done.returncode == 2
+        assert "Nothing was graded, because full isolation was asked for" in done.stderr
+        assert done.stdout == ""
 
 
 def test_solution_is_graded_without_namespaces() -> None:
     report, told = grade_without_namespaces(ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py")
     assert report["score"] == 10.0
-    assert "own network" not in told
+    assert "Missing: own network, own processes, own file system" in told
+
+
+def test_graders_that_share_nothing_but_the_network_do_not_meet(tmp_path: Path) -> None:
+    """As of two containers on their host's network: each has temporary files of its own, and no namespaces."""
+    began = []
+    for exercise in ("move_robot", "move_robot", "temperature_service"):
+        folder = tmp_path / f"container {len(began)}"
+        folder.mkdir()
+        words = ("grade", exercise, str(ROOT / "solutions" / exercise / f"{exercise}.py"), "--format", "json")
+        own = {"TMPDIR": str(folder), "HOME": str(folder), "XDG_STATE_HOME": str(folder), "COURSE_KIT_PROGRESS": "off"}
+        began.append(
+            subprocess.Popen(
+                [sys.executable, "-c", COMMAND_WITHOUT_NAMESPACES, *words],
+                env={**os.environ, **own},
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+        )
+    ended = [(*process.communicate(timeout=PATIENCE_S), process.returncode) for process in began]
+    scores = [(json.loads(report)["score"], problem, code) for report, problem, code in ended]
+    assert scores == [(20.0, "", 0), (20.0, "", 0), (10.0, "", 0)]
 
 
 @pytest.mark.parametrize("code", ["service.exception", "limit.processes", "start.crash"])

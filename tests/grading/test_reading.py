@@ -55,6 +55,24 @@ def test_last_traceback_and_the_learners_own_line() -> None:
     assert len(raised.frames) == 3
 
 
+@pytest.mark.parametrize(
+    "mention",
+    [
+        "Exception ignored in: <function Executor.__del__ at 0x7f1>",
+        "Exception ignored while calling deallocator <function Executor.__del__ at 0x7f1>:",  # since Python 3.14
+    ],
+)
+def test_a_traceback_that_python_only_mentions_is_not_what_a_program_died_of(mention: str) -> None:
+    ignored = (
+        f'{mention}\nTraceback (most recent call last):\n  File "/lib/rclpy/executors.py", line 258, in __del__\n'
+        "    self._sigint_gc.destroy()\nrclpy._rclpy_pybind11.InvalidHandle: destruction was requested\n"
+    )
+    assert last_exception(ignored, "answer.py") is None
+    raised = last_exception(TRACE + ignored, "answer.py")
+    assert raised is not None
+    assert raised.describe() == "ZeroDivisionError: division by zero"
+
+
 @pytest.mark.parametrize("text", ["", "all is well", "Traceback (most recent call last):\n  File"])
 def test_no_traceback(text: str) -> None:
     assert last_exception(text, "answer.py") is None

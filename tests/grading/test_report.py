@@ -107,6 +107,12 @@ def test_json_has_exactly_the_names_of_the_contract() -> None:
     assert data["checks"][2]["hint"] == "Think."
 
 
+def test_json_can_be_written_whatever_a_submission_says() -> None:
+    half = "\ud800 half a character"
+    text = replace(REPORT, stdout=half, submission="\udcff.py").to_json()
+    assert json.loads(text.encode())["stdout"] == half
+
+
 def test_json_of_a_sum_of_tenths_is_exact() -> None:
     assert json.loads(replace(REPORT, score=0.1 + 0.2).to_json())["score"] == 0.3
 

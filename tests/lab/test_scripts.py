@@ -66,13 +66,47 @@ def test_running_again_replaces_and_bugs_show_as_a_short_traceback(kernel: Kerne
     kernel.run("lab.current().engine.node\nlab.current().wait_for_nodes(['/minimal_service'], there=True)")
     count = "print(lab.current().engine.node.get_node_names().count('minimal_service'))"
     wait_until(lambda: kernel.run(count).stdout == "1\n", lambda: kernel.run(count).stdout)  # the first one's end
-    assert kernel.run("%%ros_script bug\nimport rclpy\ndef f():\n    raise ValueError('x')\nf()").stdout == (
-        'Traceback (most recent call last):\n  File "bug.py", line 4, in <module>\n    f()\n'
+    assert kernel.run("%%ros_script bug\nimport rclpy\ndef f():\n    raise ValueError('x')\ny = f() + 1").stdout == (
+        'Traceback (most recent call last):\n  File "bug.py", line 4, in <module>\n    y = f() + 1\n'
         "  File \"bug.py\", line 3, in f\n    raise ValueError('x')\nValueError: x\n"
     )
     typo = kernel.run("%%ros_script typo\nx = = 2").stdout
     assert typo.startswith('  File "typo.py", line 1\n')
     assert typo.endswith("SyntaxError: invalid syntax\n")
+
+
+@pytest.mark.usefixtures("own_lab")
+def test_an_error_in_a_thread_shows_as_a_short_traceback_without_colours(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")  # as Jupyter's kernels do; Python 3.13 heeds it
+    failing = "import subprocess, sys, threading\ndef work():\n    return 1 / 0\n"
+    child = "subprocess.run([sys.executable, '-c', 'x'])\n"
+    lab.script("bug", f"{failing}one = threading.Thread(target=work, name='one')\none.start()\none.join()\n{child}")
+    shown = capfd.readouterr().out
+    assert shown.startswith(
+        'Exception in thread one:\nTraceback (most recent call last):\n  File "bug.py", line 3, in work\n'
+        "    return 1 / 0\nZeroDivisionError: division by zero\nTraceback"
+    )
+    assert shown.endswith("\nNameError: name 'x' is not defined\n")
+    assert "\x1b" not in shown
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        "executor._sigint_gc.destroy()",  # as Python's collector of circles now and then does first
+        "del executor._sigint_gc",  # an executor that could not be made has none
+    ],
+)
+@pytest.mark.usefixtures("own_lab")
+def test_an_executor_that_is_collected_late_does_not_complain(spoil: str, capfd: pytest.CaptureFixture[str]) -> None:
+    program = f"from rclpy.executors import MultiThreadedExecutor\nexecutor = MultiThreadedExecutor()\n{spoil}\n"
+    lab.script("collected", f"import rclpy\nrclpy.init()\n{program}")
+    lab.current().engine.node  # noqa: B018 - rclpy is up in the notebook, too
+    exec(f"{program}del executor", {})  # noqa: S102 - a cell
+    shown = capfd.readouterr()
+    assert (shown.out, shown.err) == ("", "")
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.ros2.cli import run
+from tests.background import IN_BACKGROUND
+
+from .commands import OURS, interrupt, lines_until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -118,11 +121,31 @@ def test_help_says_that_it_is_a_subset(robot: Ros2, words: tuple[str, ...]) -> N
     assert done.returncode == 0
 
 
+@pytest.mark.parametrize(
+    ("words", "lines"),
+    [
+        (("--help",), ["    interface  show the text of messages, services and actions", "commands:"]),
+        (("topic", "pub", "--help"), ["  -r, --rate N                  messages a second (default: 1)"]),
+    ],
+)
+@pytest.mark.parametrize("columns", ["", "0", "wide"])  # none of which is a width
+def test_help_looks_alike_on_every_python(ros2: Ros2, words: tuple[str, ...], lines: list[str], columns: str) -> None:
+    """Jupyter's kernels set FORCE_COLOR, which Python 3.14 heeds."""
+    done = ros2(*words, FORCE_COLOR="1", COLUMNS=columns)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert set(lines) <= set(done.stdout.splitlines())
+
+
+def test_ctrl_c_ends_a_command_that_a_script_started_in_the_background(ros2: Ros2) -> None:
+    talking = ros2.begin(*IN_BACKGROUND, *OURS, "topic", "pub", "/chatter", "std_msgs/msg/String", "{data: hello}")
+    lines_until(talking, "publishing #1")
+    _, errors = interrupt(talking)
+    assert (talking.returncode, errors) == (2, "")
+
+
 def test_a_reader_that_has_seen_enough_is_no_error(robot: Ros2) -> None:
     import shlex
     import subprocess
-
-    from .commands import OURS
 
     pipe = f"{shlex.join(OURS)} topic echo /chatter | head -n 1"
     done = subprocess.run(pipe, shell=True, env=robot.environ, capture_output=True, text=True, timeout=60, check=True)  # noqa: S602

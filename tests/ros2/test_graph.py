@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit.environment import ports
 from course_kit.ros2 import sockets
+from course_kit.ros2.meeting import Meeting
 from tests.waiting import wait_until
 
 from .commands import GOLDEN, Ros2
@@ -101,7 +103,7 @@ def test_sockets_tell_the_participants_of_a_domain(tmp_path: Path, monkeypatch: 
         for n, port in enumerate((8150, 8160, 8161, 8162, 8410))
     ]
     table.write_text("\n".join(["  sl  local_address ...", *rows]))
-    monkeypatch.setattr(sockets, "_TABLES", (str(table), str(tmp_path / "none")))
+    monkeypatch.setattr(ports, "_TABLES", (str(table), str(tmp_path / "none")))
     assert sockets.participants(3) == {1001, 1003}
 
 
@@ -116,3 +118,24 @@ def test_a_listing_is_given_up_at_the_timeout(ros2: Ros2) -> None:
         done = ros2("service", "list", "-c", "--timeout", "1")
         assert done.stdout == "8\n"
         assert time.monotonic() - begun >= 1.0
+
+
+ASKS_IN_ANOTHER_NETWORK = """
+import os
+from course_kit.grading import isolation
+try:
+    isolation.enter_network()
+    print(os.readlink("/proc/self/ns/net"))
+except OSError:
+    print("refused")
+from course_kit.ros2.meeting import Meeting
+print(Meeting.here().name)
+"""
+
+
+def test_a_daemon_in_another_network_is_not_asked(ros2: Ros2, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Containers with one home directory and networks of their own have different graphs on one domain."""
+    for name, value in ros2.environ.items():
+        monkeypatch.setenv(name, value)
+    network, name = ros2.begin(sys.executable, "-c", ASKS_IN_ANOTHER_NETWORK).communicate(timeout=60)[0].split()
+    assert (name == Meeting.here().name) == (network == "refused")

@@ -26,6 +26,8 @@ class Gradebook:
         seed: what the checks drew from.
         complete: whether every submission has its record; False after Ctrl-C.
         root: the folder the entries' sources are relative to; None where they are not at hand.
+        odd: student and reason of those whose entry does not fit the layout.
+        dropped: student and reason of those who handed in something of which nothing could be graded, or not all.
     """
 
     exercises: tuple[Exercise, ...]
@@ -36,11 +38,23 @@ class Gradebook:
     seed: int = 0
     complete: bool = True
     root: Path | None = None
+    odd: tuple[tuple[str, str], ...] = ()
+    dropped: tuple[tuple[str, str], ...] = ()
 
     @property
     def students(self) -> list[str]:
         """Everybody who handed in anything, sorted."""
         return sorted({record.entry.student for record in self.records} | {student for student, _ in self.missing})
+
+    def graded(self, exercise_id: str | None = None) -> list[Record]:
+        """The records that hold a grade, of one exercise or of all: not those where the grader itself failed."""
+        of = self.records if exercise_id is None else self.of(exercise_id)
+        return [record for record in of if record.status != "error"]
+
+    @property
+    def not_graded(self) -> list[Record]:
+        """The records of submissions that have to be graded again, as the grader itself failed."""
+        return [record for record in self.records if record.status == "error"]
 
     def of(self, exercise_id: str) -> list[Record]:
         """The records of one exercise, by student."""

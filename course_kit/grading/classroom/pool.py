@@ -62,8 +62,8 @@ class Pool:
             worker = self._take()
             try:
                 report = engine.grade_text(task.exercise, task.text, task.shown, task.seed, worker, hidden=task.hidden)
-            except GradingError as failure:
-                problem = str(failure)
+            except Exception as failure:  # noqa: BLE001 - a worker in an unforeseen state must not end a class run
+                problem = str(failure) if isinstance(failure, GradingError) else f"The worker failed: {failure!r}."
                 self._give_back(worker, usable=False)
             else:
                 self._give_back(worker, usable=True)

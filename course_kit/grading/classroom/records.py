@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from course_kit.environment import write_atomically
+from course_kit.grading.output import encodable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,8 +22,13 @@ if TYPE_CHECKING:
 FORMAT_VERSION = 1
 STUDENTS = "students"  # folder in the output folder: students/<student>/<exercise>.json and .html
 _UNSAFE = re.compile(r"[^\w.@+-]+")
-_LONGEST_NAME = 80
-_HALVES = re.compile("[\ud800-\udfff]")  # in file names that are not UTF-8; JSON can hold them, UTF-8 cannot
+_LONGEST_NAME = 120  # bytes; a file system takes 255
+_LONGEST_PLAIN = 80  # characters
+_MARK = 16  # hexadecimal digits
+_MARKED = re.compile(rf"-[0-9a-f]{{{_MARK}}}\Z")
+_DEVICES = frozenset(
+    {"con", "prn", "aux", "nul", *(f"{port}{number}" for port in ("com", "lpt") for number in range(10))}
+)
 
 
 @dataclass(frozen=True)
@@ -95,8 +101,7 @@ class Record:
 
     def to_json(self) -> str:
         """The record as one JSON document."""
-        text = json.dumps({"format_version": FORMAT_VERSION, **asdict(self)}, indent=1, ensure_ascii=False)
-        return _HALVES.sub(lambda half: f"\\u{ord(half[0]):04x}", text)
+        return encodable(json.dumps({"format_version": FORMAT_VERSION, **asdict(self)}, indent=1, ensure_ascii=False))
 
     @classmethod
     def from_json(cls, text: str) -> Record:
@@ -149,7 +154,10 @@ class Records:
 
 def safe_name(student: str) -> str:
     """A folder's name for a student: readable, legal everywhere, and different for different students."""
-    plain = _UNSAFE.sub("_", student).strip("._")[:_LONGEST_NAME]
-    if plain == student and plain.lower() == plain:
+    plain = _UNSAFE.sub("_", student).strip("._")[:_LONGEST_PLAIN]
+    plain = plain.encode(errors="replace")[:_LONGEST_NAME].decode(errors="ignore")
+    # Nobody may be called like somebody else's name with its mark; nor like a device, where Windows reads the results.
+    legal = not _MARKED.search(plain) and plain.partition(".")[0] not in _DEVICES
+    if plain == student and plain.lower() == plain and legal:
         return plain
-    return f"{plain}-{hashlib.sha256(student.encode(errors='surrogatepass')).hexdigest()[:8]}"
+    return f"{plain}-{hashlib.sha256(student.encode(errors='surrogatepass')).hexdigest()[:_MARK]}"

@@ -13,10 +13,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 from course_kit.environment import write_atomically
+from course_kit.grading import engine
 from course_kit.grading.classroom import handed, intake
 from course_kit.grading.classroom.gradebook import Gradebook
 from course_kit.grading.classroom.records import Records
 from course_kit.grading.errors import GradingError
+from course_kit.grading.output import one_line
 from course_kit.grading.reading import Reader, ReadingStoppedError
 from course_kit.grading.render_page import render_page
 
@@ -37,6 +39,7 @@ FORMAT_VERSION = 1
 _AHEAD = 2  # tasks given to an executor for each of its slots: none idles, and few are lost
 _LISTEN_S = 0.5  # how often a wait for results looks at the clock and at who wants to stop
 _AT_ONCE = 2  # requests to stop
+_NAMED = 3  # things that are there where there is no submission
 
 
 class Watcher(Protocol):
@@ -90,19 +93,23 @@ class ClassRun:
             stops: how often somebody has asked to stop: once, and what is under way is finished; twice, given up.
 
         Raises:
-            GradingError: there is nothing to grade, or the output folder holds results and `resume` was not asked, or
-                results of an exercise that is not in the plan.
+            GradingError: there is nothing to grade, one of the folders lies in the other, or the output folder holds
+                results and `resume` was not asked, or results of an exercise that is not in the plan.
             OSError: the output folder cannot be written.
         """
         self._plan = plan
         self._watcher = watcher
         self._stops = stops
         self._records = Records(plan.out)
+        _require_folders_apart(plan)
         self.seed = self._choose_seed()
         try:
             self.intake = intake.collect(plan.source, plan.exercises, plan.out / WORKSPACE, plan.layout, self._stopped)
         except ReadingStoppedError:
             raise KeyboardInterrupt from None  # nothing has begun
+        self._require_submissions()
+        run_file = json.dumps({"format_version": FORMAT_VERSION, "seed": self.seed})
+        write_atomically(plan.out / RUN_FILE, f"{run_file}\n")
         self._done: list[Record] = []
         # One student's program must not read another's, nor the results.
         self._hidden = tuple(str(folder.resolve()) for folder in (plan.source, plan.out))
@@ -130,8 +137,8 @@ class ClassRun:
 
     def _choose_seed(self) -> int:
         """The run's seed: that of the earlier run when it is gone on with."""
-        path, asked = self._plan.out / RUN_FILE, self._plan.seed
-        before = _seed_of_run(path)
+        asked = self._plan.seed
+        before = _seed_of_run(self._plan.out / RUN_FILE)
         if not self._plan.resume and (before is not None or any(self._records)):
             raise GradingError(
                 f"{self._plan.out} holds the results of an earlier run. Add --resume to go on with it, or name "
@@ -140,9 +147,7 @@ class ClassRun:
         self._require_all_exercises()
         if before is not None and asked not in (None, before):
             raise GradingError(f"The earlier run has used the seed {before}. Leave --seed out to go on with it.")
-        seed = next(one for one in (before, asked, secrets.randbits(31)) if one is not None)
-        write_atomically(path, json.dumps({"format_version": FORMAT_VERSION, "seed": seed}) + "\n")
-        return seed
+        return next(one for one in (before, asked, secrets.randbits(31)) if one is not None)
 
     def _require_all_exercises(self) -> None:
         """See that no result of an earlier run would be missing from the grades."""
@@ -152,6 +157,17 @@ class ClassRun:
                 f"{self._plan.out} also holds results of {', '.join(left_out)}; they would be missing from the grades. "
                 f"Add {' '.join(f'--exercise {one}' for one in left_out)}, or name another folder."
             )
+
+    def _require_submissions(self) -> None:
+        if self.intake.entries:
+            return
+        seen = [*self.intake.dropped, *self.intake.left][:_NAMED]
+        wanted = ", ".join(exercise.id for exercise in self._plan.exercises)
+        raise GradingError(
+            f"{self._plan.source} holds no submission of {wanted}, read by the layout '{self.intake.layout}'. "
+            f"What is there: {'; '.join(f'{one_line(what)} ({one_line(why)})' for what, why in seen) or 'nothing'}. "
+            "Name the exercise that was set, or the layout with --layout."
+        )
 
     def _take_stock(self) -> list[list[Handed]]:
         """Read all submissions; returns those without a result, identical ones together.
@@ -195,7 +211,8 @@ class ClassRun:
                 return
             finished, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
             for future in [one for one in under_way if one in finished]:  # in the order they were given out
-                self._keep(under_way.pop(future), future.result())
+                group = under_way.pop(future)
+                self._keep(group, _result(group[0], future))
             self._watcher.tick()
 
     def _fill(
@@ -234,6 +251,37 @@ class ClassRun:
             seed=self.seed,
             complete=len(self._done) == len(self.intake.entries),
             root=self.intake.root,
+            odd=self.intake.odd,
+            dropped=self.intake.dropped,
+        )
+
+
+def _result(submission: Handed, future: Future[Report]) -> Report:
+    """The report; where grading itself has failed one that says so, as nothing may end the grading of the others."""
+    try:
+        return future.result()
+    except Exception as problem:  # noqa: BLE001 - of a cluster, of a worker; whatever it is, it is not the student's
+        why = f"The grading failed: {problem or type(problem).__name__}"
+        return engine.unreadable(submission.exercise, submission.entry.source, why, status="error")
+
+
+def _require_folders_apart(plan: Plan) -> None:
+    """See that results are not taken for submissions, and that nothing handed in is written over.
+
+    Raises:
+        GradingError: one of the two folders lies in the other, or they are the same.
+    """
+    try:
+        source, out = plan.source.resolve(), plan.out.resolve()
+    except (OSError, RuntimeError):  # a loop of links, which is said when one of them is opened
+        return
+    if source == out or source in out.parents:
+        raise GradingError(
+            f"The results would lie among the submissions in {plan.source}. Name another folder with --out."
+        )
+    if out in source.parents and (plan.source.is_dir() or out / WORKSPACE in source.parents):
+        raise GradingError(
+            f"{plan.source} lies in {plan.out}, the folder for the results. Name another folder with --out."
         )
 
 

@@ -67,7 +67,8 @@ def diagnoses_by_exercise(book: Gradebook) -> dict[str, list[int]]:
     """For each diagnosis how many submissions of each exercise have it, the most frequent first."""
     order = [exercise.id for exercise in book.exercises]
     return _table(
-        ((code, order.index(record.entry.exercise)) for record in book.records for code in record.diagnoses), len(order)
+        ((code, order.index(record.entry.exercise)) for record in book.graded() for code in record.diagnoses),
+        len(order),
     )
 
 

@@ -28,7 +28,7 @@ _LAYOUTS = {
 def render(book: Gradebook) -> str:
     """The page of a class run."""
     titles = ", ".join(exercise.title for exercise in book.exercises)
-    halves = (*page_class.sections(book), *page_findings.sections(book))
+    halves = (*page_findings.worries(book), *page_class.sections(book), *page_findings.sections(book))
     parts = [part for part in (*halves, page_class.students(book), *page_findings.absent(book)) if part.content]
     contents = "".join(f'<li><a href="#{part.name}">{part.title}</a></li>' for part in parts)
     body = "".join(part.html() for part in parts)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading.classroom.gradebook import outcome
 from course_kit.grading.exports import charts, counts
 from course_kit.grading.exports.markup import Cell, amount, many, report, section, share, shown, table
-from course_kit.grading.exports.results import MISSING, by_student, name_of, score
+from course_kit.grading.exports.results import MISSING, by_student, name_of, score, total
 from course_kit.grading.exports.texts import html, number
 
 if TYPE_CHECKING:
@@ -47,12 +47,10 @@ def students(book: Gradebook) -> Part:
 
 
 def _scores(book: Gradebook) -> str:
-    figures = "".join(_figure(exercise, records) for exercise in book.exercises if (records := book.of(exercise.id)))
-    return (
-        f'{charts.hatching()}<div class="charts">{figures}</div>'
-        if figures
-        else "<p>Nobody has handed in anything.</p>"
+    figures = "".join(
+        _figure(exercise, records) for exercise in book.exercises if (records := book.graded(exercise.id))
     )
+    return f'{charts.hatching()}<div class="charts">{figures}</div>' if figures else "<p>Nobody has a grade yet.</p>"
 
 
 def _figure(exercise: Exercise, records: list[Record]) -> str:
@@ -115,9 +113,13 @@ def _students(book: Gradebook) -> str:
 def _student_rows(book: Gradebook, *, names: bool) -> Iterator[list[Cell | str]]:
     for student, records in by_student(book).items():
         results = [_result(records.get(exercise.id), exercise) for exercise in book.exercises]
-        total = sum(score(record) or 0.0 for record in records.values())
         name: list[Cell | str] = [shown(name_of(records))] if names else []
-        yield [shown(student), *name, *results, amount(total)]
+        yield [shown(student), *name, *results, _total(records)]
+
+
+def _total(records: dict[str, Record]) -> Cell:
+    reached = total(records)
+    return Cell("not known yet", "") if reached is None else amount(reached)
 
 
 def _result(record: Record | None, exercise: Exercise) -> Cell:

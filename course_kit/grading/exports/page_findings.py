@@ -8,6 +8,7 @@ from course_kit.grading import diagnosis
 from course_kit.grading.exports import counts, lookalikes
 from course_kit.grading.exports.markup import Cell, amount, many, person, shown, table
 from course_kit.grading.exports.page_class import Part
+from course_kit.grading.exports.results import problem
 from course_kit.grading.exports.texts import html
 
 if TYPE_CHECKING:
@@ -23,6 +24,14 @@ _PALE = 4  # submissions; fewer do not make a cell dark, even where there are no
 _KB = 1000
 
 
+def worries(book: Gradebook) -> list[Part]:
+    """What is missing from the grades."""
+    return [
+        Part("failed", "Could not be graded", _failed(book)),
+        Part("dropped", "Handed in, but not graded", _dropped(book)),
+    ]
+
+
 def sections(book: Gradebook) -> list[Part]:
     """Diagnoses, look-alikes and extremes."""
     return [
@@ -33,8 +42,9 @@ def sections(book: Gradebook) -> list[Part]:
 
 
 def absent(book: Gradebook) -> list[Part]:
-    """Who has handed in nothing, and what is no submission."""
+    """Who has handed in nothing, what looks unlike the rest, and what is no submission."""
     return [
+        Part("odd", "Entries that do not fit the layout", _odd(book)),
         Part("missing", "Missing submissions", _missing(book)),
         Part("left", "Files that are no submissions", _left(book)),
     ]
@@ -48,7 +58,7 @@ def _diagnoses(book: Gradebook) -> str:
         rows = counts.diagnoses_by_exercise(book)
         parts.append(_heat_map("Submissions with a diagnosis, by exercise", titles, rows))
     for exercise in book.exercises:
-        rows = counts.diagnoses_by_band(book.of(exercise.id))
+        rows = counts.diagnoses_by_band(book.graded(exercise.id))
         title = f"{html(exercise.title)}: submissions with a diagnosis, by score"
         parts.append(_heat_map(title, [html(band) for band in counts.BANDS], rows))
     if not any(parts):
@@ -160,6 +170,25 @@ def _extremes(book: Gradebook) -> str:
 
 def _who(record: Record) -> list[Cell | str]:
     return [person(record), html(record.title or record.entry.exercise)]
+
+
+def _failed(book: Gradebook) -> str:
+    """Those for whom the grader itself failed."""
+    if not book.not_graded:
+        return ""
+    rows = [[*_who(one), shown(problem(one))] for one in book.not_graded]
+    told = "<p>That is our fault, not the students'. Run the same command again with <code>--resume</code>.</p>"
+    return told + table("No grade, and in no export", ["Student", "Exercise", "What happened"], rows)
+
+
+def _dropped(book: Gradebook) -> str:
+    rows = [(shown(student), shown(reason)) for student, reason in book.dropped]
+    return table("Look at what these students have handed in", ["Student", "Reason"], rows) if rows else ""
+
+
+def _odd(book: Gradebook) -> str:
+    rows = [(shown(student), shown(reason)) for student, reason in book.odd]
+    return table("Graded, each as a student for itself", ["Student", "Reason"], rows) if rows else ""
 
 
 def _missing(book: Gradebook) -> str:

@@ -24,6 +24,12 @@ def score(record: Record | None) -> float | None:
     return None if record is None or record.status == "error" else record.score
 
 
+def total(records: dict[str, Record]) -> float | None:
+    """A student's points together; None where one of the scores is still to come."""
+    scores = [score(record) for record in records.values()]
+    return None if None in scores else sum(one or 0.0 for one in scores)
+
+
 def by_student(book: Gradebook) -> dict[str, dict[str, Record]]:
     """Each student's records by exercise, students sorted."""
     table: dict[str, dict[str, Record]] = {student: {} for student in book.students}

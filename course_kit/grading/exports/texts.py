@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import re
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.output import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -16,11 +19,8 @@ _DIGITS = 6
 # character; and a tab, carriage return or line end, which some of them drop before they look.
 _FORMULA = re.compile(r"[\s\x00-\x1f\u00a0\u200b-\u200f\u2060\ufeff]*[=+\-@＝＋－＠]|[\t\r\n]")  # noqa: RUF001
 _NUMBER = re.compile(r"-?\d{1,15}(\.\d+)?")
-# XML 1.0 has no way to write these, not even as a reference.
-_NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-# Control characters, and the marks that turn the writing round for whatever follows them.
-_STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]")
-_REPLACEMENT = "\ufffd"
+# What is read as text, a name or a number at worst, whatever sign it begins with: no call, no link, no other program.
+_HARMLESS = re.compile(r"[\w.@+-]*", re.ASCII)
 
 
 def number(value: float) -> str:
@@ -29,17 +29,29 @@ def number(value: float) -> str:
     return str(int(rounded)) if rounded == int(rounded) else f"{rounded:.{_DIGITS}f}".rstrip("0")
 
 
+class Identifier(str):
+    """A cell by which a platform finds a student: with an apostrophe in front it would find nobody.
+
+    A login such as `-jane` stays as it is. What could do more in a spreadsheet than look odd is no login of any
+    platform, and is treated like every text.
+    """
+
+    __slots__ = ()
+
+
 def cell(value: str | float | None) -> str:
     """A cell of a CSV file that no spreadsheet takes for a formula.
 
     Numbers stay numbers, nothing is an empty cell; text that could be read as a formula gets an apostrophe in front,
-    which spreadsheets take as "this is text".
+    which spreadsheets take as "this is text". Control characters and marks that turn the writing round are replaced.
     """
     if value is None:
         return ""
     if not isinstance(value, str):
         return number(value)
-    text = whole(value)
+    if isinstance(value, Identifier) and _HARMLESS.fullmatch(value):
+        return value
+    text = plain(value)
     return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
 
 
@@ -55,17 +67,29 @@ def csv_text(rows: Iterable[Sequence[str | float | None]], *, mark: bool = False
     return ("\ufeff" if mark else "") + file.getvalue()
 
 
-def whole(text: str) -> str:
-    """Text that can be written as UTF-8: halves of characters, from file names of other encodings, are replaced."""
-    return text.encode("utf-8", errors="replace").decode("utf-8")
+def plain(text: str) -> str:
+    """Text that can be written and shown: nothing in it steers a terminal, a page or the reader's eye."""
+    return printable(text.replace("\r\n", "\n"))
+
+
+def json_text(value: Any) -> str:
+    """A JSON document of which each text is `plain`."""
+    return json.dumps(_plain(value), indent=1, ensure_ascii=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, str):
+        return plain(value)
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 
 def xml(text: str) -> str:
     """Text within XML elements and attributes; line ends and tabs survive in both."""
-    legal = escape(_NOT_XML.sub(_REPLACEMENT, text))
-    return legal.replace("\r", "&#13;").replace("\n", "&#10;").replace("\t", "&#9;")
+    return escape(plain(text)).replace("\n", "&#10;").replace("\t", "&#9;")
 
 
 def html(text: str) -> str:
     """Text within HTML elements and attributes; joined emoji and the joiners of Persian and Hindi stay whole."""
-    return escape(_STEERING.sub(_REPLACEMENT, text))
+    return escape(plain(text))

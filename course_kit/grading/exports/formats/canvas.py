@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.grading.exports.results import by_student, name_of, platform_of, score
-from course_kit.grading.exports.texts import csv_text
+from course_kit.grading.exports.texts import Identifier, csv_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,8 +31,12 @@ def _rows(book: Gradebook) -> Iterator[list[str | float | None]]:
     yield [*HEADER, *(exercise.title for exercise in book.exercises)]
     yield [POINTS_ROW, *[""] * (len(HEADER) - 1), *(exercise.points for exercise in book.exercises)]
     for student, records in by_student(book).items():
+        if records and all(score(record) is None for record in records.values()):
+            continue  # the grader itself failed, so that there is nothing to import
         user = platform_of(records, "canvas_user") or (student if book.layout == "canvas" else "")
         name = name_of(records, student)
         if POINTS_ROW in name:  # a student of this name would be taken for the row of points
             name = name.replace(POINTS_ROW, POINTS_ROW.replace(" ", "\u00a0"))
-        yield [name, user, "", "" if user else student, "", *(score(records.get(one.id)) for one in book.exercises)]
+        # Canvas finds the student by ID or login, which have to stand there exactly; the name is for people then.
+        login = Identifier("" if user else student)
+        yield [name, Identifier(user), "", login, "", *(score(records.get(one.id)) for one in book.exercises)]

@@ -7,12 +7,11 @@ then finds in its environment. It adds up the tests' scores, and fails the run w
 from __future__ import annotations
 
 import base64
-import json
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.classroom.records import safe_name
-from course_kit.grading.exports.results import explained, problem, score
-from course_kit.grading.exports.texts import whole
+from course_kit.grading.exports.results import explained, problem
+from course_kit.grading.exports.texts import json_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,10 +24,10 @@ _STATES = {"passed": "pass", "failed": "fail", "skipped": "fail", "error": "erro
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
-    """Two files for each submission."""
-    for record in book.records:
+    """Two files for each grade; where the grader itself failed there are none."""
+    for record in book.graded():
         start = f"exports/github_classroom/{safe_name(record.entry.student)}/{record.entry.exercise}"
-        text = whole(json.dumps(result(record), indent=1, ensure_ascii=False))
+        text = json_text(result(record))
         yield f"{start}.json", text + "\n"
         yield f"{start}.output", f"result={base64.b64encode(text.encode()).decode()}\n"
 
@@ -36,11 +35,9 @@ def files(book: Gradebook) -> Iterator[tuple[str, str]]:
 def result(record: Record) -> dict[str, Any]:
     """The result as GitHub's graders have it."""
     tests = [_test(check) for check in record.report["checks"]]
-    if not tests:  # unreadable, or the grader's error: the reporter shows tests, so that the reason has to be one
-        status = "error" if score(record) is None else "fail"
-        tests = [{"name": "The submission can be graded", "status": status, "score": 0.0, "message": problem(record)}]
-    graded = "pass" if record.report["passed"] else "fail"
-    status = "error" if score(record) is None else graded
+    if not tests:  # unreadable: the reporter shows tests, so that the reason has to be one
+        tests = [{"name": "The submission can be graded", "status": "fail", "score": 0.0, "message": problem(record)}]
+    status = "pass" if record.report["passed"] else "fail"
     return {"version": VERSION, "status": status, "max_score": record.max_score, "tests": tests}
 
 

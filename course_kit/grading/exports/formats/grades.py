@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.grading.classroom.gradebook import outcome
-from course_kit.grading.exports.results import MISSING, by_student, name_of, score
+from course_kit.grading.exports.results import MISSING, by_student, name_of, score, total
 from course_kit.grading.exports.texts import csv_text
 
 if TYPE_CHECKING:
@@ -18,7 +18,10 @@ FILE = "grades.csv"
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
-    """The one table; a score is empty where the grader failed or nothing was handed in, and the status says which."""
+    """The one table; a score is empty where the grader failed or nothing was handed in, and the status says which.
+
+    Whoever the grader failed for has no total either: without that score it would be too low.
+    """
     yield FILE, csv_text(_rows(book), mark=True)
 
 
@@ -32,8 +35,7 @@ def _rows(book: Gradebook) -> Iterator[list[str | float | None]]:
         row: list[str | float | None] = [student, name_of(records)]
         for exercise in book.exercises:
             row += _cells(records.get(exercise.id), exercise.points)
-        total = sum(score(record) or 0.0 for record in records.values())
-        yield [*row, total, full]
+        yield [*row, total(records), full]
 
 
 def _cells(record: Record | None, points: float) -> list[str | float | None]:

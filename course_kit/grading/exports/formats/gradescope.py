@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.classroom.records import safe_name
-from course_kit.grading.exports.results import explained, headline, problem, score
-from course_kit.grading.exports.texts import whole
+from course_kit.grading.exports.results import explained, headline, problem
+from course_kit.grading.exports.texts import json_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -17,21 +16,17 @@ if TYPE_CHECKING:
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
-    """One file for each submission."""
-    for record in book.records:
+    """One file for each grade; where the grader itself failed there is none."""
+    for record in book.graded():
         folder = f"exports/gradescope/{safe_name(record.entry.student)}/{record.entry.exercise}"
-        yield f"{folder}/results.json", whole(json.dumps(results(record), indent=1, ensure_ascii=False)) + "\n"
+        yield f"{folder}/results.json", json_text(results(record)) + "\n"
 
 
 def results(record: Record) -> dict[str, Any]:
-    """The result as Gradescope's specification has it.
-
-    Without a score of its own, where the grader failed, Gradescope shows the text and asks a person to grade.
-    """
-    graded = score(record)
+    """The result as Gradescope's specification has it."""
     output = "\n\n".join(filter(None, (headline(record), problem(record))))
     return {
-        **({} if graded is None else {"score": graded}),
+        "score": record.score,
         "execution_time": record.report["duration_s"],
         "output": output,
         "output_format": "text",

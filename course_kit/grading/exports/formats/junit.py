@@ -19,9 +19,9 @@ _UNKNOWN = "unknown"
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
-    """One file for each exercise that somebody has handed in."""
+    """One file for each exercise with a grade; what the grader itself failed for is not in it."""
     for exercise in book.exercises:
-        if records := book.of(exercise.id):
+        if records := book.graded(exercise.id):
             yield f"exports/junit/{exercise.id}.xml", _document(exercise.id, records)
 
 
@@ -39,10 +39,9 @@ def _checks(record: Record) -> list[dict[str, Any]]:
     checks: list[dict[str, Any]] = record.report["checks"]
     if checks:
         return checks
-    status = "error" if record.status == "error" else "failed"
     nothing: dict[str, Any] = dict.fromkeys(("sent", "expected", "got", "hint"), "")
     told = {"id": "gradable", "title": "The submission can be graded", "message": problem(record)}
-    return [{**nothing, **told, "status": status, "diagnosis": None}]
+    return [{**nothing, **told, "status": "failed", "diagnosis": None}]
 
 
 def _counts(counts: Counter[str], *, skipped: bool = True) -> str:

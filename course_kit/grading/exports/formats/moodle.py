@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.grading.exports.results import feedback, score
+from course_kit.grading.exports.results import feedback
 from course_kit.grading.exports.texts import csv_text, html
 
 if TYPE_CHECKING:
@@ -32,9 +32,12 @@ _NUMBER = "moodle_participant"
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
-    """A worksheet for each exercise; none where nothing came from Moodle, which knows its participants alone."""
+    """A worksheet for each exercise; none where nothing came from Moodle, which knows its participants alone.
+
+    Nobody is in it for whom the grader itself failed: a row would write over the comment that Moodle has.
+    """
     for exercise in book.exercises:
-        records = [record for record in book.of(exercise.id) if record.entry.platform.get(_NUMBER)]
+        records = [record for record in book.graded(exercise.id) if record.entry.platform.get(_NUMBER)]
         if records:
             yield f"exports/moodle_{exercise.id}.csv", csv_text(_rows(records))
 
@@ -44,5 +47,6 @@ def _rows(records: Sequence[Record]) -> Iterator[Sequence[str | float | None]]:
     for record in records:
         comments = "<br>".join(html(paragraph).replace("\n", "<br>") for paragraph in feedback(record))
         identifier = f"Participant {record.entry.platform[_NUMBER]}"
-        status = "Submitted for grading" + (" - Graded" if score(record) is not None else "")
-        yield [identifier, record.entry.name, status, score(record), record.max_score, "", comments]
+        # Moodle finds the participant by the identifier; the name is for people, and may get an apostrophe.
+        status = "Submitted for grading - Graded"
+        yield [identifier, record.entry.name, status, record.score, record.max_score, "", comments]

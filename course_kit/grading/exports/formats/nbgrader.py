@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.grading.exports.results import by_student, name_of, platform_of, score
-from course_kit.grading.exports.texts import csv_text
+from course_kit.grading.exports.texts import Identifier, csv_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -31,7 +31,10 @@ HEADER = (
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
-    """The one table: as nbgrader does it, a row for each assignment and student, and 0 for what is missing."""
+    """The one table: as nbgrader does it, a row for each assignment and student, and 0 for what is missing.
+
+    What the grader itself failed for has no row, as that is no 0.
+    """
     yield FILE, csv_text(_rows(book))
 
 
@@ -40,6 +43,8 @@ def _rows(book: Gradebook) -> Iterator[Sequence[str | float | None]]:
     students = by_student(book)
     for exercise in book.exercises:
         for student, records in students.items():
+            if exercise.id in records and score(records[exercise.id]) is None:
+                continue
             yield _row(exercise, student, records, _assignment(book, records, exercise))
 
 
@@ -53,4 +58,17 @@ def _row(exercise: Exercise, student: str, records: dict[str, Record], assignmen
     record = records.get(exercise.id)
     points = 0.0 if record is None else score(record)
     last, _, first = name_of(records).partition(",")  # nobody can tell which part of "Li Na" is which
-    return [assignment, "", "", student, last.strip(), first.strip(), "", points, 0.0, points, exercise.points]
+    # Whatever reads the file finds a student by the identifier, which has to stand there exactly.
+    return [
+        assignment,
+        "",
+        "",
+        Identifier(student),
+        last.strip(),
+        first.strip(),
+        "",
+        points,
+        0.0,
+        points,
+        exercise.points,
+    ]

@@ -1,0 +1,74 @@
+"""Under which conditions the submission of a job runs on this machine."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.grading import file_view, processes
+from course_kit.grading.sandbox import Cell
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from course_kit.grading.file_view import FileView
+    from course_kit.grading.job import Job
+
+_COUNTS_BY_NAMESPACE = (5, 14)  # Linux
+
+
+def of(job: Job, variables: Mapping[str, str]) -> Cell:
+    """The conditions.
+
+    Args:
+        job: what is graded.
+        variables: the environment variables to set for the program.
+    """
+    user = _user(job)
+    return Cell(
+        limits=job.limits,
+        isolation=job.isolation,
+        scratch=job.scratch,
+        view=_view(job),
+        environment=variables,
+        priority=job.priority,
+        others=0 if user else _others(job),
+        user=user,
+    )
+
+
+def expect_few_participants() -> dict[str, str]:
+    """Have Fast DDS announce itself to fewer ports than on a graph that a whole machine shares.
+
+    Returns:
+        the variables for that, which are set in this process as well.
+    """
+    name = "FASTRTPS_DEFAULT_PROFILES_FILE"
+    if os.environ.get(name) != str(environment.LOOPBACK_PROFILE):
+        return {}
+    os.environ[name] = str(environment.PRIVATE_NETWORK_PROFILE)
+    return {name: os.environ[name]}
+
+
+def _view(job: Job) -> FileView:
+    """The files that the submission sees."""
+    view = file_view.of_a_command(job.command[0], job.folder) if job.command else file_view.of_a_program()
+    return view.with_more(masked=job.hidden)
+
+
+def _user(job: Job) -> int:
+    """Whom the submission runs as: a command of root's own stays root where others cannot get at its folder."""
+    folder = Path(job.folder)
+    if job.command and not all(place.stat().st_mode & stat.S_IXOTH for place in (folder, *folder.parents)):
+        return 0
+    return job.user
+
+
+def _others(job: Job) -> int:
+    """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""
+    version = tuple(int(part) for part in os.uname().release.split(".")[:2])
+    counted_apart = job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
+    return 0 if counted_apart else processes.tasks_of_user(os.getuid())

@@ -1,0 +1,13 @@
+"""Makes the Python environments of the course, for `./course`.
+
+It runs before anything is installed, on the Python that `./course` has found, so it needs the standard library only.
+
+    .venvs/wheels-3f9a1c/    an environment; it never moves to another name
+    .venvs/wheels            link to the one in force where no ROS 2 is sourced
+    .venvs/jazzy             link to the one in force where a ROS 2 Jazzy is sourced
+    .venvs/lock              locked while a set-up runs
+    .venv                    link to the one that `./course` used last, for people and editors
+
+A new environment takes the place of an old one by renaming a link, when it is whole and not before. The old one is
+removed unless something runs in it.
+"""

@@ -1,0 +1,604 @@
+"""What one student hands in is never another's problem: an attack each, and what becomes of it."""
+
+from __future__ import annotations
+
+import os
+import stat
+import struct
+import subprocess
+import time
+import timeit
+import unicodedata
+import zipfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.grading import GradingError, exercise
+from course_kit.grading.classroom import archive, intake, layouts, listing
+from course_kit.grading.classroom.listing import FILE, FOLDER, Item
+from course_kit.grading.output import one_line
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+SERVICE = exercise.load("temperature_service")
+ROBOT = exercise.load("move_robot")
+PROGRAM = "temperature_service.py"
+OTHERS = ("ann", "bob", "cem")
+
+
+def collect(source: Path, *exercises: exercise.Exercise, layout: str = "auto") -> intake.Intake:
+    return intake.collect(source, exercises or (SERVICE,), source.parent / "workspace", layout)
+
+
+def lay_out(root: Path, files: Iterable[str | bytes], text: str = "pass\n") -> Path:
+    for name in files:
+        path = Path(os.fsdecode(os.path.join(os.fsencode(root), os.fsencode(name))))  # noqa: PTH118 - bytes
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return root
+
+
+def taken(found: intake.Intake) -> dict[str, str]:
+    return {entry.student: entry.source for entry in found.entries}
+
+
+IN_FOLDERS = {student: f"{student}/{PROGRAM}" for student in OTHERS}
+IN_CANVAS = {f"{number}": f"{name}_{number}_9{number}_{PROGRAM}" for number, name in enumerate(OTHERS, start=11)}
+IN_MOODLE = {
+    f"{number}": f"{name}_{number}_assignsubmission_file_/{PROGRAM}" for number, name in enumerate(OTHERS, start=11)
+}
+IN_NBGRADER = {student: f"submitted/{student}/week/{PROGRAM}" for student in OTHERS}
+IN_GITHUB = {student: f"week-submissions/week-{student}/{PROGRAM}" for student in OTHERS}
+IN_FILES = {student: f"{student}.py" for student in OTHERS}
+
+EVIL_INSIDE = [
+    f"bob_12_assignsubmission_file_/{PROGRAM}",
+    f"submitted/bob/week/{PROGRAM}",
+    f"submitted/bob/week/{PROGRAM}x/timestamp.txt",
+    f"week-submissions/week-bob/{PROGRAM}",
+    f"x-submissions/bob/{PROGRAM}",
+    f"bob_12_912_{PROGRAM}",
+    "week/timestamp.txt",
+    "bob/.git/config",
+    *(f"bob{number}_{number}_9{number}_{PROGRAM}" for number in range(20, 60)),
+]
+
+
+@pytest.mark.parametrize(
+    ("layout", "others", "own", "student"),
+    [
+        ("folders", IN_FOLDERS, "mallory", "mallory"),
+        ("canvas", IN_CANVAS, "mallory_66_966_work", "66"),
+        ("moodle", IN_MOODLE, "mallory_66_assignsubmission_file_", "66"),
+        ("nbgrader", IN_NBGRADER, "submitted/mallory", "mallory"),
+        ("github", IN_GITHUB, "week-submissions/week-mallory", "mallory"),
+        ("files", IN_FILES, "mallory", "mallory"),
+    ],
+)
+def test_names_inside_of_one_students_work_say_nothing_about_others(
+    tmp_path: Path, layout: str, others: dict[str, str], own: str, student: str
+) -> None:
+    root = lay_out(tmp_path / "in", [*others.values(), *(f"{own}/{name}" for name in EVIL_INSIDE)])
+    found = collect(root)
+    assert found.layout == layout
+    result = taken(found)
+    assert result.pop(student).startswith(f"{own}/")
+    assert result == others
+    assert found.dropped == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "others"),
+    [
+        ("bob_12_assignsubmission_file_", IN_FOLDERS),
+        ("x-submissions", IN_FOLDERS),
+        ("submitted", IN_FOLDERS),
+        ("bob_12_assignsubmission_file_", IN_NBGRADER),
+        ("submitted", IN_CANVAS),
+    ],
+)
+def test_a_student_named_like_a_layout_is_one_student(tmp_path: Path, name: str, others: dict[str, str]) -> None:
+    inside = "submitted/" if others is IN_NBGRADER else ""
+    evil = [f"{inside}{name}/bob/week/{PROGRAM}", f"{inside}{name}/bob_12_912_{PROGRAM}"]
+    found = collect(lay_out(tmp_path / "in", [*others.values(), *evil]))
+    result = taken(found)
+    assert result.pop(name).startswith(f"{inside}{name}/")
+    assert result == others
+
+
+def test_an_entry_that_does_not_fit_is_a_student_of_its_own_and_listed(tmp_path: Path) -> None:
+    strays = ["dee/temperature_service.py", "12.py"]
+    found = collect(lay_out(tmp_path / "in", [*IN_MOODLE.values(), *strays, "notes.txt"]))
+    result = taken(found)
+    own = next(name for name in result if name.startswith("12~"))
+    assert result == {**IN_MOODLE, "dee": strays[0], own: strays[1]}
+    assert dict(found.odd) == dict.fromkeys(("dee", own), "its name does not follow the layout 'moodle'")
+    assert dict(found.left) == {"notes.txt": "its name does not follow the layout 'moodle'"}
+
+
+def test_a_file_between_folders_never_counts_for_the_student_of_that_name(tmp_path: Path) -> None:
+    found = collect(lay_out(tmp_path / "in", [*IN_FOLDERS.values(), "bob.py", "bob_temperature_service.ipynb"]))
+    result = taken(found)
+    assert {student: result[student] for student in OTHERS} == IN_FOLDERS
+    assert len(result) == len(OTHERS) + 1
+
+
+def test_who_is_alone_in_a_folder_cannot_hand_in_for_others(tmp_path: Path) -> None:
+    evil = [f"mallory/bob_12_assignsubmission_file_/{PROGRAM}", f"mallory/ann_11_assignsubmission_file_/{PROGRAM}"]
+    root = lay_out(tmp_path / "in", evil)
+    with pytest.raises(GradingError, match="If 'mallory' is a student, add --layout folders"):
+        collect(root)
+    assert set(taken(collect(root, layout="folders"))) == {"mallory"}
+    assert set(taken(collect(root, layout="moodle"))) == {"11", "12"}, "then it is the instructor who says so"
+
+
+def test_downloads_side_by_side_are_not_taken_for_students(tmp_path: Path) -> None:
+    root = lay_out(tmp_path / "in", [f"week{week}/{name}" for week in (1, 2) for name in IN_CANVAS.values()])
+    with pytest.raises(GradingError, match="several downloads from Canvas, 'week1' and others"):
+        collect(root)
+
+
+def test_nbgraders_whole_course_folder_is_understood(tmp_path: Path) -> None:
+    others = ["gradebook.db", "source/week/a.ipynb", "release/week/a.ipynb", "autograded/bob/week/a.ipynb"]
+    found = collect(lay_out(tmp_path / "in", [*IN_NBGRADER.values(), *others]))
+    assert (found.layout, taken(found)) == ("nbgrader", IN_NBGRADER)
+    assert found.entries[0].platform == {"nbgrader_assignment": "week"}
+
+
+def test_a_moodle_file_with_two_numbers_is_nobodys_but_its_own(tmp_path: Path) -> None:
+    flat = [name.replace("/", "") for name in IN_MOODLE.values()]
+    evil = f"mallory_66_assignsubmission_file_bob_12_assignsubmission_file_{PROGRAM}"
+    found = collect(lay_out(tmp_path / "in", [*flat, evil]))
+    entries = {entry.student: entry for entry in found.entries}
+    assert {entry.source for student, entry in entries.items() if student in IN_MOODLE} == set(flat)
+    mallory = next(entry for entry in found.entries if entry.source == evil)
+    assert mallory.platform == {}
+    assert dict(found.odd)[mallory.student] == "its name can be read as that of participant 66 or 12"
+
+
+def test_a_number_beside_two_names_is_nobodys(tmp_path: Path) -> None:
+    clash = [f"ann_11_assignsubmission_file_/{PROGRAM}", f"zoe_11_assignsubmission_file_/{PROGRAM}"]
+    found = collect(lay_out(tmp_path / "in", [*clash, f"bob_12_assignsubmission_file_/{PROGRAM}"]))
+    assert taken(found) == {"11 ann": clash[0], "11 zoe": clash[1], "12": f"bob_12_assignsubmission_file_/{PROGRAM}"}
+    assert [entry.platform for entry in found.entries if entry.student.startswith("11")] == [{}, {}]
+    assert len(found.odd) == 2
+
+
+ALIKE = {
+    "composed and decomposed": ("jörg", unicodedata.normalize("NFD", "jörg")),
+    "blank at the end": ("jane", "jane "),
+    "two blanks": ("jane doe", "jane  doe"),
+    "blank of another width": ("jane doe", "jane\u00a0doe"),
+    "mark that turns the writing": ("jane", "jane\u200f"),
+    "two such marks": ("jane\u202e", "jane\u202d"),
+    "letter that shows nothing": ("jane", "jane\u3164"),
+    "variation selector": ("jane", "jane\ufe0f"),
+    "not UTF-8": (b"j\xf6rg", b"j\xe4rg"),
+    "control character": ("jane\x1b", "jane\x07"),
+    "named like a mark": ("jane ", "jane~"),
+}
+
+
+@pytest.mark.parametrize("names", ALIKE.values(), ids=ALIKE.keys())
+def test_two_students_who_look_the_same_stay_two_and_can_be_told_apart(
+    tmp_path: Path, names: tuple[str | bytes, str | bytes]
+) -> None:
+    folders = [os.fsencode(name) for name in names]
+    found = collect(lay_out(tmp_path / "in", [folder + b"/" + PROGRAM.encode() for folder in folders]))
+    students = [entry.student for entry in found.entries]
+    assert len({one_line(student).replace("\ufe0f", "") for student in students}) == 2
+    assert all(student.isprintable() and student == student.strip() for student in students)
+    assert {os.fsencode(entry.source.partition("/")[0]) for entry in found.entries} == set(folders)
+
+
+def test_nobody_can_be_called_like_another_one_with_a_mark(tmp_path: Path) -> None:
+    first = collect(lay_out(tmp_path / "in", [f"jane/{PROGRAM}", f"jane /{PROGRAM}"]))
+    marked = next(student for student in taken(first) if student != "jane")
+    found = collect(lay_out(tmp_path / "in", [f"{marked}/{PROGRAM}"]))
+    assert len(taken(found)) == 3
+    assert taken(found)[marked] == f"{marked}/{PROGRAM}"
+
+
+def test_a_lone_name_is_only_cleaned(tmp_path: Path) -> None:
+    names = ["山田\u3000太郎", unicodedata.normalize("NFD", "Jörg"), "a\x1b[31mb", "x" * 240, "\u202eevil", " ", "\n"]
+    found = collect(lay_out(tmp_path / "in", [f"{name}/{PROGRAM}" for name in names]))
+    students = {entry.source.partition("/")[0]: entry.student for entry in found.entries}
+    assert [students[name] for name in names[:5]] == [
+        "山田 太郎",
+        "Jörg",
+        "a\ufffd[31mb",
+        f"{'x' * 200}…",
+        "\ufffdevil",
+    ]
+    assert {students[" "][:8], students["\n"][:8]} == {"unnamed~"}
+
+
+def test_names_that_are_not_utf_8_cost_nobody_anything(tmp_path: Path) -> None:
+    evil = [b"j\xf6rg/temperature_service.py", b"mallory/\xff_temperature_service.py", b"mallory/\xfe.txt"]
+    found = collect(lay_out(tmp_path / "in", [*IN_FOLDERS.values(), *evil]))
+    result = taken(found)
+    assert os.fsencode(result["j\ufffdrg"]) == evil[0]
+    assert os.fsencode(result["mallory"]) == evil[1]
+    assert set(OTHERS) <= set(result)
+
+
+def test_links_are_not_followed_whoever_they_lead_to(tmp_path: Path) -> None:
+    root = lay_out(tmp_path / "in", IN_FOLDERS.values())
+    (root / "dee").symlink_to("bob")
+    (root / "eve").mkdir()
+    (root / "eve/src").symlink_to("../bob")
+    (root / "fay.py").symlink_to(f"bob/{PROGRAM}")
+    (root / "gus").symlink_to("gus")
+    found = collect(root)
+    assert taken(found) == IN_FOLDERS
+    assert {student: reason.rpartition(": ")[2] for student, reason in found.dropped} == dict.fromkeys(
+        ("dee", "eve", "fay", "gus"), "it is a link, which is not followed"
+    )
+
+
+def test_a_link_among_files_of_students_is_not_followed(tmp_path: Path) -> None:
+    root = lay_out(tmp_path / "in", IN_FILES.values())
+    (root / "mallory.py").symlink_to("bob.py")
+    found = collect(root)
+    assert taken(found) == IN_FILES
+    assert found.dropped == (("mallory", "mallory.py: it is a link, which is not followed"),)
+
+
+def test_pipes_and_sockets_are_not_opened(tmp_path: Path) -> None:
+    root = lay_out(tmp_path / "in", IN_FILES.values())
+    os.mkfifo(root / "mallory.py")
+    (root / "nat").mkdir()
+    os.mkfifo(root / "nat/answer.py")
+    found = collect(root)
+    assert taken(found) == {**IN_FILES, "nat": "nat/answer.py"}, "reading it says what it is"
+    assert found.dropped == (("mallory", "mallory.py: it is no ordinary file"),)
+
+
+@pytest.fixture
+def nested(tmp_path: Path) -> Iterator[Path]:
+    """A class in which one student has folders deeper than Python recurses, and longer than a path can be."""
+    root = lay_out(tmp_path / "in", IN_FOLDERS.values())
+    (root / "mallory").mkdir()
+    here = os.open(root / "mallory", os.O_RDONLY)
+    for _ in range(1500):
+        os.mkdir("deeper", dir_fd=here)
+        below = os.open("deeper", os.O_RDONLY, dir_fd=here)
+        os.close(here)
+        here = below
+    os.close(here)
+    yield root
+    subprocess.run(["rm", "-rf", root / "mallory"], check=True)  # Python cannot, before 3.13
+
+
+def test_folders_nested_without_end_are_left(nested: Path) -> None:
+    found = collect(nested)
+    assert taken(found) == IN_FOLDERS
+    [(student, reason)] = found.dropped
+    assert student == "mallory"
+    assert reason.endswith("it lies in more than 30 folders within folders")
+
+
+def test_a_heap_of_files_is_its_students_problem(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(listing, "MOST", 100)
+    heap = [f"mallory/{number:04}.txt" for number in range(300)]
+    found = collect(
+        lay_out(tmp_path / "in", [*IN_FOLDERS.values(), *heap, f"dee/{PROGRAM}", *(f"dee/{n}" for n in "abc")])
+    )
+    assert taken(found) == {**IN_FOLDERS, "dee": f"dee/{PROGRAM}"}
+    assert dict(found.dropped) == {
+        "mallory": "mallory: it holds more than 100 files and folders; the rest was not looked at"
+    }
+    assert len(found.left) < 60, "they are counted, not listed"
+
+
+def test_whoever_hands_in_something_else_only_is_named(tmp_path: Path) -> None:
+    root = lay_out(tmp_path / "in", [*IN_FOLDERS.values(), "dee/a.txt", "dee/b.txt", "eve/essay.pdf"])
+    (root / "fay").mkdir()
+    found = collect(root)
+    assert taken(found) == {**IN_FOLDERS, "eve": "eve/essay.pdf"}
+    assert found.dropped == (("dee", "nothing of it is for the exercises"),)
+    assert ("fay", SERVICE.id) in found.missing
+    assert ("fay", "an empty folder") in found.left
+
+
+def test_what_systems_and_tools_leave_behind_is_nobodys(tmp_path: Path) -> None:
+    junk = [".DS_Store", "__MACOSX/bob/._temperature_service.py", "bob/._temperature_service.py", ".gitignore"]
+    found = collect(lay_out(tmp_path / "in", [*IN_FOLDERS.values(), *junk]))
+    assert taken(found) == IN_FOLDERS
+    assert found.dropped == ()
+    assert {path for path, _ in found.left} == {".DS_Store", "__MACOSX", "bob/._temperature_service.py", ".gitignore"}
+
+
+@pytest.mark.parametrize("read", [layouts.read_canvas, layouts.read_moodle, layouts.read_files])
+@pytest.mark.parametrize("kind", [FILE, FOLDER])
+@pytest.mark.parametrize("piece", ["_1", "1", "_", "_1_1_", "-1", "_1_assignsubmission_file", "a_12_34_"])
+def test_reading_a_name_takes_time_in_proportion_to_its_length(
+    read: Callable[[Item], object], kind: str, piece: str
+) -> None:
+    """Names in a zip have up to 65,535 bytes; ten times as much costs a quadratic pattern a hundred times as much."""
+
+    def seconds(length: int) -> float:
+        item = Item((piece * length)[:length], kind)
+        return min(timeit.repeat(lambda: read(item), number=5, repeat=7, timer=time.process_time))
+
+    assert seconds(60_000) < 40 * max(seconds(6_000), 0.0005)
+
+
+class Zip:
+    """Writes zips that no honest tool writes."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._zip = zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED)
+        for name in IN_FOLDERS.values():
+            self.add(name)
+
+    def add(
+        self, name: str, data: bytes = b"pass\n", mode: int = 0, method: int = zipfile.ZIP_DEFLATED, extra: bytes = b""
+    ) -> None:
+        member = zipfile.ZipInfo("x")
+        member.filename = name
+        member.external_attr = mode << 16
+        member.compress_type = method
+        member.extra = extra
+        self._zip.writestr(member, data)
+
+    def close(self, change: Callable[[bytes], bytes] = lambda data: data) -> Path:
+        self._zip.close()
+        self.path.write_bytes(change(self.path.read_bytes()))
+        return self.path
+
+
+def flag(bits: int, name: bytes) -> Callable[[bytes], bytes]:
+    """Set flags of the members of a name, at both places where they stand."""
+
+    def change(data: bytes) -> bytes:
+        changed = bytearray(data)
+        place = data.find(name)
+        while place >= 0:
+            for signature, head, at in ((b"PK\x03\x04", 30, 6), (b"PK\x01\x02", 46, 8)):
+                if data[place - head : place - head + 4] == signature:
+                    (before,) = struct.unpack_from("<H", changed, place - head + at)
+                    struct.pack_into("<H", changed, place - head + at, before | bits)
+            place = data.find(name, place + 1)
+        return bytes(changed)
+
+    return change
+
+
+OUTSIDE = "its name leads out of the archive"
+MEMBERS: list[tuple[str, dict[str, object], str]] = [
+    ("mallory/temperature_service.py", {"mode": stat.S_IFLNK | 0o777, "data": b"../bob/x"}, "it is a link"),
+    ("mallory/temperature_service.py", {"mode": stat.S_IFBLK | 0o666}, "it is no ordinary file"),
+    ("mallory/temperature_service.py", {"mode": stat.S_IFIFO | 0o666}, "it is no ordinary file"),
+    ("mallory/temperature_service.py", {"method": zipfile.ZIP_BZIP2}, "compressed by a method that is not unpacked"),
+    ("mallory/temperature_service.py", {"method": zipfile.ZIP_LZMA}, "compressed by a method that is not unpacked"),
+    (f"mallory/{'x' * 300}.py", {}, "its name is too long"),
+    (f"{'m' * 300}/temperature_service.py", {}, "its name is too long"),
+    (f"{'m' * 60_000}/temperature_service.py", {}, "its name is too long"),
+    (f"mallory/{'a/' * 2000}temperature_service.py", {}, "it lies in more than 40 folders"),
+    (f"mallory/{'y' * 250}/{'/'.join(['z' * 250] * 20)}/a.py", {}, "it cannot be unpacked: File name too long"),
+    ("../bob/temperature_service.py", {}, OUTSIDE),
+    ("mallory/../bob/temperature_service.py", {}, OUTSIDE),
+    ("/bob/temperature_service.py", {}, OUTSIDE),
+    ("//bob/temperature_service.py", {}, OUTSIDE),
+]
+
+
+@pytest.mark.parametrize(("name", "how", "reason"), MEMBERS, ids=[f"{one[0][:40]} {one[2][:30]}" for one in MEMBERS])
+def test_a_member_that_cannot_be_had_is_named_and_everybody_else_is_there(
+    tmp_path: Path, name: str, how: dict[str, object], reason: str
+) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    packed.add(name, **how)  # type: ignore[arg-type]
+    found = collect(packed.close())
+    assert taken(found) == IN_FOLDERS
+    [(_, told)] = found.dropped
+    assert reason in told
+    assert len(told) < 400
+    assert any(reason in one for _, one in found.left)
+    assert {path.name for path in tmp_path.iterdir()} == {"all.zip", "workspace", ".workspace_is_unpacked"}
+    assert all(path.is_file() and path.read_bytes() == b"pass\n" for path in (tmp_path / "workspace").glob("*/*.py"))
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (flag(0x1, b"mallory/temperature_service.py"), "it is encrypted"),
+        (lambda data: data.replace(b"#corrupt#", b"#corrupT#"), "cannot be unpacked: Bad CRC-32"),
+        (lambda data: data.replace(b"mallory/temp", b"mallory/tEmp", 1), "cannot be unpacked: File name in directory"),
+    ],
+    ids=["encrypted", "corrupt", "two names"],
+)
+def test_a_broken_member_is_not_half_there(tmp_path: Path, change: Callable[[bytes], bytes], reason: str) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    packed.add("mallory/temperature_service.py", b"#corrupt#\n", method=zipfile.ZIP_STORED)
+    packed.add("mallory/old.py", b"class TemperatureService(Node):\n    pass\n")
+    found = collect(packed.close(change))
+    assert taken(found) == IN_FOLDERS, "an older file is not graded in its place"
+    [(student, told)] = found.dropped
+    assert (student, told.partition(": ")[0]) == ("mallory", "mallory/temperature_service.py")
+    assert reason in told
+    assert not (tmp_path / "workspace/mallory/temperature_service.py").exists()
+
+
+def test_a_corrupt_stream_is_its_members_problem(tmp_path: Path) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    packed.add("mallory/temperature_service.py", os.urandom(100) * 50)
+
+    def scratch(data: bytes) -> bytes:
+        start = data.index(b"mallory/temperature_service.py") + len("mallory/temperature_service.py")
+        return data[: start + 20] + b"\xff" * 40 + data[start + 60 :]
+
+    found = collect(packed.close(scratch))
+    assert taken(found) == IN_FOLDERS
+    assert "cannot be unpacked" in dict(found.dropped)["mallory"]
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_of_two_members_of_a_name_the_last_counts(tmp_path: Path) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    for text in (b"first", b"second"):
+        packed.add("mallory/temperature_service.py", text)
+    packed.add("mallory/./temperature_service.py", b"third")
+    found = collect(packed.close())
+    assert taken(found) == {**IN_FOLDERS, "mallory": "mallory/temperature_service.py"}
+    assert (found.root / "mallory/temperature_service.py").read_bytes() == b"third"
+    assert [path for path, _ in found.left] == ["mallory/temperature_service.py"] * 2
+    assert found.dropped == ()
+
+
+def test_a_file_and_a_folder_of_one_name(tmp_path: Path) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    packed.add("mallory")
+    packed.add("mallory/temperature_service.py")
+    packed.add("dee/temperature_service.py")
+    packed.add("dee")
+    found = collect(packed.close())
+    assert set(taken(found)) == {*OTHERS, "mallory", "dee"}
+    assert [student for student, _ in found.dropped] == ["mallory", "dee"]
+
+
+def test_names_in_a_zip_that_are_not_what_they_say(tmp_path: Path) -> None:
+    """Marked as UTF-8 and not UTF-8: Python's own reader gives up the whole archive."""
+    packed = Zip(tmp_path / "all.zip")
+    packed.add("mallory/xx_temperature_service.py")
+    packed.add("d\xe9e/temperature_service.py")
+
+    def not_utf_8(data: bytes) -> bytes:
+        return flag(0x800, b"mallory/xx")(data).replace(b"mallory/xx", b"mallory/\xff\xfe")
+
+    found = collect(packed.close(not_utf_8))
+    result = taken(found)
+    assert set(OTHERS) | {"dée"} <= set(result)
+    assert "mallory" in result or dict(found.dropped)["mallory"]
+
+
+@pytest.mark.parametrize(
+    "extra",
+    [
+        struct.pack("<HH", 0x7075, 4) + b"\1abc",  # a name in Unicode that is cut off
+        struct.pack("<HHBL", 0x7075, 7, 1, 0) + b"\xff\xfe",  # one that is no Unicode
+        struct.pack("<HH", 0x9999, 400) + b"abc",  # longer than what there is
+    ],
+)
+def test_a_damaged_addition_to_a_name_is_passed_over(tmp_path: Path, extra: bytes) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    packed.add(f"mallory/{PROGRAM}", extra=struct.pack("<HH", 0x9999, len(extra) - 4) + extra[4:])
+    sound = struct.pack("<HH", 0x9999, len(extra) - 4) + extra[4:]
+    found = collect(packed.close(lambda data: data.replace(sound, extra)))
+    assert taken(found) == {**IN_FOLDERS, "mallory": f"mallory/{PROGRAM}"}
+
+
+def test_sizes_in_64_bits_are_read_and_a_missing_one_is_its_files_problem(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "large.zip", "w") as packed:
+        with packed.open(IN_FOLDERS["ann"], "w", force_zip64=True) as file:
+            file.write(b"pass\n")
+        packed.writestr(IN_FOLDERS["bob"], "pass\n")
+    assert set(taken(collect(tmp_path / "large.zip"))) == {"ann", "bob"}
+    data = bytearray((tmp_path / "large.zip").read_bytes())
+    struct.pack_into("<I", data, data.rindex(b"PK\x01\x02") + 24, 0xFFFFFFFF)
+    (tmp_path / "large.zip").write_bytes(data)
+    found = collect(tmp_path / "large.zip")
+    assert set(taken(found)) == {"ann"}
+    assert "it is too much" in dict(found.dropped)["bob"]
+
+
+def test_names_in_the_old_encoding_of_zips_are_kept(tmp_path: Path) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    packed.add("XXXX/temperature_service.py")
+    found = collect(packed.close(lambda data: data.replace(b"XXXX", b"J\x94rg")))
+    assert "Jörg" in taken(found)
+
+
+def test_a_bomb_takes_its_student_along_and_nobody_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(archive, "LARGEST_OF_ONE", 10_000)
+    monkeypatch.setattr(archive, "MOST_OF_ONE", 5)
+    packed = Zip(tmp_path / "all.zip")
+    packed.add("mallory/temperature_service.py", b"0" * 20_000)
+    packed.add("dee/temperature_service.py", b"pass\n")
+    packed.add("dee/video.mp4", b"0" * 50_000)
+    for number in range(20):
+        packed.add(f"eve/{number}.py")
+    found = collect(packed.close())
+    assert taken(found) == {**IN_FOLDERS, "dee": "dee/temperature_service.py"}
+    assert "at most 5 files of 0 MB together" in dict(found.dropped)["mallory"]
+    assert {path.name for path in (tmp_path / "workspace/dee").iterdir()} == {"temperature_service.py"}
+    assert len(list((tmp_path / "workspace/eve").iterdir())) == 5
+
+
+def test_a_member_that_is_larger_than_it_says_is_not_unpacked(tmp_path: Path) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    packed.add("mallory/temperature_service.py", b"0" * 5_000_000)
+
+    def lie(data: bytes) -> bytes:
+        return data.replace(struct.pack("<I", 5_000_000), struct.pack("<I", 5))
+
+    found = collect(packed.close(lie))
+    assert taken(found) == IN_FOLDERS
+    assert "cannot be unpacked" in dict(found.dropped)["mallory"]
+    assert not (tmp_path / "workspace/mallory/temperature_service.py").exists()
+
+
+def test_too_many_members_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(archive, "MOST", 2)
+    with pytest.raises(GradingError, match="holds 3 files, and the limit is 2"):
+        collect(Zip(tmp_path / "all.zip").close())
+
+
+def test_a_zip_in_a_zip_stays_closed(tmp_path: Path) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    inner = Zip(tmp_path / "inner.zip").close().read_bytes()
+    (tmp_path / "inner.zip").unlink()
+    packed.add("mallory/work.zip", inner)
+    packed.add("dee.zip", inner)
+    found = collect(packed.close())
+    assert taken(found) == {**IN_FOLDERS, "mallory": "mallory/work.zip", "dee": "dee.zip"}
+    assert collect(tmp_path / "all.zip", SERVICE, ROBOT).dropped == (
+        ("dee", "nothing of it is for the exercises"),
+        ("mallory", "nothing of it is for the exercises"),
+    )
+
+
+@pytest.mark.parametrize("name", ["mallory\\temperature_service.py", "a%2fbob.py", "a\u2215bob.py", "a\uff0fbob.py"])
+def test_slashes_in_disguise_are_letters(tmp_path: Path, name: str) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    packed.add(name)
+    found = collect(packed.close())
+    assert {source for source in taken(found).values() if source not in IN_FOLDERS.values()} == {name}
+
+
+def test_unpacking_again_leaves_nothing_of_before(tmp_path: Path) -> None:
+    packed = Zip(tmp_path / "all.zip")
+    packed.add("mallory/temperature_service.py")
+    assert "mallory" in taken(collect(packed.close()))
+    assert taken(collect(Zip(tmp_path / "all.zip").close())) == IN_FOLDERS
+    assert not (tmp_path / "workspace/mallory").exists()
+
+
+def test_a_folder_that_is_not_ours_is_not_emptied(tmp_path: Path) -> None:
+    lay_out(tmp_path / "workspace", ["precious.txt"])
+    with pytest.raises(GradingError, match=r"is there already\. Move it away first"):
+        collect(Zip(tmp_path / "all.zip").close())
+    assert (tmp_path / "workspace/precious.txt").is_file()
+
+
+def test_a_full_disk_is_nobodys_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    packed = Zip(tmp_path / "all.zip").close()
+
+    def stand_in_for_a_full_disk(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(zipfile.ZipFile, "open", stand_in_for_a_full_disk)
+    with pytest.raises(OSError, match="No space left"):
+        collect(packed)
+
+
+def test_the_newer_of_two_files_in_a_zip_counts(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "all.zip", "w") as packed:
+        for name, year in (("jane/a/temperature_service.py", 2026), ("jane/b/temperature_service.py", 2020)):
+            packed.writestr(zipfile.ZipInfo(name, (year, 1, 1, 0, 0, 0)), "pass")
+    assert collect(tmp_path / "all.zip").entries[0].source == "jane/a/temperature_service.py"

@@ -1,0 +1,124 @@
+"""Whatever process of a class run is killed: no result is lost, none is wrong, and the run can be completed."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import threading
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+
+from tests.grading.conftest import EXERCISE, ROOT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+pytestmark = pytest.mark.answers
+ROLES = (
+    "grade warm",
+    "grade launchers",
+    "grade launcher",
+    "grade worker",
+    "grade supervise",
+    "grade grader",
+    "grade gate",
+    "grade guard",
+    "submission",
+)
+SIZE = int(os.environ.get("COURSE_KILLS_SIZE", "8"))
+KILLS = int(os.environ.get("COURSE_KILLS", "3"))  # of each role
+PATIENCE_S = 100.0  # against hanging only
+WRONG = "validation.missing"
+
+
+@pytest.fixture(scope="module")
+def inbox(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A class in which every other submission is wrong, each in its own text, so that each is graded."""
+    folder = tmp_path_factory.mktemp("inbox")
+    right = (ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py").read_text()
+    wrong = (ROOT / "tests" / "broken" / EXERCISE / f"{WRONG}.py").read_text()
+    for number in range(SIZE):
+        text = (right, wrong)[number % 2]
+        (folder / f"student{number:03}").mkdir()
+        (folder / f"student{number:03}" / f"{EXERCISE}.py").write_text(f"{text}\n# {number}\n")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def scores(inbox: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, float]:
+    """What a run in peace gives."""
+    out = tmp_path_factory.mktemp("peace") / "out"
+    assert class_run(inbox, out).wait(PATIENCE_S) == 0
+    return {student: score for student, (_, score) in results(out).items()}
+
+
+def class_run(inbox: Path, out: Path, *more: str) -> subprocess.Popen[bytes]:
+    words = ["class", str(inbox), "--exercise", EXERCISE, "--out", str(out), "--seed", "3", "--workers", "2", *more]
+    program = "import sys; from course_kit.__main__ import main; sys.exit(main())"
+    return subprocess.Popen(
+        [sys.executable, "-c", program, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+
+
+def results(out: Path) -> dict[str, tuple[str, float]]:
+    """Status and score by student."""
+    records = [json.loads(path.read_text()) for path in out.glob("students/*/*.json")]
+    return {one["entry"]["student"]: (one["report"]["status"], one["report"]["score"]) for one in records}
+
+
+def of_role(run: subprocess.Popen[bytes], role: str) -> Iterator[psutil.Process]:
+    for process in psutil.Process(run.pid).children(recursive=True):
+        with suppress(OSError):  # it has ended meanwhile
+            if Path(f"/proc/{process.pid}/comm").read_text().strip() == role[:15]:
+                yield process
+
+
+def wait_for_others(run: subprocess.Popen[bytes], out: Path) -> None:
+    """Wait until more results have come than there are workers, so that it is somebody else's turn."""
+    before, pause = len(results(out)), threading.Event()
+    while len(results(out)) <= before + 2 and run.poll() is None:
+        pause.wait(0.05)
+
+
+def kill_some(run: subprocess.Popen[bytes], role: str, out: Path, chance: random.Random) -> int:
+    """Kill processes of a role at moments nobody has chosen; returns how many it were."""
+    killed, pause = 0, threading.Event()
+    while killed < KILLS and run.poll() is None:
+        pause.wait(chance.random() / 4)  # no synchronisation: any moment will do
+        try:
+            if found := list(of_role(run, role)):
+                chance.choice(found).send_signal(signal.SIGKILL)
+                killed += 1
+                if role == "submission":  # one that is killed again and again is taken to do it itself
+                    wait_for_others(run, out)
+        except psutil.NoSuchProcess:
+            continue
+    return killed
+
+
+@pytest.mark.timeout(400)
+@pytest.mark.parametrize("role", ROLES)
+def test_killing_costs_nothing_and_makes_nothing_wrong(
+    role: str, inbox: Path, scores: dict[str, float], tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    run = class_run(inbox, out)
+    killed = kill_some(run, role, out, random.Random(role))  # noqa: S311 - moments, not secrets
+    code = run.wait(PATIENCE_S)
+    assert killed
+    found = results(out)
+    assert set(found) == set(scores), "somebody was lost"
+    graded = {student: score for student, (status, score) in found.items() if status != "error"}
+    assert graded == {student: scores[student] for student in graded}, "a grade is wrong"
+    assert code == (0 if len(graded) == len(scores) else 2)
+    if len(graded) < len(scores):
+        assert class_run(inbox, out, "--resume").wait(PATIENCE_S) == 0
+    assert {student: score for student, (_, score) in results(out).items()} == scores

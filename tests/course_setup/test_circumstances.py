@@ -1,0 +1,256 @@
+"""Machines, folders and variables that are not as one would like them: made to work, or refused in a sentence."""
+
+from __future__ import annotations
+
+import errno
+import graphlib
+import os
+import resource
+import shutil
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.grading.namespaces import drop_privileges
+from course_setup import problems
+from tests.course_clone import BASE_PYTHON, STAND_IN_UV, Clone
+
+if TYPE_CHECKING:
+    import subprocess
+    from collections.abc import Iterator
+
+NEEDED = ("sh", "cat", "chmod", "cksum", "dirname", "env", "getconf", "readlink", "rm", "uname")
+# Stands in for a Python whose venv brings the pip of that version, and notes what that pip is asked for.
+WITH_PIP = f"""#!/bin/sh
+case "$*" in
+  "-c import ensurepip, venv") exit 0 ;;
+  "-m venv "*) for last; do :; done
+     mkdir -p "$last/bin" "$last/lib/python3.10/site-packages/pip-$STAND_IN_PIP.dist-info"
+     cp "$0" "$last/bin/python"; touch "$last/bin/activate" ;;
+  "-m pip "*) echo "$@" >>"$STAND_IN_LOG" ;;
+  *) PYTHONPATH=$PWD exec {BASE_PYTHON} "$@" ;;
+esac
+"""
+OLD_PYTHON = """#!/bin/sh
+case "$*" in *python_version*) echo 3.9.2 ;; *) exit 1 ;; esac
+"""
+
+
+def refusal(done: subprocess.CompletedProcess[str]) -> str:
+    """The one line with which a command refused."""
+    assert done.returncode == 2, done
+    [line] = done.stderr.splitlines()
+    return line
+
+
+@pytest.fixture
+def bare(clone: Clone, tmp_path: Path) -> dict[str, str]:
+    """Variables for a machine without any Python: PATH has only what a POSIX system cannot be without."""
+    for name in NEEDED:
+        (clone.tools / name).symlink_to(str(shutil.which(name)))
+    return {"PATH": str(clone.tools), "COURSE_PYTHON": "", "HOME": str(tmp_path / "home")}
+
+
+@contextmanager
+def not_writable(*folders: Path) -> Iterator[None]:
+    """Folders of somebody else, so to speak; root notices only after `drop_privileges`."""
+    for folder in folders:
+        folder.chmod(0o555)
+    try:
+        yield
+    finally:
+        for folder in folders:
+            folder.chmod(0o755)
+
+
+@pytest.mark.parametrize(
+    ("name", "word"),
+    [("a:b", "':'"), ("a;b", "';'"), ("two\nlines", "line break"), ("at end\n", "line break"), ("$LIB", "'$'")],
+)
+def test_names_of_folders_that_cannot_work_are_refused_at_once(tmp_path: Path, name: str, word: str) -> None:
+    clone = Clone(tmp_path, name)
+    done = clone.course("lab")
+    assert done.returncode == 2
+    assert word in done.stderr
+    assert "Rename the folder" in done.stderr
+    assert clone.calls() == []
+
+
+def test_a_name_in_an_old_encoding_is_refused(tmp_path: Path) -> None:
+    clone = Clone(tmp_path, os.fsdecode("Übung".encode("latin-1")))
+    assert "is not valid UTF-8" in refusal(clone.course("lab"))
+    assert clone.calls() == []
+
+
+def test_pythonhome_is_left_aside(clone: Clone) -> None:
+    for _ in range(2):
+        done = clone.course("doctor", PYTHONHOME="/nowhere")
+        assert done.stdout == f"cli {clone.environment} doctor\n", done.stderr
+
+
+def test_packages_from_elsewhere_are_left_aside_unless_ros_brings_them(clone: Clone, tmp_path: Path) -> None:
+    (clone.root / "course_kit" / "cli.py").write_text("import graphlib; print(graphlib.__file__)\n")
+    (tmp_path / "graphlib.py").touch()
+    for _ in range(2):
+        done = clone.course("doctor", PYTHONPATH=str(tmp_path))
+        assert done.stdout == f"{graphlib.__file__}\n", done.stderr
+        assert "PYTHONPATH is set; the course runs without it" in done.stderr
+    sourced = clone.course("doctor", PYTHONPATH=str(tmp_path), ROS_DISTRO="jazzy")
+    assert sourced.stdout == f"{tmp_path}/graphlib.py\n"
+    assert "PYTHONPATH" not in sourced.stderr
+
+
+def test_the_installer_gets_no_settings_for_other_installations(clone: Clone, tmp_path: Path) -> None:
+    clone.course(
+        "doctor", PYTHONPATH=str(tmp_path), ROS_DISTRO="jazzy", VIRTUAL_ENV="/x", PIP_TARGET="/x", PIP_USER="1"
+    )
+    given = dict(line.split("=", 1) for line in Path(f"{clone.log}.variables").read_text().splitlines() if "=" in line)
+    assert not given.keys() & {"PYTHONPATH", "VIRTUAL_ENV", "PIP_TARGET"}
+    assert given["PIP_USER"] == "0"
+    assert given["TMPDIR"].startswith(f"{clone.root}/.venvs/")
+    assert not Path(given["TMPDIR"]).exists()
+
+
+def test_a_folder_that_cannot_be_written_is_refused_at_once(clone: Clone) -> None:
+    with not_writable(clone.root):
+        told = refusal(clone.course("lab", before=drop_privileges))
+    assert f"The folder {clone.root} cannot be written (Permission denied)" in told
+    assert "have its owner run './course lab' once" in told
+    assert clone.calls() == []
+
+
+def test_a_complete_course_works_in_a_folder_that_cannot_be_written(clone: Clone) -> None:
+    clone.course("doctor", ROS_DISTRO="jazzy")
+    clone.course("doctor")
+    with not_writable(clone.root, clone.root / ".venvs"):
+        done = clone.course("doctor", ROS_DISTRO="jazzy", before=drop_privileges)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert "/.venvs/jazzy-" in done.stdout
+        assert "cannot be written" in refusal(clone.course("test", before=drop_privileges))
+
+
+@pytest.mark.parametrize(("mode", "cached"), [(0o755, True), (0o555, False)])
+def test_uv_does_without_a_cache_where_the_home_directory_cannot_be_written(
+    clone: Clone, tmp_path: Path, mode: int, cached: bool
+) -> None:
+    home = tmp_path / "home"
+    home.mkdir(mode=mode)
+    done = clone.course("doctor", HOME=str(home), XDG_CACHE_HOME="", UV_CACHE_DIR="", before=drop_privileges)
+    assert done.returncode == 0, done.stderr
+    given = Path(f"{clone.log}.variables").read_text().splitlines()
+    assert ("UV_NO_CACHE=1" not in given) is cached
+
+
+@pytest.mark.parametrize(
+    ("version", "calls"), [("21.2.3", ["--upgrade pip>=22", "-e .[ros]"]), ("23.0.1", ["-e .[ros]"])]
+)
+def test_a_pip_that_is_too_old_is_renewed_first(clone: Clone, version: str, calls: list[str]) -> None:
+    clone.tool("stand_in_python", WITH_PIP)
+    python = str(clone.tools / "stand_in_python")
+    done = clone.course("doctor", COURSE_PYTHON=python, COURSE_NO_UV="1", STAND_IN_PIP=version)
+    assert done.returncode == 0, done.stderr
+    installs = [line.split("--progress-bar off ")[1] for line in clone.log.read_text().splitlines()]
+    assert installs == calls
+
+
+def test_only_an_old_python_is_named_with_what_to_do(clone: Clone, bare: dict[str, str]) -> None:
+    (clone.tools / "uv").unlink()
+    assert "here is none" in refusal(clone.course("lab", **bare))
+    clone.tool("python3", OLD_PYTHON)
+    told = refusal(clone.course("lab", **bare))
+    assert f"The course needs Python 3.10 to 3.14, and here is 3.9.2 ({clone.tools}/python3)." in told
+    assert "uv, which brings a Python of its own" in told
+
+
+def test_uv_alone_is_enough(clone: Clone, bare: dict[str, str]) -> None:
+    clone.tool("python3", OLD_PYTHON)
+    done = clone.course("doctor", **bare)
+    assert done.returncode == 0, done.stderr
+    assert clone.calls() == ["run", "venv", "pip"]
+
+
+def test_a_python_that_uv_cannot_fetch_is_said_to_be_missing(clone: Clone, bare: dict[str, str]) -> None:
+    clone.tool("uv", "#!/bin/sh\nexit 1\n")
+    assert "uv could not fetch one" in refusal(clone.course("lab", **bare))
+
+
+def test_uv_is_found_where_its_installer_has_just_put_it(clone: Clone, bare: dict[str, str]) -> None:
+    fresh = Path(bare["HOME"], ".local", "bin")
+    fresh.mkdir(parents=True)
+    (clone.tools / "uv").rename(fresh / "uv")
+    assert clone.course("doctor", **bare).returncode == 0
+    assert clone.calls() == ["run", "venv", "pip"]
+
+
+def test_a_disk_that_takes_no_more_leaves_nothing_behind(clone: Clone) -> None:
+    """A limit on the size of files stands in for the full disk."""
+    done = clone.course("lab", before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY)))
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1].startswith("course: ")
+    assert clone.environments() == set()
+    assert clone.course("doctor").returncode == 0
+
+
+def test_a_file_that_changes_during_the_set_up_is_no_endless_loop(clone: Clone) -> None:
+    clone.tool("uv", STAND_IN_UV.replace("environment=${4%", "echo '#' >>pyproject.toml; environment=${4%"))
+    done = clone.course("doctor")
+    assert done.returncode == 2
+    assert "files changed during the set-up" in done.stderr.splitlines()[-1]
+    assert clone.calls() == ["venv", "pip"]
+
+
+@pytest.mark.parametrize(
+    ("number", "word"),
+    [
+        (errno.ENOSPC, "The disk is full. The course needs about 500 MB in /a course."),
+        (errno.EDQUOT, "The disk is full."),
+        (errno.EROFS, "cannot be written (Read-only file system)"),
+        (errno.EIO, "The set-up failed (Input/output error: /a course/x)."),
+    ],
+)
+def test_errors_of_the_system_are_sentences(number: int, word: str) -> None:
+    problem = OSError(number, os.strerror(number), "/a course/x")
+    assert word in problems.describe(problem, Path("/a course"))
+
+
+@pytest.mark.parametrize(
+    ("free_mb", "words"),
+    [
+        (3, ["The disk is full. The course needs about 500 MB in"]),
+        (60, ["the lines above say why", "room: 60 MB are free, and the course needs about 500 MB"]),
+        (900, ["the lines above say why. It needs a network connection. Then run the same command again."]),
+    ],
+)
+def test_a_failed_installation_tells_of_the_room_there_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, free_mb: int, words: list[str]
+) -> None:
+    """Only root can mount a small file system, so its status is stood in for."""
+    real = os.statvfs(tmp_path)
+    blocks = free_mb * 2**20 // real.f_frsize
+    stand_in = os.statvfs_result((*real[:3], blocks, blocks, *real[5:], real.f_namemax))
+    monkeypatch.setattr(os, "statvfs", lambda _path: stand_in)
+    told = problems.unfinished("the installation did not finish", tmp_path)
+    assert [word for word in words if word not in told] == []
+
+
+def test_a_folder_in_which_nothing_may_be_run_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only root can mount such a file system, so its status is stood in for."""
+    real = os.statvfs(tmp_path)
+    stand_in = os.statvfs_result((*real[:8], real.f_flag | os.ST_NOEXEC, real.f_namemax))
+    monkeypatch.setattr(os, "statvfs", lambda _path: stand_in)
+    with pytest.raises(problems.SetUpError, match=r"mounted 'noexec'.*Move the course's folder"):
+        problems.require_usable(tmp_path, tmp_path / ".venvs")
+    assert not (tmp_path / ".venvs").exists()
+
+
+def test_a_file_system_without_links_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The system call is stood in for: it takes root to mount a FAT file system."""
+
+    def refuse(_self: Path, _target: str) -> None:
+        raise OSError(errno.EPERM, os.strerror(errno.EPERM))
+
+    monkeypatch.setattr(Path, "symlink_to", refuse)
+    with pytest.raises(problems.SetUpError, match=r"has no symbolic links.*Move the course's folder"):
+        problems.require_usable(tmp_path, tmp_path / ".venvs")

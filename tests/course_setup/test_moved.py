@@ -1,0 +1,109 @@
+"""A course folder that has been moved or copied works without a network, whatever it is called."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.course_clone import Clone
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ODD_NAMES = ['it\'s [a] "course" * $HOME & 100% \\', "Übung 🤖", "ends with a space "]
+
+
+def move(clone: Clone, name: str = "moved here") -> None:
+    """Move the course; from now on no installer can be had."""
+    clone.root = clone.root.rename(clone.root.with_name(name))
+    clone.tool("uv", "#!/bin/sh\nexit 1\n")
+
+
+def ask(clone: Clone, shell_command: str) -> str:
+    done = subprocess.run(
+        ["/bin/sh", "-c", shell_command],
+        cwd=clone.root.parent,
+        env=clone.environ(),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.rstrip("\n")
+
+
+def in_shell(path: Path) -> str:
+    return "'" + str(path).replace("'", "'\\''") + "'"
+
+
+def test_it_works_at_its_new_place(clone: Clone, tmp_path: Path) -> None:
+    clone.course("doctor")
+    move(clone)
+    done = clone.course("doctor", cwd=tmp_path)
+    assert done.stdout == f"cli {clone.environment} doctor\n"
+    assert clone.environment.is_relative_to(clone.root)
+    again = clone.course("doctor", cwd=tmp_path)
+    assert (again.stdout, again.stderr) == (done.stdout, "")
+
+
+@pytest.mark.parametrize("name", ODD_NAMES)
+def test_everything_in_its_environment_finds_itself(tmp_path: Path, name: str) -> None:
+    clone = Clone(tmp_path, name)
+    place = "import sys; print(sys.prefix)"
+    for _ in range(2):
+        assert clone.course("doctor", cwd=tmp_path).stdout == f"cli {clone.environment} doctor\n"
+        face = in_shell(clone.root / ".venv")
+        assert ask(clone, f"{face}/bin/program") == f"program {clone.environment}"
+        assert ask(clone, f"{face}/bin/python -c '{place}'") == f"{clone.root}/.venv"
+        assert ask(clone, f". {face}/bin/activate; python -c '{place}'") == str(clone.environment)
+        assert ask(clone, f". {face}/bin/activate; program") == f"program {clone.environment}"
+        of_kit = "import course_kit; print(course_kit.__file__)"
+        assert ask(clone, f"{face}/bin/python -c '{of_kit}'") == f"{clone.root}/course_kit/__init__.py"
+        move(clone, f"moved {name}")
+
+
+def test_a_copy_has_nothing_to_do_with_the_original(clone: Clone, tmp_path: Path) -> None:
+    clone.course("doctor")
+    original = clone.root
+    shutil.copytree(original, tmp_path / "a copy", symlinks=True)
+    clone.root = tmp_path / "a copy"
+    (original / "course_kit" / "cli.py").write_text("print('the original')\n")
+    assert clone.course("doctor", cwd=tmp_path).stdout == f"cli {clone.environment} doctor\n"
+    assert clone.calls() == ["venv", "pip"]
+    assert clone.environment.is_relative_to(tmp_path / "a copy")
+
+
+def test_moved_and_edited_it_installs_and_keeps_the_environment(clone: Clone) -> None:
+    clone.course("doctor")
+    clone.root = clone.root.rename(clone.root.with_name("moved here"))
+    with (clone.root / "pyproject.toml").open("a") as file:
+        file.write("# edited\n")
+    assert clone.course("doctor").stdout == f"cli {clone.environment} doctor\n"
+    assert clone.calls() == ["venv", "pip", "pip"]
+
+
+@pytest.mark.parametrize(
+    "locale",
+    [
+        {"LC_ALL": "de_DE.ISO-8859-1"},
+        {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+        {"LC_ALL": "", "LANG": ""},
+    ],
+)
+def test_letters_beyond_ascii_need_no_utf_8_locale(tmp_path: Path, locale: dict[str, str]) -> None:
+    clone = Clone(tmp_path, "Übung")
+    prints = "import course_kit, os, sys; os.write(1, os.fsencode(course_kit.__file__)); print(' ✓', sys.argv[1:])\n"
+    (clone.root / "course_kit/cli.py").write_text(prints)
+    done = subprocess.run(
+        [clone.root / "course", "grade", "lösung.py"],
+        cwd=tmp_path,
+        env=clone.environ(**locale),
+        capture_output=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.stdout.decode() == f"{clone.root}/course_kit/__init__.py ✓ ['grade', 'lösung.py']\n", done.stderr

@@ -1,0 +1,114 @@
+"""Grades programs as another user, or where namespaces are refused: a process of its own, which it changes for good.
+
+Usage: python -c "... attack_modes.main()" MODE EXERCISE < programs.json > outcomes.json
+
+Everything is imported before the user changes: the interpreter may lie where that user may not read.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from course_kit.grading import isolation, launcher, mounts, namespaces, probing, processes, seccomp
+from course_kit.grading.job import Job
+from course_kit.grading.warden import Warden
+from tests.grading.conftest import EXERCISE, ROOT
+
+USER, USER_ALONE, AS_ROOT, ROOT_ALONE = "user", "user without namespaces", "root", "root without namespaces"
+BARE = "user without namespaces and Landlock"
+OF_USER, OF_ROOT = (USER, USER_ALONE, BARE), (AS_ROOT, ROOT_ALONE)
+_LANDLOCK = {"landlock_create_ruleset": 444}
+NOBODY = 65534
+
+
+_START = "import sys; sys.path.insert(0, sys.argv.pop(1)); from tests.grading import attack_modes; attack_modes.main()"
+
+
+def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
+    """Grade programs in a process of that mode.
+
+    Returns:
+        the outcome of each by its name, and what was found to isolate them as "isolation".
+    """
+    from tests.grading.attacks import SEED  # not above: the process that starts submissions must not know it
+
+    command = [sys.executable, "-c", _START, str(ROOT), mode, EXERCISE]
+    asked = json.dumps({**programs, "seed": SEED})
+    done = subprocess.run(command, input=asked, capture_output=True, text=True, cwd="/", timeout=110, check=False)
+    assert done.returncode == 0, done.stderr
+    first, *rows = (json.loads(line) for line in done.stdout.splitlines())
+    by_name = {row["name"]: row for row in rows}
+    assert set(by_name) == set(programs)
+    return {"isolation": isolation.Isolation.from_mapping(first["isolation"]), **by_name}
+
+
+def main() -> None:
+    """Read programs, a JSON object by name, and print the outcome of each, and what isolated them."""
+    mode, exercise = sys.argv[1:]
+    probing.warm_up()
+    os.environ.update(ROS_LOG_DIR=tempfile.gettempdir(), HOME="/nonexistent")
+    if mode in OF_USER and os.getuid() == 0:
+        open_the_way(sys.base_prefix)
+        become_nobody()
+    if mode not in (USER, AS_ROOT):
+        refuse_namespaces(_LANDLOCK if mode == BARE else {})
+    namespaces.forbid_tracing()
+    namespaces.adopt_orphans()
+    found = isolation.try_out()
+    handle, end = launcher.Launcher.pair()
+    if (starter := os.fork()) == 0:
+        handle.close()
+        launcher._serve(end)
+        os._exit(0)
+    end.close()
+    programs = json.load(sys.stdin)
+    seed = programs.pop("seed")
+    print(json.dumps({"isolation": found.to_mapping()}), flush=True)
+    for name, source in programs.items():
+        user = isolation.guest(os.getpid()) if found.user else 0
+        job = Job(exercise, "run", "answer.py", seed, source=source, class_name="TemperatureService", isolation=found)
+        job = Job.from_mapping({**job.to_mapping(), "user": user})
+        sys.stdout.flush()
+        if os.fork() == 0:
+            outcome = Warden(job, handle).run()
+            print(json.dumps({"name": name, **outcome}), flush=True)
+            os._exit(0)
+        os.wait()
+        processes.end_descendants((starter,))
+
+
+def open_the_way(path: str) -> None:
+    """Have every user find a folder that lies in a private one, such as a Python in root's home; as root."""
+    private = [place for place in reversed(Path(path).parents) if not place.stat().st_mode & stat.S_IXOTH]
+    if private:
+        namespaces._checked(namespaces._libc.unshare(namespaces.CLONE_NEWNS), "unshare")
+        mounts.detach()
+        opened = os.open(path, os.O_PATH)
+        mounts.memory(str(private[0]), 1)
+        Path(path).mkdir(parents=True)
+        mounts.bind(f"/proc/self/fd/{opened}", path)
+        os.close(opened)
+
+
+def become_nobody() -> None:
+    """Give up root."""
+    os.setgroups([])
+    os.setresgid(NOBODY, NOBODY, NOBODY)
+    os.setresuid(NOBODY, NOBODY, NOBODY)
+    namespaces.allow_tracing()  # as after an exec: /proc/self belongs to the user
+
+
+def refuse_namespaces(more: dict[str, int]) -> None:
+    """Have the kernel refuse what the default profile of Docker refuses, namespaces and mounts, and `more`."""
+    machine = os.uname().machine
+    known = seccomp._REFUSED[machine]
+    seccomp._REFUSED[machine] = {**more, **{name: known[name] for name in ("unshare", "setns", "mount")}}
+    seccomp.install()
+    seccomp._REFUSED[machine] = known

@@ -1,0 +1,353 @@
+"""Programs that attack the grader instead of solving an exercise; each prints a line that begins with WON if it gets there.
+
+They are data: `test_attacks` runs each under several kinds of isolation and writes the table of what held.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tests.grading.conftest import EXERCISE, ROOT
+
+SECRET_OF_A_STUDENT = "the-work-of-another"  # noqa: S105 - a text to look for; in a program that was graded before, and in a file
+SEED = 918273645
+
+
+@dataclass(frozen=True)
+class Attack:
+    """One of them.
+
+    Attributes:
+        tries: what it tries, in a few words for the table.
+        held_by: what stops it where all kinds of isolation work.
+        source: the program; `{file}` stands for a file of the user's, `{socket}` for a server's socket, `{name}` for an
+            abstract one and `%PORT%` for a port.
+        admitted: names of what may be missing, in `Isolation`'s words, for it to succeed; LIMITS.md says so.
+    """
+
+    tries: str
+    held_by: str
+    source: str
+    admitted: tuple[str, ...] = ()
+
+
+_SOLUTION = f"solutions/{EXERCISE}/{EXERCISE}.py"
+_SYSCALL = """
+import ctypes, os
+libc = ctypes.CDLL(None, use_errno=True)
+numbers = NUMBERS[os.uname().machine]
+def call(name, *arguments):
+    words = [ctypes.c_long(each) if isinstance(each, int) else each for each in arguments]
+    return libc.syscall(ctypes.c_long(numbers[name]), *words)
+""".replace(
+    "NUMBERS",
+    repr(
+        {
+            "x86_64": {
+                "keyctl": 250,
+                "add_key": 248,
+                "shmget": 29,
+                "semget": 64,
+                "msgget": 68,
+                "unshare": 272,
+                "ptrace": 101,
+                "pidfd_open": 434,
+                "pidfd_getfd": 438,
+                "process_vm_readv": 310,
+                "mount": 165,
+            },
+            "aarch64": {
+                "keyctl": 219,
+                "add_key": 217,
+                "shmget": 194,
+                "semget": 190,
+                "msgget": 186,
+                "unshare": 97,
+                "ptrace": 117,
+                "pidfd_open": 434,
+                "pidfd_getfd": 438,
+                "process_vm_readv": 270,
+                "mount": 40,
+            },
+        }
+    ),
+)
+
+ATTACKS = {
+    "reads_the_solution": Attack(
+        "runs the solution that lies in the checkout",
+        "its file system has no checkout",
+        f"""
+try:
+    source = open({str(ROOT / _SOLUTION)!r}).read()
+    print("WON: it has read the solution", flush=True)
+    exec(source)
+except OSError:
+    pass
+""",
+        ("files", "landlock"),
+    ),
+    "asks_git": Attack(
+        "has git show the solution",
+        "its file system has no checkout and no .git",
+        f"""
+import subprocess
+command = ["git", "-c", "safe.directory=*", "-C", {str(ROOT)!r}, "show", "HEAD:{_SOLUTION}"]
+try:
+    source = subprocess.run(command, capture_output=True, text=True, timeout=10).stdout
+except OSError:
+    source = ""
+if source:
+    print("WON: git has shown the solution", flush=True)
+    exec(source)
+""",
+        ("files", "landlock"),
+    ),
+    "reads_a_file": Attack(
+        "reads a file of the user's, such as another submission",
+        "its file system has none",
+        """
+try:
+    print("WON:", open(%FILE%).read())
+except OSError:
+    pass
+""",
+        ("files", "landlock"),
+    ),
+    "imports_the_grader": Attack(
+        "imports the graders, the checks and the quiz's bank",
+        "they are not among the modules it has",
+        """
+import importlib
+for name in ("graders.temperature_service", "grading.checks", "grading.engine", "quiz.bank", "quiz", "cli", "lab"):
+    try:
+        print("WON:", importlib.import_module(f"course_kit.{name}"))
+    except ImportError:
+        pass
+""",
+        ("files", "landlock"),
+    ),
+    "searches_its_memory": Attack(
+        "searches its memory and its frames for the seed and for what was graded before",
+        "the process it was forked from was never told either",
+        f"""
+import gc, re, sys
+# Character classes keep the words themselves out of this program.
+wanted = re.compile(rb"{SECRET_OF_A_STUDENT[:-1]}[{SECRET_OF_A_STUDENT[-1]}]|{str(SEED)[:-1]}[{str(SEED)[-1]}]")
+with open("/proc/self/maps") as maps, open("/proc/self/mem", "rb", 0) as memory:
+    for low, high in [[int(word, 16) for word in line.split()[0].split("-")] for line in maps if " rw" in line]:
+        try:
+            memory.seek(low)
+            if found := wanted.search(memory.read(min(high - low, 2**26))):
+                print("WON: memory holds", found[0])
+        except (OSError, ValueError, OverflowError):
+            pass
+for thing in gc.get_objects():
+    if type(thing).__name__ in ("Job", "Check", "Evidence", "Context") and "course_kit" in type(thing).__module__:
+        print("WON: an object of the grader", type(thing))
+frame = sys._getframe()
+while frame:
+    for name in frame.f_locals:
+        if name in ("job", "seed", "task"):
+            print("WON: a frame of", frame.f_code.co_name, "holds", name)
+    frame = frame.f_back
+""",
+    ),
+    "writes_to_the_terminal": Attack(
+        "writes a forged verdict to the instructor's terminal",
+        "it has no terminal, and no devices but null, zero, random and urandom",
+        """
+import glob, os
+for path in ("/dev/tty", "/dev/console", *glob.glob("/dev/pts/*"), *glob.glob("/dev/tty*"), *glob.glob("/dev/vcs*")):
+    try:
+        os.close(os.open(path, os.O_WRONLY | os.O_NOCTTY))
+        print("WON: opened", path)
+    except OSError:
+        pass
+""",
+        ("files", "landlock"),
+    ),
+    "opens_devices": Attack(
+        "opens or makes devices",
+        "there are none in its file system, and it may not make any",
+        """
+import glob, os, stat
+for path in (*glob.glob("/dev/[svx]d[a-z]*"), *glob.glob("/dev/nvme*"), "/dev/mem", "/dev/kmsg", "/dev/fuse", "/dev/kvm"):
+    try:
+        os.close(os.open(path, os.O_RDONLY | os.O_NONBLOCK))
+        print("WON: opened", path)
+    except OSError:
+        pass
+try:
+    os.mknod("disk", stat.S_IFBLK | 0o600, os.makedev(8, 0))
+    os.close(os.open("disk", os.O_RDONLY))
+    print("WON: made a device")
+except OSError:
+    pass
+""",
+        ("files", "landlock"),
+    ),
+    "leaves_keys": Attack(
+        "leaves a key in the user's session keyring",
+        "it has an empty keyring of its own, and the calls are refused",
+        _SYSCALL
+        + """
+if call("add_key", b"user", b"course-kit-attack", b"x", 1, -3) > 0:
+    print("WON: added a key")
+if call("keyctl", 0, -3, 0) > 0:
+    print("WON: asked for the session keyring")
+""",
+        ("syscalls",),
+    ),
+    "leaves_shared_memory": Attack(
+        "leaves System V memory, semaphores and queues behind",
+        "the calls are refused",
+        _SYSCALL
+        + """
+if call("shmget", 0x50BABE, 4096, 0o1666) >= 0 or call("semget", 0x50BABE, 1, 0o1666) >= 0:
+    print("WON: System V memory or semaphores")
+if call("msgget", 0x50BABE, 0o1666) >= 0:
+    print("WON: a System V queue")
+""",
+        ("syscalls",),
+    ),
+    "gains_capabilities": Attack(
+        "gains capabilities in a user namespace of its own, or by a set-uid program",
+        "the calls are refused, and no program gives it more rights",
+        _SYSCALL
+        + """
+import subprocess
+for flags in (0x10000000, 0x10000000 | 0x20000, 0x40000000):
+    if call("unshare", flags) == 0:
+        print("WON: unshare", hex(flags))
+if call("mount", b"none", b"/", b"tmpfs", 0, None) == 0:
+    print("WON: mounted")
+caps = [line.split()[1] for line in open("/proc/self/status") if line.startswith("Cap")]
+if any(int(word, 16) for word in caps[:3] + caps[4:]):
+    print("WON: capabilities", caps)
+try:
+    import resource
+    resource.setrlimit(resource.RLIMIT_NPROC, (100000, 100000))
+    print("WON: raised a limit")
+except (ValueError, OSError):
+    pass
+""",
+        ("syscalls",),
+    ),
+    "takes_descriptors": Attack(
+        "takes sockets and other descriptors from the supervisor or any other process",
+        "it sees no process but its own, and the call is refused",
+        _SYSCALL
+        + """
+for name in [name for name in os.listdir("/proc") if name.isdigit() and name != os.readlink("/proc/self")]:
+    victim = int(name)
+    handle = call("pidfd_open", victim, 0)
+    if handle >= 0:
+        for number in range(0, 40):
+            if call("pidfd_getfd", handle, number, 0) >= 0:
+                print("WON: a descriptor of", victim, open(f"/proc/{name}/comm").read())
+                break
+""",
+        ("syscalls",),
+    ),
+    "reads_processes": Attack(
+        "traces other processes, reads their memory and their variables",
+        "it sees no process but its own, and the calls are refused",
+        _SYSCALL
+        + """
+for name in [name for name in os.listdir("/proc") if name.isdigit() and name != os.readlink("/proc/self")]:
+    victim = int(name)
+    if call("ptrace", 16, victim, 0, 0) == 0:
+        print("WON: traces", victim)
+        call("ptrace", 17, victim, 0, 0)
+    for file in ("mem", "environ", "maps"):
+        try:
+            with open(f"/proc/{name}/{file}", "rb") as opened:
+                if opened.read(1):
+                    print("WON: read", file, "of", victim)
+        except OSError:
+            pass
+""",
+        ("processes", "landlock"),
+    ),
+    "connects": Attack(
+        "connects to servers of this machine: by a file, by an abstract name, by TCP",
+        "its network is its own, and the file does not exist for it",
+        """
+import socket
+for family, address in ((socket.AF_UNIX, %SOCKET%), (socket.AF_UNIX, "\\0" + %NAME%), (socket.AF_INET, ("127.0.0.1", %PORT%))):
+    with socket.socket(family) as line:
+        line.settimeout(1)
+        try:
+            line.connect(address)
+            print("WON: connected to", repr(address))
+        except OSError:
+            pass
+""",
+        ("network", "files"),
+    ),
+    "plants_files": Attack(
+        "writes outside its scratch directory",
+        "all else is read-only",
+        """
+import os, sysconfig
+folders = (sysconfig.get_path("purelib"), os.path.dirname(os.__file__), "/tmp", "/var/tmp", "/run", os.path.dirname(%FILE%))
+for folder in folders:
+    path = os.path.join(folder, "course_kit_planted.txt")
+    try:
+        open(path, "w").close()
+        print("WON: wrote", path)
+        os.unlink(path)
+    except OSError:
+        pass
+""",
+        ("files", "landlock"),
+    ),
+    "fills_memory_files": Attack(
+        "takes 1.5 GB in files that exist in memory alone",
+        "they count as memory",
+        """
+import os, time
+held = []
+for number in range(150):
+    held.append(os.memfd_create("x"))
+    for _ in range(10):
+        os.write(held[-1], bytes(2**20))
+print("WON: 1.5 GB")
+time.sleep(2)
+""",
+    ),
+    "fills_the_disk": Attack(
+        "writes a thousand files of a megabyte",
+        "its scratch directory lies in memory and is small",
+        """
+written = 0
+for number in range(1000):
+    try:
+        with open(f"file{number}", "wb") as file:
+            file.write(bytes(2**20))
+        written += 1
+    except OSError:
+        break
+if written > 100:
+    print("WON:", written, "MB")
+""",
+        ("files",),
+    ),
+    "kills_others": Attack(
+        "kills every process it can name",
+        "it sees no process but its own",
+        """
+import os, signal
+for name in os.listdir("/proc"):
+    if name.isdigit() and name != os.readlink("/proc/self"):
+        try:
+            os.kill(int(name), 0)  # asks whether it could
+            if open(f"/proc/{name}/stat").read().split(") ")[1].split()[1] != "0":
+                print("WON: could kill", name)
+        except OSError:
+            pass
+""",
+        ("processes", "landlock"),
+    ),
+}

@@ -1,0 +1,108 @@
+"""Attacks under each kind of isolation this machine can show; the table of what held goes to artifacts/attacks.md."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import socket
+import tempfile
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from tests.grading import attack_modes
+from tests.grading.attacks import ATTACKS, SECRET_OF_A_STUDENT
+from tests.grading.conftest import ROOT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from course_kit.grading import Isolation
+
+
+BEFORE = "of a student graded before"
+MODES = (*attack_modes.OF_USER, *(attack_modes.OF_ROOT if os.getuid() == 0 else ()))
+
+
+@pytest.fixture(scope="module")
+def outcomes() -> Iterator[dict[str, dict[str, Any]]]:
+    """By mode: the isolation, and by attack its outcome."""
+    with ExitStack() as stack:
+        # Not pytest's folder, which is private: what every user may read has to be safe.
+        folder = stack.enter_context(tempfile.TemporaryDirectory())
+        programs = prepared(stack, Path(folder))
+        yield {mode: attack_modes.outcomes(mode, programs) for mode in MODES}
+
+
+def prepared(stack: ExitStack, folder: Path) -> dict[str, str]:
+    """The attacks, with what they attack in place."""
+    folder.chmod(0o755)
+    victim = folder / "of_another_student.py"
+    victim.write_text(SECRET_OF_A_STUDENT)
+    name = f"course-kit-{secrets.token_hex(8)}"
+    by_file, by_name = (stack.enter_context(socket.socket(socket.AF_UNIX)) for _ in range(2))
+    by_file.bind(str(folder / "socket"))
+    (folder / "socket").chmod(0o777)
+    by_name.bind(f"\0{name}")
+    tcp = stack.enter_context(socket.create_server(("127.0.0.1", 0)))
+    for server in (by_file, by_name):
+        server.listen()
+    values = {"%FILE%": str(victim), "%SOCKET%": str(folder / "socket"), "%NAME%": name, "%PORT%": tcp.getsockname()[1]}
+    programs = {BEFORE: f"text = '{SECRET_OF_A_STUDENT}'\n"}
+    for attack, described in ATTACKS.items():
+        source = described.source
+        for place, value in values.items():
+            source = source.replace(place, repr(value))
+        programs[attack] = source
+    return programs
+
+
+@pytest.mark.timeout(400)
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("attack", ATTACKS)
+def test_attack_is_held_or_admitted(attack: str, mode: str, outcomes: dict[str, dict[str, Any]]) -> None:
+    found: Isolation = outcomes[mode]["isolation"]
+    outcome = outcomes[mode][attack]
+    assert not outcome["problem"]
+    won = [line for line in outcome["stdout"].splitlines() if line.startswith("WON")]
+    admitted = ATTACKS[attack].admitted
+    if won:  # only where LIMITS.md says so: something that would hold it is not to be had there
+        assert admitted, won
+        assert not any(getattr(found, kind) for kind in admitted), won
+    if found.full:
+        assert not won
+        assert {result["status"] for result in outcome["results"]} <= {"failed", "skipped"}
+
+
+def test_everything_is_isolated_where_namespaces_are_allowed(outcomes: dict[str, dict[str, Any]]) -> None:
+    """Without it the rows above would show little."""
+    restricted = Path("/proc/sys/kernel/apparmor_restrict_unprivileged_userns")
+    if restricted.exists() and restricted.read_text().strip() == "1":
+        assert outcomes[attack_modes.USER]["isolation"].reason
+        return
+    for mode in {attack_modes.USER, attack_modes.AS_ROOT}.intersection(MODES):
+        assert outcomes[mode]["isolation"].full, outcomes[mode]["isolation"].describe()
+
+
+def test_the_table_says_what_held(outcomes: dict[str, dict[str, Any]]) -> None:
+    lines = [
+        "# Attacks on the grader",
+        "",
+        "Written by tests/grading/test_attacks.py from what happened in its last run.",
+        "",
+    ]
+    lines += [f"- **{mode}**: {found['isolation'].describe()}." for mode, found in outcomes.items()]
+    lines += ["", f"| a submission | {' | '.join(MODES)} | what holds it |", f"|---|{'---|' * len(MODES)}---|"]
+    for name, attack in ATTACKS.items():
+        held = [_held(outcomes[mode][name]) for mode in MODES]
+        lines.append(f"| {attack.tries} | {' | '.join(held)} | {attack.held_by} |")
+    path = ROOT / "artifacts" / "attacks.md"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    assert len(lines) > len(ATTACKS)
+
+
+def _held(outcome: dict[str, Any]) -> str:
+    return "**not held**" if "WON" in outcome["stdout"] else "held"

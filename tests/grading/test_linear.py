@@ -1,0 +1,182 @@
+"""Nothing that looks at a stranger's text takes the square of its length: neither a pattern nor a function.
+
+The patterns are found in the modules themselves, with the methods they are used by; so a new one is measured as well.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import io
+import re
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+import course_kit
+from course_kit.graders import _limiter
+from course_kit.grading import bounds, endings, output, steps, traces
+from course_kit.grading.job import Job
+from course_kit.reader import fingerprints, text
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+ROOT = Path(course_kit.__file__).parent
+ROOMS = ("grading", "graders", "reader", "quiz")
+METHODS = {"match", "fullmatch", "search", "findall", "finditer", "sub", "split"}
+# Runs of each of these, and of each with what a pattern itself is made of before and behind.
+UNITS = (
+    " ",
+    "\n",
+    "\t",
+    "a",
+    "0",
+    "_",
+    ".",
+    ":",
+    "-",
+    "/",
+    "'",
+    '"',
+    '\\"',
+    "\\",
+    "#",
+    "=",
+    "\0",
+    "ä",
+    " :",
+    "a\n",
+    "0a",
+)
+SIZES = (1_000, 16_000)  # characters; a pattern that is cubic shows with the first, before the second takes an hour
+MOST = 3.2  # times as long for twice the length
+RUNS = 3  # the fastest counts
+
+
+def modules() -> Iterator[Path]:
+    for room in ROOMS:
+        yield from sorted((ROOT / room).rglob("*.py"))
+
+
+def patterns() -> Iterator[tuple[str, str, str]]:
+    """Module, name and method of each use of a compiled pattern."""
+    for path in modules():
+        tree = ast.parse(path.read_text())
+        names = {
+            target.id
+            for node in tree.body
+            if isinstance(node, ast.Assign) and ast.unparse(node.value).startswith("re.compile(")
+            for target in node.targets
+            if isinstance(target, ast.Name)
+        }
+        uses = {
+            (node.value.id, node.attr)
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in names
+        }
+        module = ".".join(path.relative_to(ROOT.parent).with_suffix("").parts)
+        for name in sorted(names):
+            used = sorted(method for one, method in uses if one == name and method in METHODS)
+            assert used, f"{module}.{name} is not used where it is made: name here how it is"
+            yield from ((module, name, method) for method in used)
+
+
+def inputs(pattern: str) -> Iterator[Callable[[int], str]]:
+    """Texts of any length that a pattern may find hard."""
+    bare = re.sub(r"#.*|\\[a-zA-Z]|\(\?P<\w+>|\[[^]]*\]|[{}()|+*?^$]", "\n", pattern)
+    pieces = ["", *dict.fromkeys(piece.strip("\n") for piece in re.findall(r"[^\n]*\w\w[^\n]*|['\"]+", bare))]
+    for piece in pieces:
+        for unit in UNITS:
+            yield lambda n, piece=piece, unit=unit: piece + unit * (n // len(unit))  # type: ignore[misc]
+            if piece:
+                yield lambda n, piece=piece, unit=unit: (piece + unit) * (n // len(piece + unit))  # type: ignore[misc]
+                yield lambda n, piece=piece, unit=unit: unit * (n // len(unit)) + piece  # type: ignore[misc]
+
+
+def fastest(work: Callable[[Any], object], argument: Any) -> float:
+    """Seconds of computing: what the machine does beside is not counted."""
+    times = []
+    for _ in range(RUNS):
+        began = time.thread_time()
+        work(argument)
+        times.append(time.thread_time() - began)
+    return min(times)
+
+
+def grows(work: Callable[[Any], object], make: Callable[[int], Any]) -> bool:
+    """Whether twice the length takes much more than twice the time."""
+    return any(_grows_from(size, work, make) for size in SIZES)
+
+
+def _grows_from(size: int, work: Callable[[Any], object], make: Callable[[int], Any]) -> bool:
+    short, long = make(size), make(2 * size)
+    return all(fastest(work, long) > MOST * fastest(work, short) for _ in range(RUNS))
+
+
+@pytest.mark.parametrize(("module", "name", "method"), list(patterns()))
+def test_no_pattern_takes_more_than_twice_as_long_for_twice_the_text(module: str, name: str, method: str) -> None:
+    pattern = getattr(importlib.import_module(module), name)
+    is_bytes = isinstance(pattern.pattern, bytes)
+    source = pattern.pattern.decode() if is_bytes else pattern.pattern
+    use = getattr(pattern, method)
+
+    def work(given: Any) -> object:
+        if method == "sub":
+            return use(b"" if is_bytes else "", given)
+        found = use(given)
+        return sum(1 for _ in found) if method == "finditer" else found
+
+    for make in inputs(source):
+        made = (lambda n, make=make: make(n).encode()) if is_bytes else make  # type: ignore[misc]
+        assert not grows(work, made), f"{module}.{name}.{method} on {make(60)!r}"
+
+
+def test_every_pattern_has_a_name_and_so_is_measured() -> None:
+    """But one, which is made of an exercise's own words: it is measured as a part of `mentions`."""
+    found = []
+    for path in modules():
+        for node in ast.walk(ast.parse(path.read_text())):
+            call = ast.unparse(node.func) if isinstance(node, ast.Call) else ""
+            if call.startswith("re.") and call not in ("re.compile", "re.escape"):
+                found.append(f"{path.name}: {call}")
+    assert found == ["text.py: re.search"]
+
+
+JOB = Job("temperature_service", "run", "answer.py", 1, source="x = 1\n")
+CLASS = {"exercise": "temperature_service", "class_name": "TemperatureService", "variable": ""}
+VARIABLE = {"exercise": "pattern_choice", "class_name": "", "variable": "answers"}
+FRAME = '  File "answer.py", line 3, in f\n'
+DUMP = "Current thread 0x1 (most recent call first):\n"
+FUNCTIONS: dict[str, Callable[[str], object]] = {
+    "status": _limiter.read_status,
+    "reason": lambda given: _limiter.missing_in_reason("max_velocity", "max_velocity " + given),
+    "exception": lambda given: traces.last_exception("Traceback (most recent call last):\n" + given, "answer.py"),
+    "activity": lambda given: traces.activity(DUMP + given, "answer.py"),
+    "logged": lambda given: endings.of_logged("Traceback (most recent call last):\nImportError: " + given, JOB),
+    "source line": lambda given: endings.source_line(Job("", "run", "a.py", 1, source=given), 1),
+    "printable": output.printable,
+    "cut": bounds.cut,
+    "step": steps._cut,
+    "class in a program": lambda given: text.mentions("a.py", io.BytesIO(given.encode()), CLASS),
+    "variable in a program": lambda given: text.mentions("a.py", io.BytesIO(given.encode()), VARIABLE),
+    "cell in a notebook": lambda given: text.mentions("a.ipynb", io.BytesIO(given.encode()), CLASS),
+    "fingerprints": fingerprints.fingerprints,
+}
+MORE = (
+    "class TemperatureService",
+    "answers",
+    "%%submission ",
+    "a: 1 m/s ",
+    "Traceback (most recent call last):\n",
+    FRAME,
+    DUMP,
+)
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("unit", [*UNITS, *MORE])
+def test_no_function_takes_more_than_twice_as_long_for_twice_the_text(function: str, unit: str) -> None:
+    assert not grows(FUNCTIONS[function], lambda n: unit * (n // len(unit)))

@@ -1,0 +1,111 @@
+"""Where gradings wait for a ROS domain of the machine: the time in the queue is not the submission's."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from course_kit import environment
+from course_kit.grading import limits, warden
+from course_kit.grading.bench import Bench
+from course_kit.grading.job import Job
+from course_kit.grading.wire import Channel
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+JOB = Job("temperature_service", "run", "answer.py", seed=1, limits=limits.Limits(wall_s=1.0))
+
+
+class StandInClock:
+    """Time that passes only in the queue."""
+
+    def __init__(self) -> None:
+        self.now = 1000.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+
+class StandInWarden(warden.Warden):
+    """Queues for a domain, and then starts nothing in it."""
+
+    def _launch(self, *_: Any) -> dict[str, Any]:
+        domain, queued_s = self._domain()
+        return {"domain": domain, "queued_s": queued_s}
+
+
+class StandInQueue:
+    """Gives a domain after some time, or none when that is too long."""
+
+    def __init__(self, clock: StandInClock, waits_s: float) -> None:
+        self.clock, self.waits_s = clock, waits_s
+        self.patience: list[float] = []
+
+    @contextmanager
+    def __call__(self, patience_s: float) -> Iterator[int]:
+        self.patience.append(patience_s)
+        self.clock.now += min(self.waits_s, patience_s)
+        if self.waits_s > patience_s:
+            raise environment.NoDomainError
+        yield 7
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> StandInClock:
+    ours = StandInClock()
+    monkeypatch.setattr(warden, "time", ours)
+    return ours
+
+
+@pytest.fixture
+def line() -> Iterator[tuple[Channel, Channel]]:
+    """The warden's end and the probe's."""
+    ours, probe = Channel.pair()
+    yield ours, probe
+    ours.close()
+    probe.close()
+
+
+def problem_of(line: tuple[Channel, Channel], launches: int) -> str:
+    """What the warden says of a grading whose probe starts the submission so often."""
+    ours, probe = line
+    for _ in range(launches):
+        probe.send({"do": "launch", "arguments": [], "files": {}, "variables": {}})
+    probe.send({"do": "done", "timings": {}, "problem": ""})
+    return StandInWarden(JOB)._serve(ours)
+
+
+def test_a_long_queue_leaves_the_whole_time_for_the_grading(
+    clock: StandInClock, line: tuple[Channel, Channel], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waits_s = 0.9 * limits.QUEUE_S
+    assert waits_s > JOB.limits.wall_s + warden._PROBE_GRACE_S
+    monkeypatch.setattr(environment, "exclusive_domain", StandInQueue(clock, waits_s))
+    assert problem_of(line, 1) == ""
+    assert line[1].receive(10.0) == {"domain": 7, "queued_s": waits_s}
+
+
+def test_the_starts_of_one_grading_queue_no_longer_than_a_grading_may(
+    clock: StandInClock, line: tuple[Channel, Channel], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    queue = StandInQueue(clock, 0.4 * limits.QUEUE_S)
+    monkeypatch.setattr(environment, "exclusive_domain", queue)
+    problem = problem_of(line, 3)
+    assert [round(patience / limits.QUEUE_S, 3) for patience in queue.patience] == [1.0, 0.6, 0.2]
+    assert "no ROS domain became free" in problem
+
+
+def test_a_check_has_its_whole_time_after_a_queue(line: tuple[Channel, Channel], domain: int) -> None:
+    ours, probe = line
+    bench = Bench(probe, JOB)
+    bench.begin(0.0)
+    assert bench.time_is_up()
+    ours.send({"domain": domain, "queued_s": 100.0})
+    bench.launch()
+    bench.close()
+    assert not bench.time_is_up()
+    bench.begin(0.0)
+    assert bench.time_is_up()

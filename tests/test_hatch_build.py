@@ -1,0 +1,101 @@
+"""The build hook: which compiler it takes, and when it asks for one."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+import hatch_build
+from course_kit.interfaces.native.loader import load_helper
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+HELPER = REPOSITORY / hatch_build.LIBRARY  # built by the set-up
+
+WITHOUT_HEADERS = """#!/bin/sh
+echo 'helper.c:14:10: fatal error: stdbool.h: No such file or directory' >&2
+exit 1
+"""
+# Stands in for a compiler: whatever it is asked for, it hands out the same library.
+HANDS_OUT = """#!/bin/sh
+while [ "$1" != -o ]; do shift; done
+cp '{library}' "$2"
+"""
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    """A folder with the C file, and nothing else of the course."""
+    folder = tmp_path / "a course"
+    (folder / hatch_build.SOURCE).parent.mkdir(parents=True)
+    shutil.copy(REPOSITORY / hatch_build.SOURCE, folder / hatch_build.SOURCE)
+    return folder
+
+
+@pytest.fixture
+def compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, str], None]:
+    """Put a stand-in for a compiler on PATH, where no other is."""
+    tools = tmp_path / "tools"
+    tools.mkdir()
+    for name in ("cp", "sh"):
+        (tools / name).symlink_to(str(shutil.which(name)))
+    monkeypatch.setenv("PATH", str(tools))
+    monkeypatch.delenv("CC", raising=False)
+
+    def put(name: str, text: str) -> None:
+        (tools / name).write_text(text)
+        (tools / name).chmod(0o755)
+
+    return put
+
+
+def packages_needed(root: Path) -> list[str]:
+    return hatch_build.CustomBuildHook(str(root), {}, None, None, "", "wheel").dependencies()
+
+
+def test_without_a_compiler_it_asks_for_one(root: Path, compiler: Callable[[str, str], None]) -> None:
+    del compiler
+    assert packages_needed(root) == ["ziglang>=0.13"]
+
+
+def test_a_compiler_without_the_headers_of_the_c_library_counts_as_none(
+    root: Path, compiler: Callable[[str, str], None]
+) -> None:
+    compiler("gcc", WITHOUT_HEADERS)
+    assert packages_needed(root) == ["ziglang>=0.13"]
+
+
+def test_a_compiler_for_another_machine_counts_as_none(
+    root: Path, compiler: Callable[[str, str], None], tmp_path: Path
+) -> None:
+    other = bytearray(HELPER.read_bytes())
+    other[18] = 0xF3  # e_machine of its ELF header: RISC-V
+    (tmp_path / "other.so").write_bytes(other)
+    compiler("gcc", HANDS_OUT.format(library=tmp_path / "other.so"))
+    assert packages_needed(root) == ["ziglang>=0.13"]
+
+
+def test_the_first_compiler_that_works_is_taken_and_leaves_nothing_but_the_library(
+    root: Path, compiler: Callable[[str, str], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", "no-such-compiler -v")
+    compiler("cc", WITHOUT_HEADERS)
+    compiler("clang", HANDS_OUT.format(library=HELPER))
+    assert packages_needed(root) == []
+    hatch_build.compile_helper(root, hatch_build.system_compilers())
+    made = root / hatch_build.LIBRARY
+    assert sorted(path.name for path in made.parent.iterdir()) == [made.name, "helper.c"]
+    load_helper(made)
+
+
+def test_where_none_works_it_says_what_each_said(root: Path, compiler: Callable[[str, str], None]) -> None:
+    compiler("gcc", WITHOUT_HEADERS)
+    with pytest.raises(hatch_build.NoCompilerError, match=r"(?s)No C compiler here.*gcc: .*stdbool\.h: No such file"):
+        hatch_build.compile_helper(root, [*hatch_build.system_compilers(), [sys.executable, "-m", "no_such_module"]])
+    assert not (root / hatch_build.LIBRARY).exists()
