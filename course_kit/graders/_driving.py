@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from course_interfaces.action import MoveRobot
 from geometry_msgs.msg import Point
 
-from course_kit.graders._moves import ARENA, ORIGIN, TOLERANCE, Place, place_of, target_from
+from course_kit.graders._moves import ARENA, ORIGIN, TOLERANCE, Place, in_the_arena, place_of, target_from
 from course_kit.grading import goal_endings
 from course_kit.grading.actions import Action, ensure_ready, start_again
 from course_kit.grading.checks import Evidence, Failed
@@ -109,8 +109,8 @@ def driven(bench: Bench) -> float:
 
 
 def is_at(bench: Bench, place: Place) -> None:
-    """Remember where the robot is now."""
-    bench.memory[_PLACE] = place
+    """Remember where the robot is now, as its program says; whether that is true is for the checks to tell."""
+    bench.memory[_PLACE] = in_the_arena(place)
 
 
 def send(bench: Bench, target: Place, z: float = 0.0) -> Goal:

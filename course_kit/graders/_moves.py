@@ -64,6 +64,12 @@ def telling_target(here: Place, length: float, driven: float, random: random.Ran
     return _most_central([place for place in drawn if tells(place)] or drawn)
 
 
+def in_the_arena(place: Place) -> Place:
+    """The place itself, or of one outside of the arena, or with a NaN, the nearest that a robot can be at."""
+    x, y = (0.0 if math.isnan(value) else min(max(value, 0.0), ARENA) for value in place)
+    return Place(x, y)
+
+
 def _drawn(here: Place, length: float, random: random.Random) -> list[Place]:
     drawn: list[Place] = []
     while not drawn:

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import endings, limits, machine, processes
+from course_kit.grading import endings, limits, machine, scheduling
 from course_kit.grading.checks import Evidence, Failed, NotRun
 from course_kit.grading.patience import MOST, FairClock, Recent, State, Used
 from course_kit.grading.steps import Record
@@ -270,7 +270,7 @@ class Bench:
             self._spoiled = True
             raise SubmissionEndedError(life, self.job)
 
-    def _look(self, own_waiting: Callable[[], float] = processes.own_waiting) -> State:
+    def _look(self, own_waiting: Callable[[], float] = scheduling.own_waiting) -> State:
         if self._tester is not None:
             life = self.life(fresh=True)
             before = self._used_before

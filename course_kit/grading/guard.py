@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import namespaces, processes, runner
 from course_kit.grading.isolation import arrange_files
+from course_kit.grading.scheduling import Waiting
 
 if TYPE_CHECKING:
     from course_kit.grading.limits import Limits
@@ -55,17 +56,18 @@ def main(program: Program, cell: Cell, inside: Streams) -> None:
     namespaces.forbid_tracing()
     for end in (inside.stdout, inside.stderr, inside.evidence):
         os.close(end)
-    _Watch(child, cell.limits, inside).until_end(reader)
+    _Watch(child, cell.limits, inside, Waiting(child, with_children=bool(program.command))).until_end(reader)
     if not cell.isolation.processes:
         processes.end_descendants()
     os._exit(0)
 
 
 class _Watch:
-    def __init__(self, child: int, limits: Limits, inside: Streams) -> None:
+    def __init__(self, child: int, limits: Limits, inside: Streams, waiting: Waiting) -> None:
         self._child = child
         self._limits = limits
         self._inside = inside
+        self._waiting = waiting
         self._root = processes.this_process()
 
     def until_end(self, wakeup: int) -> None:
@@ -114,6 +116,7 @@ class _Watch:
             return "processes"
         everything = processes.descendants(self._root)
         usage = processes.usage(everything)
+        self._waiting.look(everything, usage.tasks)
         if usage.tasks > self._limits.tasks:
             return "processes"
         allowed = self._limits.memory_mb * _MB
@@ -123,8 +126,10 @@ class _Watch:
         return ""
 
     def _usage(self) -> dict[str, Any]:
-        usage = processes.usage(processes.descendants(self._root))
-        return {"cpu_s": usage.cpu_s, "waited_s": usage.waited_s, "tasks": usage.tasks, "memory": usage.memory}
+        everything = processes.descendants(self._root)
+        usage = processes.usage(everything)
+        waited_s = self._waiting.look(everything, usage.tasks)
+        return {"cpu_s": usage.cpu_s, "waited_s": waited_s, "tasks": usage.tasks, "memory": usage.memory}
 
 
 def _how(status: int) -> dict[str, Any]:

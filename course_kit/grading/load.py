@@ -7,7 +7,7 @@ from collections import deque
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import processes
+from course_kit.grading import scheduling
 from course_kit.grading.asking import NUDGE_S
 from course_kit.grading.bench import SubmissionEndedError
 from course_kit.grading.bounds import bounded
@@ -81,7 +81,7 @@ class Lateness:
     def __init__(self) -> None:
         self._looked = time.monotonic()
         self._late = 0.0
-        self._before = processes.own_waiting(helpers_only=True)
+        self._before = scheduling.own_waiting(helpers_only=True)
 
     def look(self, *, found: bool) -> None:
         """Take note of a look, and of whether it found anything."""
@@ -92,7 +92,7 @@ class Lateness:
 
     def seconds(self) -> float:
         """The lateness so far; that of the threads which bring the answers included."""
-        return max(self._late, processes.own_waiting(helpers_only=True) - self._before)
+        return max(self._late, scheduling.own_waiting(helpers_only=True) - self._before)
 
 
 class Exchange:

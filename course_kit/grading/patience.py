@@ -17,7 +17,7 @@ class Used(NamedTuple):
 
     Attributes:
         cpu_s: seconds of computing, all of them together.
-        waited_s: seconds the one that suffered most was ready to run and got no processor.
+        waited_s: seconds the one that suffered most was ready to run and others had the processors.
     """
 
     cpu_s: float = 0.0

@@ -26,14 +26,12 @@ class Usage:
     """What some processes use together.
 
     Attributes:
-        cpu_s: seconds of computing.
-        waited_s: seconds the thread that suffered most was ready to run and the machine gave it no processor.
+        cpu_s: seconds of computing; children that they have waited for are among it.
         tasks: processes and threads.
         memory: resident bytes, what forks share counted for each of them.
     """
 
     cpu_s: float = 0.0
-    waited_s: float = 0.0
     tasks: int = 0
     memory: int = 0
 
@@ -64,16 +62,15 @@ def this_process() -> int:
 
 
 def usage(process_ids: Iterable[int]) -> Usage:
-    """What these processes use together; those that have ended count nothing."""
-    cpu_s, waited_s, tasks, memory = 0.0, 0.0, 0, 0
+    """What these processes use together; of those that have ended only what their parents were told counts."""
+    cpu_s, tasks, memory = 0.0, 0, 0
     for process_id in process_ids:
         with suppress(OSError, ValueError, IndexError):
             fields = _stat(process_id)
-            cpu_s += (int(fields[11]) + int(fields[12])) / _TICKS
+            cpu_s += sum(map(int, fields[11:15])) / _TICKS
             tasks += int(fields[17])
             memory += int(fields[21]) * _PAGE
-            waited_s = max(waited_s, _waited(process_id))
-    return Usage(cpu_s, waited_s, tasks, memory)
+    return Usage(cpu_s, tasks, memory)
 
 
 def own_memory(process_ids: Iterable[int], files: int, patience_s: float) -> int:
@@ -148,18 +145,6 @@ def _user(name: str) -> int:
         return owner
     with open(f"/proc/{name}/status", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
         return next(int(line.split()[1]) for line in file if line.startswith("Uid:"))
-
-
-def own_waiting(*, helpers_only: bool = False) -> float:
-    """Seconds the thread of this process that suffered most was ready to run and got no processor.
-
-    Args:
-        helpers_only: leave the main thread out, which has the number of the process.
-    """
-    with suppress(OSError, ValueError, IndexError):
-        own = this_process()
-        return _waited(own, but=own if helpers_only else 0)
-    return 0.0
 
 
 def killed_for_lack_of_memory() -> int:
@@ -239,14 +224,3 @@ def _stat(process_id: int) -> list[str]:
     """The fields of /proc/PID/stat from the third, the state, on: the second, the name, may hold anything."""
     with open(f"/proc/{process_id}/stat", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
         return file.read().rpartition(")")[2].split()
-
-
-def _waited(process_id: int, but: int = 0) -> float:
-    longest = 0
-    folder = f"/proc/{process_id}/task"
-    for thread in os.listdir(folder):  # noqa: PTH208 - hot
-        if but and thread == str(but):
-            continue
-        with suppress(OSError, ValueError, IndexError), open(f"{folder}/{thread}/schedstat", encoding="utf-8") as file:  # noqa: PTH123
-            longest = max(longest, int(file.read().split()[1]))
-    return longest / 1e9

@@ -123,3 +123,34 @@ def test_feedback_counts_when_it_comes_whatever_its_publishers_clock_says(grade:
     report = grade("move_robot", changed("move_robot", *changes))
     assert failed(report) == {"feedback": "action.late_feedback"}
     assert report.score == 16.5
+
+
+SLOW = """
+        self.asked = getattr(self, "asked", 0) + 1
+        if self.asked == 45:
+            starve()
+        if self.asked > 45:  # the other checks are over
+            time.sleep(0.2)
+"""
+ANSWERS = '        """Answer one request; a refusal carries its reason."""\n'
+STARVERS = {
+    "alone": "def starve():\n    pass\n",
+    "with twelve busy children": """
+def starve():
+    for _ in range(12):
+        if os.fork() == 0:
+            while True:
+                pass
+""",
+}
+
+
+@pytest.mark.parametrize("starver", STARVERS)
+def test_starving_itself_buys_a_slow_program_no_patience(starver: str, grade: Grade) -> None:
+    changes = (
+        ("import math\n", f"import math\nimport os\nimport time\n{STARVERS[starver]}"),
+        (ANSWERS, ANSWERS + SLOW),
+    )
+    report = grade("temperature_service", changed("temperature_service", *changes))
+    assert failed(report) == {"fifty_calls": "service.blocks"}
+    assert report.score == 8.5

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from course_kit.grading import load, patience, processes
+from course_kit.grading import load, patience, processes, scheduling
 from course_kit.grading.patience import FairClock, Recent, State, Used
 
 
@@ -127,7 +127,7 @@ def test_only_what_others_have_taken_is_not_counted(
 
 
 def test_time_in_which_nothing_came_is_not_lost(clock: Time, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(processes, "own_waiting", lambda **_: 7.0)
+    monkeypatch.setattr(scheduling, "own_waiting", lambda **_: 7.0)
     late = load.Lateness()
     clock.now += 3.0  # the grader waits long for a processor, and nothing has come
     late.look(found=False)
@@ -135,10 +135,6 @@ def test_time_in_which_nothing_came_is_not_lost(clock: Time, monkeypatch: pytest
     clock.now += 0.5
     late.look(found=True)
     assert late.seconds() == 0.5
-
-
-def test_helpers_are_counted_without_the_main_thread() -> None:
-    assert 0.0 <= processes.own_waiting(helpers_only=True) <= processes.own_waiting()
 
 
 def test_everything_below_is_ended_and_what_is_kept_lives() -> None:
