@@ -13,11 +13,19 @@ if TYPE_CHECKING:
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
     """Called by `%load_ext course_kit`."""
-    from course_kit import environment, grade_magics, lab, magics, trace
+    import sys
+
+    from course_kit import environment
+
+    environment.apply()  # before rclpy, which comes with the lab
+    environment.put_scripts_first()  # !ros2, %%bash and subprocess find the programs of this Python
+    if told := environment.middleware.unsupported():
+        sys.stderr.write(f"{told}\n")
+
+    from course_kit import grade_magics, lab, magics, trace
     from course_kit.hint_magic import hint_line
     from course_kit.ros2.magic import ros2_line
 
-    environment.apply()
     magics.register(shell)
     shell.register_magics(grade_magics.GradeMagics)
     shell.register_magic_function(hint_line, "line", "hint")

@@ -18,6 +18,7 @@ _ON_LIMITS = (
     "A submission runs behind walls; --exec leaves two doors open and --attach has no walls. What holds and what does "
     "not: course_kit/grading/LIMITS.md"
 )
+_FOUND = "when left out, looked for here, then in the course's folder, or your copy where that is read-only"
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -74,7 +75,7 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     """What a learner does beside grading."""
     watch = verbs.add_parser("watch", help="grade a file again each time you save it")
     watch.add_argument("exercise", help="the exercise's id")
-    watch.add_argument("path", nargs="?", type=Path, help="your file; the exercise's starter when left out")
+    watch.add_argument("path", nargs="?", type=Path, help=f"your file; {_FOUND}")
     watch.set_defaults(run=_watch)
 
     listing = verbs.add_parser("list", help="show the exercises and what you have reached")
@@ -86,8 +87,9 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     hint.add_argument("--again", action="store_true", help="repeat the hints you have had")
     hint.set_defaults(run=_hint)
 
-    reset = verbs.add_parser("reset", help="put an exercise's starter back; your files are kept beside it")
+    reset = verbs.add_parser("reset", help="put an exercise's starter back, or make it; your files are kept beside it")
     reset.add_argument("exercise", help="the exercise's id")
+    reset.add_argument("path", nargs="?", type=Path, help=f"your file, or a folder, also a new one; {_FOUND}")
     reset.add_argument("--yes", action="store_true", help="do not ask")
     reset.add_argument("--progress", action="store_true", help="forget its best score, tries and hints, too")
     reset.set_defaults(run=_reset)
@@ -229,7 +231,7 @@ def _reset(options: argparse.Namespace) -> int:
     from course_kit.grading import GradingError
 
     try:
-        return shelf.reset(options.exercise, yes=options.yes, forget=options.progress)
+        return shelf.reset(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
     except GradingError as problem:
         return _cannot(problem)
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 VERDICTS = {"ok": "ok  ", "note": "note", "bad": "BAD "}
 _ROUND_TRIP_DEADLINE_S = 20.0
 _PLENTY_OF_SHM = 64 * 2**20  # bytes
+_OTHER_RMW = f"Set RMW_IMPLEMENTATION={environment.middleware.SUPPORTED} and start again."
 _SHARED_MEMORY = "/dev/shm"  # noqa: S108 - only its free space is read
 
 # A service server in a process of its own: what the doctor's client has to discover.
@@ -148,9 +149,14 @@ def middleware() -> Finding:
     from rclpy.utilities import get_rmw_implementation_identifier
 
     name = get_rmw_implementation_identifier()
-    if name.startswith("rmw_fastrtps"):
+    if name != environment.middleware.SUPPORTED:
+        return Finding("RMW", name, "bad", environment.middleware.unsupported() or _OTHER_RMW)
+    if not (replaced := environment.middleware.replaced()):
         return Finding("RMW", name)
-    return Finding("RMW", name, "bad", "The course's message types are made for Fast DDS: unset RMW_IMPLEMENTATION.")
+    advice = (
+        f"Nothing has to be done. Unset {replaced.partition('=')[0]} and the course says nothing about it any more."
+    )
+    return Finding("RMW", f"{name}, because {replaced} is not installed here", "note", advice)
 
 
 def jupyter() -> Finding:

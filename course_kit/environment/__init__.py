@@ -1,18 +1,23 @@
 """The ROS settings of the course, made before rclpy loads.
 
 Everything here is read by ROS from environment variables, so it reaches kernels, terminals in JupyterLab,
-child processes and the grader alike. A value the user has set always wins.
+child processes and the grader alike. A value the user has set wins wherever it can work.
 """
 
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from course_kit.environment import middleware
+from course_kit.environment.container import sign_of_container
 from course_kit.environment.domains import Lease, NoDomainError, exclusive_domain, share
+from course_kit.environment.errors import SettingsError
 from course_kit.environment.files import write_atomically, write_new
-from course_kit.environment.places import checkout, command, run_dir, state_dir
+from course_kit.environment.places import checkout, command, home, is_writable, lesson, run_dir, state_dir
+from course_kit.environment.search_path import put_scripts_first, scripts_folder, with_scripts_first
 
 __all__ = [
     "FAST_DISCOVERY_PROFILE",
@@ -27,7 +32,14 @@ __all__ = [
     "command",
     "defaults",
     "exclusive_domain",
+    "home",
+    "is_writable",
+    "lesson",
+    "middleware",
+    "put_scripts_first",
     "run_dir",
+    "scripts_folder",
+    "sign_of_container",
     "state_dir",
     "write_atomically",
     "write_new",
@@ -41,10 +53,6 @@ _PROFILES = (str(LOOPBACK_PROFILE), str(FAST_DISCOVERY_PROFILE))
 _CHOSEN_BY_KIT = "COURSE_KIT_DOMAIN_ID"
 _LOGS_KEPT = 40
 _HIGHEST_DOMAIN = 232  # the ports of a higher one would lie past 65535
-
-
-class SettingsError(ValueError):
-    """A value the user has set cannot be used."""
 
 
 @dataclass(frozen=True)
@@ -110,8 +118,10 @@ def apply() -> Settings:
 
     Raises:
         NoDomainError: all ROS domains of this machine are in use.
-        SettingsError: ROS_DOMAIN_ID is no number that ROS can use.
+        SettingsError: ROS_DOMAIN_ID is no number that ROS can use, or no middleware is installed that could be used.
     """
+    if told := middleware.settle():
+        sys.stderr.write(f"course-kit: {told}\n")
     made = defaults()
     for name, value in made.items():
         if os.environ.get(name) in _PROFILES:  # inherited from a process in which the user had chosen otherwise
@@ -128,12 +138,12 @@ def apply() -> Settings:
 
 
 def child_environment(**changes: str | None) -> dict[str, str]:
-    """The environment for a child process of the course: the settings of `apply`, then `changes`.
+    """The environment for a child process: the settings of `apply`, the course's programs first on PATH, `changes`.
 
     A change of None removes the variable. A changed ROS_DOMAIN_ID counts as the user's choice in the child.
     """
     apply()
-    environ = dict(os.environ)
+    environ = {**os.environ, "PATH": with_scripts_first(os.environ.get("PATH"))}
     if changes.get("ROS_DOMAIN_ID"):
         environ.pop(_CHOSEN_BY_KIT, None)
     for name, value in changes.items():

@@ -48,6 +48,7 @@ _OTHER_GRAPHS = (
     "ROS_SUPER_CLIENT",
     "COURSE_KIT_DOMAIN_ID",
     "ROS_SECURITY_ENABLE",
+    "RCL_ASSERT_RMW_ID_MATCHES",
 )
 
 
@@ -145,15 +146,14 @@ def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
         variables["ROS_DOMAIN_ID"] = "0"  # never joined: each grading has its own, and the worker needs no lease
         for name in _OTHER_GRAPHS:
             variables.pop(name, None)
-        if variables.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps"):
-            # SYSTEM_DEFAULT has rmw_fastrtps leave the transports to the profile, which allows loopback only; with
-            # LOCALHOST it would bring back shared memory.
-            variables.update(
-                ROS_AUTOMATIC_DISCOVERY_RANGE="SYSTEM_DEFAULT",
-                FASTRTPS_DEFAULT_PROFILES_FILE=str(environment.LOOPBACK_PROFILE),
-            )
-        else:
-            variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+        # A grade does not depend on the user's middleware: the types of the exercises need Fast DDS. SYSTEM_DEFAULT
+        # has it leave the transports to the profile, which allows loopback only; LOCALHOST would bring back shared
+        # memory.
+        variables.update(
+            RMW_IMPLEMENTATION=environment.middleware.SUPPORTED,
+            ROS_AUTOMATIC_DISCOVERY_RANGE="SYSTEM_DEFAULT",
+            FASTRTPS_DEFAULT_PROFILES_FILE=str(environment.LOOPBACK_PROFILE),
+        )
     if whole:
         return variables
     return {
