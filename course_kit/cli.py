@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -94,6 +95,10 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     reset.add_argument("--progress", action="store_true", help="forget its best score, tries and hints, too")
     reset.set_defaults(run=_reset)
 
+    copy = verbs.add_parser("copy", help="make your own copy of the lessons and exercises, where the course is shared")
+    copy.add_argument("path", nargs="?", type=Path, help="the folder; ros2-course in your home directory if left out")
+    copy.set_defaults(run=_copy)
+
     solution = verbs.add_parser("solution", help="show the solution of an exercise you have passed")
     solution.add_argument("exercise", help="the exercise's id")
     solution.add_argument("--copy", type=Path, metavar="PATH", help="write it to a new file instead")
@@ -108,6 +113,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0 when it went well or the grade is a pass, 1 for a grade below the pass mark or a failing check of
         `doctor`, 2 when it could not be done; 130 after Ctrl-C.
     """
+    if arguments is None:
+        _read_names_as_utf_8()
     parser = build_parser()
     options, others = parser.parse_known_args(arguments)
     if others and "others" not in options:
@@ -115,7 +122,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options.others = others
     _speak_to_any_terminal()
     try:
-        return int(options.run(options))
+        code = int(options.run(options))
+        sys.stdout.flush()
+        return code  # noqa: TRY300 - no more can go wrong
     except KeyboardInterrupt:
         print("\ncourse-kit: stopped.", file=sys.stderr)
         return 130
@@ -236,6 +245,12 @@ def _reset(options: argparse.Namespace) -> int:
         return _cannot(problem)
 
 
+def _copy(options: argparse.Namespace) -> int:
+    from course_kit import workspace
+
+    return workspace.copy(options.path)
+
+
 def _solution(options: argparse.Namespace) -> int:
     from course_kit import shelf
     from course_kit.grading import GradingError
@@ -254,6 +269,16 @@ def _cannot(problem: Exception) -> int:
 def _tell(sentence: str) -> None:
     if sentence:
         print(f"course-kit: {sentence}", file=sys.stderr)
+
+
+def _read_names_as_utf_8() -> None:
+    """Begin again in Python's UTF-8 mode where it would take names of files for ASCII, as with PYTHONUTF8=0 and LC_ALL=C.
+
+    Names with an umlaut could neither be printed nor written to a report then.
+    """
+    if sys.getfilesystemencoding() == "ascii":
+        sys.stdout.flush()
+        os.execve(sys.executable, sys.orig_argv, {**os.environ, "PYTHONUTF8": "1"})
 
 
 def _speak_to_any_terminal() -> None:

@@ -9,36 +9,23 @@ import shutil
 import subprocess
 import sys
 import textwrap
-import time
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import environment
+from course_kit import discovery_trial, environment, workspace
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 VERDICTS = {"ok": "ok  ", "note": "note", "bad": "BAD "}
-_ROUND_TRIP_DEADLINE_S = 20.0
+_ONLY_THE_PACKAGE = (
+    "Live nodes, panels, message types and ros2 work; lab, list, grade, hint, watch and reset do not. Clone the course "
+    "and run ./course lab in its folder, or install that folder with pip install -e."
+)
 _PLENTY_OF_SHM = 64 * 2**20  # bytes
 _OTHER_RMW = f"Set RMW_IMPLEMENTATION={environment.middleware.SUPPORTED} and start again."
 _SHARED_MEMORY = "/dev/shm"  # noqa: S108 - only its free space is read
-
-# A service server in a process of its own: what the doctor's client has to discover.
-_SERVER = """
-import rclpy
-from std_srvs.srv import Trigger
-rclpy.init()
-node = rclpy.create_node("doctor_server")
-def answer(request, response):
-    response.success = True
-    return response
-node.create_service(Trigger, "doctor", answer)
-try:
-    rclpy.spin(node)
-except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
-    pass
-"""
 
 
 @dataclass(frozen=True)
@@ -75,7 +62,7 @@ def render(finding: Finding) -> str:
 
 def findings() -> Iterator[Finding]:
     """All findings, the quick ones first; whatever goes wrong in one is a finding of its own."""
-    for check in (python, settings, jupyter, shared_memory, isolation):
+    for check in (python, course_folder, own_files, settings, jupyter, shared_memory, isolation):
         yield guarded(check)
     ros = guarded(rclpy_itself)
     yield ros
@@ -106,6 +93,29 @@ def python() -> Finding:
     return Finding(
         "Python", found, "bad", "The course needs Python 3.10 to 3.14; set COURSE_PYTHON to one and run ./course again."
     )
+
+
+def course_folder() -> Finding:
+    """The lessons and exercises, and whether this user can work on them where they are."""
+    root = environment.checkout()
+    if root is None or not (root / "exercises").is_dir():
+        missing = "lessons and exercises" if root is None else "exercises"
+        found = f"the {missing} are not here, only what is in {Path(__file__).parent}"
+        return Finding("course folder", found, "bad", _ONLY_THE_PACKAGE)
+    if workspace.is_shared(root):
+        advice = f"{environment.command()} lab opens a copy of your own: {workspace.copy_folder()}"
+        return Finding("course folder", f"{root}, read-only for you", "note", advice)
+    return Finding("course folder", str(root))
+
+
+def own_files() -> Finding:
+    """Where progress, logs and the like are kept."""
+    folder = environment.state_dir()
+    if folder == environment.usual_state_dir():
+        return Finding("your files", f"progress and logs are kept in {folder}")
+    found = f"progress and logs are kept in {folder}, because your home directory cannot be written"
+    advice = "They may be gone after a restart. Set XDG_STATE_HOME to a folder that you can write and that stays."
+    return Finding("your files", found, "note", advice)
 
 
 def settings() -> Finding:
@@ -205,48 +215,13 @@ def shared_memory() -> Finding:
 
 def discovery() -> Finding:
     """Time until a client has found and asked a server in another process, on a domain of its own."""
-    with environment.exclusive_domain() as domain_id:
-        environ = environment.child_environment(ROS_DOMAIN_ID=str(domain_id))
-        with subprocess.Popen(
-            [sys.executable, "-c", _SERVER], env=environ, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        ) as server:
-            try:
-                seconds = _ask(domain_id)
-            finally:
-                server.kill()  # a signal that rclpy handles now and then leaves it hanging at its end
+    seconds = discovery_trial.seconds()
     if seconds is None:
         advice = "A firewall on the loopback interface, or your own Fast DDS profile, keeps the nodes apart."
         return Finding(
-            "discovery", f"no answer from another process within {_ROUND_TRIP_DEADLINE_S:.0f} s", "bad", advice
+            "discovery", f"no answer from another process within {discovery_trial.DEADLINE_S:.0f} s", "bad", advice
         )
     return Finding("discovery", f"a server in another process answered {seconds:.2f} s after it was started")
-
-
-def _ask(domain_id: int) -> float | None:
-    """Seconds until the server answered, start of its Python included; None when it never did."""
-    import rclpy
-    from rclpy.context import Context
-    from rclpy.executors import SingleThreadedExecutor
-    from std_srvs.srv import Trigger
-
-    started = time.monotonic()
-    context = Context()
-    rclpy.init(context=context, domain_id=domain_id)
-    try:
-        node = rclpy.create_node("doctor_client", context=context)
-        executor = SingleThreadedExecutor(context=context)
-        executor.add_node(node)
-        client = node.create_client(Trigger, "doctor")
-        future = None
-        while time.monotonic() - started < _ROUND_TRIP_DEADLINE_S:
-            if future is None and client.service_is_ready():
-                future = client.call_async(Trigger.Request())
-            executor.spin_once(timeout_sec=0.02)  # returns as soon as there is anything to do
-            if future is not None and future.done():
-                return time.monotonic() - started
-        return None
-    finally:
-        context.try_shutdown()
 
 
 def isolation() -> Finding:

@@ -29,9 +29,11 @@ def run_lab(arguments: Sequence[str]) -> int:
     if root is None:
         return _cannot("the notebooks are not here. Run ./course lab in the course's folder.")
     try:
-        return serve(_own_folder(root), FIRST_LESSON, arguments)
+        folder = _own_folder(root)
     except OSError as problem:
-        return _cannot(f"your copy of the course could not be made in {workspace.copy_folder()}: {problem}.")
+        what = f"{problem.filename or workspace.copy_folder()} could not be written: {problem.strerror or problem}"
+        return _cannot(f"{root} is read-only for you, and your copy was not made: {what}.")
+    return serve(folder, FIRST_LESSON, arguments)
 
 
 def serve(root: Path, first: str, arguments: Sequence[str], **variables: str) -> int:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -37,6 +38,26 @@ def copy_folder() -> Path:
 def is_shared(root: Path) -> bool:
     """Whether this user cannot work in a course's folder."""
     return not all(os.access(root / name, os.W_OK | os.X_OK) for name in COPIED if (root / name).is_dir())
+
+
+def copy(target: Path | None) -> int:
+    """Make a user's own copy of the lessons and exercises and say where it is; 2 where that cannot be done.
+
+    Args:
+        target: the folder, which may be there already; `copy_folder` when None.
+    """
+    root = environment.checkout()
+    if root is None:
+        return _cannot("the lessons and exercises are not here, only the package.")
+    target = (copy_folder() if target is None else target).absolute()
+    if target == root or root in target.parents:
+        return _cannot(f"{target} lies in the course's folder itself. Name a folder of your own.")
+    try:
+        make_copy(root, target)
+    except OSError as problem:
+        return _cannot(f"{problem.filename or target} could not be written: {problem.strerror or problem}.")
+    print(f"The lessons and exercises are in {target}. Files that were there already are as they were.")
+    return 0
 
 
 def make_copy(root: Path, target: Path) -> None:
@@ -97,8 +118,8 @@ def no_files_of(task: Exercise, verb: str) -> GradingError:
     """What to tell a user of whose files `exercise_folder` knows nothing; `verb` is what they wanted."""
     command = environment.command()
     return GradingError(
-        f"The course's folder is read-only for you, and there is no {task.starter} of yours here. Make one with "
-        f"{command} reset {task.id} FOLDER, or name it: {command} {verb} {task.id} FILE."
+        f"The course's folder is read-only for you, and there is no {task.starter} of yours here. Make your own copy "
+        f"of the course with {command} copy, or name your file: {command} {verb} {task.id} FILE."
     )
 
 
@@ -130,6 +151,11 @@ def _has_one(folder: Path, task: Exercise) -> bool:
     with suppress(OSError):  # a folder of somebody else's
         return (folder / task.starter).is_file() or (folder / task.notebook).is_file()
     return False
+
+
+def _cannot(sentence: str) -> int:
+    print(f"course-kit: {sentence}", file=sys.stderr)
+    return 2
 
 
 def _working_folder() -> Path | None:

@@ -19,7 +19,7 @@ FLOORS = [
     {"graders"},
     {"magics", "grade_magics", "hint_magic", "cli", "doctor", "jupyter", "dev", "release"}
     | {"progress", "hints", "course_list", "shelf", "watch", "class_cli", "present", "nbgrader", "otter"}
-    | {"workspace", "terminals", "jupyter_folders", "server_extension"},
+    | {"workspace", "discovery_trial", "terminals", "jupyter_folders", "server_extension"},
 ]
 MAY_NOT_MEET = {("grading", "lab"), ("grading", "panels"), ("graders", "lab"), ("graders", "panels")}
 

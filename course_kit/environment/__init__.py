@@ -16,7 +16,16 @@ from course_kit.environment.container import sign_of_container
 from course_kit.environment.domains import Lease, NoDomainError, exclusive_domain, share
 from course_kit.environment.errors import SettingsError
 from course_kit.environment.files import write_atomically, write_new
-from course_kit.environment.places import checkout, command, home, is_writable, lesson, run_dir, state_dir
+from course_kit.environment.places import (
+    checkout,
+    command,
+    home,
+    is_writable,
+    lesson,
+    run_dir,
+    state_dir,
+    usual_state_dir,
+)
 from course_kit.environment.search_path import put_scripts_first, scripts_folder, with_scripts_first
 
 __all__ = [
@@ -41,6 +50,7 @@ __all__ = [
     "scripts_folder",
     "sign_of_container",
     "state_dir",
+    "usual_state_dir",
     "write_atomically",
     "write_new",
 ]
@@ -168,7 +178,9 @@ def _domain_set_by_user(environ: os._Environ[str]) -> int | None:
 
 def _hold_domain() -> None:
     if _Held.lease is None or _Held.process_id != os.getpid():
-        _Held.lease = share(f"{os.getuid()}:{checkout() or state_dir()}")
+        # By the bytes of its name: what Python makes of them depends on the locale, and may be no text at all.
+        folder = os.fsencode(checkout() or state_dir()).decode(errors="backslashreplace")
+        _Held.lease = share(f"{os.getuid()}:{folder}")
         _Held.process_id = os.getpid()
     os.environ["ROS_DOMAIN_ID"] = os.environ[_CHOSEN_BY_KIT] = str(_Held.lease.domain_id)
 

@@ -58,10 +58,19 @@ def state_dir() -> Path:
     return _state_dir(os.environ.get("XDG_STATE_HOME"), os.environ.get("HOME"))
 
 
+def usual_state_dir() -> Path | None:
+    """Where that directory is when it can be made; None where nobody knows the user's home directory."""
+    try:
+        found = platformdirs.user_state_path(_APPLICATION, appauthor=False)
+    except RuntimeError:
+        return None
+    return found if found.is_absolute() else None  # in older versions of platformdirs it begins with a ~
+
+
 @lru_cache(maxsize=8)
 def _state_dir(xdg: str | None, home: str | None) -> Path:  # noqa: ARG001 - the cache is keyed by both
-    wanted = platformdirs.user_state_path(_APPLICATION, appauthor=False)
-    if wanted.is_absolute() and is_writable(wanted):  # it begins with a ~ where nobody knows the home directory
+    wanted = usual_state_dir()
+    if wanted is not None and is_writable(wanted):
         return wanted
     spare = Path(tempfile.gettempdir()) / f"{_APPLICATION}-{os.getuid()}"
     if is_writable(spare) and spare.stat().st_uid == os.getuid():
