@@ -272,9 +272,9 @@ def _tell(sentence: str) -> None:
 
 
 def _read_names_as_utf_8() -> None:
-    """Begin again in Python's UTF-8 mode where it would take names of files for ASCII, as with PYTHONUTF8=0 and LC_ALL=C.
+    """Begin again in Python's UTF-8 mode where Python takes names of files for ASCII (LC_ALL=C with PYTHONUTF8=0).
 
-    Names with an umlaut could neither be printed nor written to a report then.
+    Those with an umlaut could neither be printed nor written to a report.
     """
     if sys.getfilesystemencoding() == "ascii":
         sys.stdout.flush()

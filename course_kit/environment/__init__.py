@@ -154,6 +154,8 @@ def child_environment(**changes: str | None) -> dict[str, str]:
     """
     apply()
     environ = {**os.environ, "PATH": with_scripts_first(os.environ.get("PATH"))}
+    if sys.getfilesystemencoding() == "ascii":  # rclpy refuses arguments that are no text, as a name with an umlaut
+        environ["PYTHONUTF8"] = "1"
     if changes.get("ROS_DOMAIN_ID"):
         environ.pop(_CHOSEN_BY_KIT, None)
     for name, value in changes.items():
@@ -179,7 +181,7 @@ def _domain_set_by_user(environ: os._Environ[str]) -> int | None:
 def _hold_domain() -> None:
     if _Held.lease is None or _Held.process_id != os.getpid():
         # By the bytes of its name: what Python makes of them depends on the locale, and may be no text at all.
-        folder = os.fsencode(checkout() or state_dir()).decode(errors="backslashreplace")
+        folder = os.fsencode(checkout() or state_dir()).decode("ascii", errors="backslashreplace")
         _Held.lease = share(f"{os.getuid()}:{folder}")
         _Held.process_id = os.getpid()
     os.environ["ROS_DOMAIN_ID"] = os.environ[_CHOSEN_BY_KIT] = str(_Held.lease.domain_id)

@@ -130,7 +130,7 @@ def _take(candidates: range | list[int], owner: str, mode: int) -> Lease:
 
 def _owner(domain_id: int) -> str:
     try:
-        return (lease_folder() / str(domain_id)).read_text()
+        return (lease_folder() / str(domain_id)).read_text(encoding="ascii", errors="replace")
     except OSError:
         return ""
 

@@ -63,11 +63,12 @@ def grade(  # noqa: PLR0913 - the options of one verb
     if seed is None:
         seed = secrets.randbits(31) if task.seed is None else task.seed
     if path is not None:
+        shown = submission.readable(str(path))
         try:
             text = submission.read(Path(path), exercise_id)
         except submission.UnreadableError as problem:
-            return unreadable(task, str(path), str(problem))
-        return grade_text(task, text, str(path), seed, worker)
+            return unreadable(task, shown, submission.readable(str(problem)))
+        return grade_text(task, text, shown, seed, worker)
     shown = exec_command or f"the node on ROS domain {_domain()}"
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
         return _grade(task, _job(task, None, seed, exec_command), shown, used)

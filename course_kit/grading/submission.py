@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import os
 import re
 import stat
 import threading
@@ -82,7 +83,18 @@ def read(path: Path, exercise_id: str) -> Submission:
         raise UnreadableError(f"{path.name} is empty.")
     if "\0" in source:
         raise UnreadableError(f"{path.name} is not Python: it contains null bytes.")
-    return Submission(path.name, path.name, source)
+    return Submission(readable(path.name), readable(path.name), source)
+
+
+def readable(name: str) -> str:
+    """A file's name or path as text, whatever bytes it is of and whatever the locale made of them.
+
+    A program with a name that is no text does not start: rclpy refuses it among the arguments.
+    """
+    try:
+        return os.fsencode(name).decode(errors="replace")
+    except UnicodeEncodeError:  # typed by somebody whose locale has no such letters
+        return name.encode(errors="replace").decode()
 
 
 def _read_bytes(path: Path) -> bytes:
@@ -144,7 +156,7 @@ def _from_notebook(text: str, path: Path, exercise_id: str) -> Submission:
         raise UnreadableError(
             f"{path.name} has no code cell that begins with the line '%%submission {exercise_id}'.{found}"
         )
-    return Submission(path.name, f"{path.stem}.py", "\n".join(lines) + "\n", tuple(places))
+    return Submission(readable(path.name), f"{readable(path.stem)}.py", "\n".join(lines) + "\n", tuple(places))
 
 
 def _cell_text(cell: Any) -> str:
