@@ -139,6 +139,7 @@ def rclpy_itself() -> Finding:
         env=environment.child_environment(),
         capture_output=True,
         text=True,
+        errors="replace",
         timeout=60,
         check=False,
     )
@@ -185,6 +186,7 @@ def interfaces() -> Finding:
         env=environment.child_environment(),
         capture_output=True,
         text=True,
+        errors="replace",
         timeout=60,
         check=False,
     )

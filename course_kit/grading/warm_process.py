@@ -26,9 +26,11 @@ _STOP_S = 5.0
 # Python 3.12 warns of forks beside other threads; those of the tracing library take no lock of ours.
 _FORKS_ARE_MEANT = "ignore:This process:DeprecationWarning"
 # What a program needs to run ROS; everything else, tokens among it, stays out of a submission's reach.
-_PASSED_ON = ("LANG", "LANGUAGE", "TZ", "PATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "HOME", "TMPDIR", "XDG_STATE_HOME")
+_PASSED_ON = ("TZ", "PATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "HOME", "TMPDIR", "XDG_STATE_HOME")
 _PASSED_ON_PREFIXES = (
+    "LANG",  # with the next two: names of files mean the same folders to a worker as to whoever asks it
     "LC_",
+    "LOCPATH",
     "PYTHON",
     "ROS",
     "_ROS",

@@ -120,7 +120,11 @@ class Scripts:
             stdout=self._text_end,
             stderr=self._text_end,
             pass_fds=(self._reports_end,),
-            env=environment.child_environment(RCUTILS_CONSOLE_OUTPUT_FORMAT=LOG_FORMAT, RCUTILS_COLORIZED_OUTPUT="0"),
+            env=environment.child_environment(
+                RCUTILS_CONSOLE_OUTPUT_FORMAT=LOG_FORMAT,
+                RCUTILS_COLORIZED_OUTPUT="0",
+                PYTHONIOENCODING="utf-8",  # as it is read here, whatever the locale
+            ),
             start_new_session=True,
         )
         script = Script(name, process)
