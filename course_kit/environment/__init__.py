@@ -137,7 +137,7 @@ def apply() -> Settings:
         if os.environ.get(name) in _PROFILES:  # inherited from a process in which the user had chosen otherwise
             del os.environ[name]
         os.environ.setdefault(name, value)
-    if "ROS_LOG_DIR" not in os.environ and "ROS_HOME" not in os.environ:
+    if not _has_a_log_folder():
         os.environ["ROS_LOG_DIR"] = str(_log_folder())
     by_user = _domain_set_by_user(os.environ)
     if by_user is None:
@@ -185,6 +185,13 @@ def _hold_domain() -> None:
         _Held.lease = share(f"{os.getuid()}:{folder}")
         _Held.process_id = os.getpid()
     os.environ["ROS_DOMAIN_ID"] = os.environ[_CHOSEN_BY_KIT] = str(_Held.lease.domain_id)
+
+
+def _has_a_log_folder() -> bool:
+    """Whether the user has chosen one that can be written, by themselves: without any, ROS does not start."""
+    home = os.environ.get("ROS_HOME", "")
+    chosen = os.environ.get("ROS_LOG_DIR") or (f"{home}/log" if home else "")
+    return bool(chosen) and is_writable(Path(os.path.expanduser(chosen)))  # noqa: PTH111 - unlike Path's, never raises
 
 
 def _log_folder() -> Path:
