@@ -37,7 +37,7 @@ def copy_folder() -> Path:
 
 def is_shared(root: Path) -> bool:
     """Whether this user cannot work in a course's folder."""
-    return not all(os.access(root / name, os.W_OK | os.X_OK) for name in COPIED if (root / name).is_dir())
+    return not all(environment.is_writable(root / name, make=False) for name in COPIED if (root / name).is_dir())
 
 
 def copy(target: Path | None) -> int:
@@ -108,7 +108,7 @@ def exercise_folder(task: Exercise) -> Path | None:
         found = next((folder for folder in _places(here, task.id) if _has_one(folder, task)), None)
     if found is not None:
         return found
-    if os.access(course, os.W_OK | os.X_OK):
+    if environment.is_writable(course, make=False):
         return course
     copied = copy_folder() / "exercises" / task.id
     return copied if _has_one(copied, task) else None

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import os
 import stat
+import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +26,14 @@ def as_somebody(*command: str) -> list[str]:
         return list(command)
     user = ["--reuid", str(_SOMEBODY), "--regid", str(_SOMEBODY), "--clear-groups"]
     return ["setpriv", *user, "--inh-caps", _RIGHT, "--ambient-caps", _RIGHT, *command]
+
+
+@contextmanager
+def reachable_folder() -> Iterator[Path]:
+    """A folder that everybody can reach; those of pytest are for their owner alone."""
+    with tempfile.TemporaryDirectory(prefix="course-kit-test-") as made:
+        Path(made).chmod(0o755)
+        yield Path(made)
 
 
 def give(folder: Path) -> None:

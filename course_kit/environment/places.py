@@ -100,4 +100,4 @@ def is_writable(folder: Path, *, make: bool = True) -> bool:
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError:
         return False
-    return os.access(folder, os.W_OK | os.X_OK)
+    return os.access(folder, os.W_OK | os.X_OK, effective_ids=True)

@@ -52,7 +52,7 @@ def _course_is_writable() -> bool:
     if not os.path.isdir(os.path.join(_ROOT, "notebooks")):  # noqa: PTH112, PTH118
         return False
     made = os.path.join(_ROOT, ".course")  # noqa: PTH118
-    return os.access(made if os.path.isdir(made) else _ROOT, os.W_OK | os.X_OK)  # noqa: PTH112
+    return os.access(made if os.path.isdir(made) else _ROOT, os.W_OK | os.X_OK, effective_ids=True)  # noqa: PTH112
 
 
 def has_package(package: str) -> bool:
