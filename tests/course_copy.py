@@ -78,5 +78,5 @@ def copy_with_notebooks(folder: Path) -> Course:
     stamp = copied / ".course-stamp"  # names the folder it was made for
     stamp.unlink()
     made = (environment / stamp.name).read_text()
-    stamp.write_text(made.replace(f"\n{REPOSITORY}\n", f"\n{course.root}\n"))
+    stamp.write_bytes(os.fsencode(made.replace(f"\n{REPOSITORY}\n", f"\n{course.root}\n")))
     return course

@@ -39,6 +39,10 @@ class Server:
         """What `/api/...` answers."""
         return self._ask(path)
 
+    def post(self, path: str) -> Any:
+        """What it answers to a request to make something."""
+        return self._ask(path, "POST")
+
     def _ask(self, path: str, method: str = "GET") -> Any:
         request = urllib.request.Request(  # noqa: S310 - an http address of this machine
             f"{self.address}/api/{path}", method=method, headers={"Authorization": f"token {self.token}"}
@@ -48,7 +52,7 @@ class Server:
 
     def in_terminal(self, line: str) -> str:
         """Type a line into a new terminal; what it prints until it has ended."""
-        name = self._ask("terminals", "POST")["name"]
+        name = self.post("terminals")["name"]
         address = self.address.replace("http", "ws", 1)
         connection = websocket.create_connection(
             f"{address}/terminals/websocket/{name}?token={self.token}", timeout=PATIENCE_S
