@@ -25,9 +25,7 @@ NAME = "Lösung.py"
 def course(tmp_path_factory: pytest.TempPathFactory) -> Course:
     folder = tmp_path_factory.mktemp("locale") / "Übung"
     folder.mkdir()
-    made = copy_course(folder)
-    shutil.copytree(SOLUTION.parent.parent, made.root / "solutions")
-    return made
+    return copy_course(folder)
 
 
 @pytest.fixture
