@@ -47,7 +47,6 @@ def normalised(notebook: Any) -> Any:
 
 def main(arguments: list[str]) -> int:
     """Run the notebooks named on the command line on a graph of their own."""
-    os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])  # for !ros2
     with environment.exclusive_domain() as domain_id:
         os.environ["ROS_DOMAIN_ID"] = str(domain_id)
         os.environ["COURSE_KIT_PROGRESS"] = "off"  # the author has passed nothing here
