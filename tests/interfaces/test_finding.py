@@ -214,19 +214,18 @@ def test_the_short_way_to_the_saved_definitions_leads_to_the_same_folder() -> No
     assert run(program) == "True\n"
 
 
-def test_both_ways_lead_past_a_folder_that_is_another_users(tmp_path: Path) -> None:
+def test_both_ways_lead_past_a_folder_that_is_another_users() -> None:
     """A course that a group may write, in which somebody else was the first to define a type."""
-    course = copy_course(tmp_path)
-    (course.root / ".course").mkdir()
-    give(course.root)
-    (course.root / ".course").chmod(0o555)
     program = (
         "from course_kit.interfaces import sources; short = sources.saved_folder()\n"
         "from course_kit import environment\n"
         "print(short == str(environment.run_dir() / 'interfaces'), '.course' in short)"
     )
     with reachable_folder() as home:
+        course = copy_course(home)
+        (course.root / ".course").mkdir()
         give(home)
+        (course.root / ".course").chmod(0o555)
         printed = subprocess.run(
             as_somebody(sys.executable, "-c", program), env=course.environ(HOME=str(home), XDG_STATE_HOME=str(home)),
             cwd=home, capture_output=True, text=True, timeout=60, check=True,
