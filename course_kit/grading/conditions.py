@@ -55,15 +55,17 @@ def expect_few_participants() -> dict[str, str]:
 
 def _view(job: Job) -> FileView:
     """The files that the submission sees."""
-    view = file_view.of_a_command(job.command[0], job.folder) if job.command else file_view.of_a_program()
+    view = file_view.of_a_command(job.command, job.folder) if job.command else file_view.of_a_program()
     return view.with_more(masked=job.hidden)
 
 
 def _user(job: Job) -> int:
-    """Whom the submission runs as: a command of root's own stays root where others cannot get at its folder."""
-    folder = Path(job.folder)
-    if job.command and not all(place.stat().st_mode & stat.S_IXOTH for place in (folder, *folder.parents)):
-        return 0
+    """Whom the submission runs as: a command of root's own stays root where others cannot get at what it names."""
+    if job.command:
+        for path in map(Path, (job.folder, *file_view.named(job.command[1:], job.folder))):
+            around = (path, *path.parents) if path.is_dir() else path.parents
+            if not all(place.stat().st_mode & stat.S_IXOTH for place in around):
+                return 0
     return job.user
 
 
