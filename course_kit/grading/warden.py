@@ -42,9 +42,17 @@ _PROBE_GRACE_S = 20.0  # the probe stops by itself at the wall time; a probe tha
 class Warden:
     """The master of one grading."""
 
-    def __init__(self, job: Job, launcher: Launcher) -> None:
+    def __init__(self, job: Job, launcher: Launcher, view: FileView | None = None) -> None:
+        """Prepare a grading.
+
+        Args:
+            job: what is graded.
+            launcher: where submissions are started.
+            view: the files that a program sees, where they are known already: finding them takes a while.
+        """
         self._job = job
         self._launcher = launcher
+        self._view = view
         self._profile: dict[str, str] = {}
         self._network: tuple[int, ...] = ()  # descriptors of the namespaces that the submission is to join
         self._began = time.monotonic()
@@ -165,7 +173,7 @@ class Warden:
             limits=job.limits,
             isolation=job.isolation,
             scratch=job.scratch,
-            view=self._view(),
+            view=self._files(),
             environment=variables,
             priority=job.priority,
             others=self._others(),
@@ -175,10 +183,13 @@ class Warden:
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain}
 
-    def _view(self) -> FileView:
+    def _files(self) -> FileView:
         """The files that the submission sees."""
         job = self._job
-        view = file_view.of_a_command(job.command[0], job.folder) if job.command else file_view.of_a_program()
+        if job.command:
+            view = file_view.of_a_command(job.command[0], job.folder)
+        else:
+            view = self._view = self._view or file_view.of_a_program()
         return view.with_more(masked=job.hidden)
 
     def _user(self) -> int:

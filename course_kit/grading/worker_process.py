@@ -13,10 +13,10 @@ import signal
 import socket
 import sys
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import isolation, namespaces, probing, processes, scratch
+from course_kit.grading import file_view, isolation, namespaces, probing, processes, scratch
 from course_kit.grading import launcher as launchers
 from course_kit.grading.job import Job
 from course_kit.grading.launcher import Launcher
@@ -26,9 +26,25 @@ from course_kit.grading.wire import Channel, ChannelClosedError
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence
 
+    from course_kit.grading.file_view import FileView
     from course_kit.grading.isolation import Isolation
 
 _FIRST_SERVED = -19  # nice value
+
+
+@dataclass(frozen=True)
+class _Common:
+    """What holds for all workers of this process.
+
+    Attributes:
+        isolation: what isolates submissions.
+        priority: the nice value they run at.
+        view: the files they see.
+    """
+
+    isolation: Isolation
+    priority: int
+    view: FileView
 
 
 def serve(channels: Sequence[Channel], exercises: Sequence[str]) -> None:
@@ -54,12 +70,13 @@ def serve(channels: Sequence[Channel], exercises: Sequence[str]) -> None:
     loaded = [grader for exercise in exercises if (grader := _load(exercise))]
     names.send(json.dumps(_interfaces(loaded)).encode())
     names.close()
+    common = _Common(found, usual, file_view.of_a_program())
     gc.freeze()  # keeps the forks from copying what they only look at
     if len(channels) == 1:
-        _work(channels[0], launchers[0], found, usual, keep=(starter,))
+        _work(channels[0], launchers[0], common, keep=(starter,))
         return
     lines = list(zip(channels, launchers, strict=True))
-    children = [_fork_worker(line, lines, found, usual) for line in lines]
+    children = [_fork_worker(line, lines, common) for line in lines]
     for channel, launcher in lines:
         channel.close()
         launcher.close()
@@ -99,9 +116,7 @@ def _interfaces(graders: Sequence[Any]) -> list[tuple[str, str]]:
     return sorted({(one.__module__, one.__name__) for grader in graders for one in grader.INTERFACES})
 
 
-def _fork_worker(
-    line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], found: Isolation, usual: int
-) -> int:
+def _fork_worker(line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], common: _Common) -> int:
     child = os.fork()
     if child:
         return child
@@ -115,7 +130,7 @@ def _fork_worker(
                 other[0].close()  # else nobody would notice the end of that worker
                 other[1].close()
         with suppress(ChannelClosedError):
-            _work(*line, found, usual)
+            _work(*line, common)
         status = 0
     except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the file of last words has it
         sys.excepthook(*sys.exc_info())
@@ -123,17 +138,17 @@ def _fork_worker(
         os._exit(status)
 
 
-def _work(channel: Channel, launcher: Launcher, found: Isolation, usual: int, keep: Container[int] = ()) -> None:
+def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container[int] = ()) -> None:
     """One worker: it ends with ChannelClosedError.
 
     Args:
         channel: brings jobs, takes outcomes.
         launcher: where its submissions are started.
-        found: what isolates them.
-        usual: the nice value they run at.
+        common: what holds for all workers.
         keep: children of this process that outlive a grading.
     """
     folder = scratch.make()
+    found = common.isolation
     user = isolation.guest(os.getpid()) if found.user else 0
     if user:
         folder.chmod(0o711)  # that user finds its own directory in it, and sees no other
@@ -142,9 +157,9 @@ def _work(channel: Channel, launcher: Launcher, found: Isolation, usual: int, ke
         channel.send({"isolation": found.to_mapping(), "process": os.getpid()})
         while True:
             job = Job.from_mapping(channel.receive()["job"])
-            job = replace(job, isolation=found, priority=usual, scratch=str(folder), user=user)
+            job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
             _load(job.exercise)
-            outcome = _grade(job, channel, launcher, keep)
+            outcome = _grade(job, channel, launcher, common.view, keep)
             scratch.clear(folder)
             channel.send(outcome)
     finally:
@@ -157,14 +172,14 @@ def _load(exercise: str) -> Any:
     return None
 
 
-def _grade(job: Job, channel: Channel, launcher: Launcher, keep: Container[int]) -> dict[str, Any]:
+def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> dict[str, Any]:
     ours, theirs = Channel.pair()
     child = os.fork()
     if child == 0:
         status = 1
         try:
             ours.close()
-            theirs.send(Warden(job, launcher).run())
+            theirs.send(Warden(job, launcher, view).run())
             status = 0
         except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the worker reports it
             sys.excepthook(*sys.exc_info())
