@@ -146,6 +146,8 @@ class Warden:
             return self._launch(tuple(message["arguments"]), message["files"], message["variables"])
         if what == "stop":
             self._stop()
+        elif what == "running":  # asked fifty times a second
+            return {"running": self._life is not None and not self._life.over}
         elif what == "stacks":
             return {"stacks": self._stacks()}
         elif what == "finish":
