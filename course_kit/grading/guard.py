@@ -112,7 +112,7 @@ class _Watch:
         if self._root == 1 and processes.count() > self._limits.tasks + 1:
             return "processes"
         everything = processes.descendants(self._root)
-        usage = processes.usage(everything)
+        usage = processes.usage(everything, waiting=False)
         if usage.tasks > self._limits.tasks:
             return "processes"
         allowed = self._limits.memory_mb * _MB

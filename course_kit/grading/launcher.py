@@ -12,6 +12,7 @@ kills it.
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import signal
@@ -108,6 +109,7 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
     namespaces.die_with_parent()
     _load(json.loads(names.recv(_LARGEST_ORDER) or b"[]"))
     names.close()
+    gc.freeze()  # keeps the forks from copying what they only look at
     if len(lines) == 1:
         _serve(lines[0])
         return
@@ -167,6 +169,7 @@ def _fork_gate(line: socket.socket, descriptors: Sequence[int]) -> None:
 
 
 def _gate(descriptors: Sequence[int]) -> None:
+    gc.disable()  # a collection would copy pages; the program has it again
     namespaces.die_with_parent()
     inside = Streams(*descriptors[_STREAMS])
     program, cell = _receive(descriptors[_REQUEST][0])

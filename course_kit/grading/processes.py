@@ -63,8 +63,13 @@ def this_process() -> int:
     return int(Path("/proc/self").readlink().name)
 
 
-def usage(process_ids: Iterable[int]) -> Usage:
-    """What these processes use together; those that have ended count nothing."""
+def usage(process_ids: Iterable[int], *, waiting: bool = True) -> Usage:
+    """What these processes use together; those that have ended count nothing.
+
+    Args:
+        process_ids: the processes.
+        waiting: whether to see how long their threads have waited, which takes a look at each of them.
+    """
     cpu_s, waited_s, tasks, memory = 0.0, 0.0, 0, 0
     for process_id in process_ids:
         with suppress(OSError, ValueError, IndexError):
@@ -72,7 +77,8 @@ def usage(process_ids: Iterable[int]) -> Usage:
             cpu_s += (int(fields[11]) + int(fields[12])) / _TICKS
             tasks += int(fields[17])
             memory += int(fields[21]) * _PAGE
-            waited_s = max(waited_s, _waited(process_id))
+            if waiting:
+                waited_s = max(waited_s, _waited(process_id))
     return Usage(cpu_s, waited_s, tasks, memory)
 
 
@@ -107,7 +113,7 @@ def _proportional(process_id: int) -> tuple[int, int]:
         rows = {row.partition(":")[0]: row.split()[1] for row in text.splitlines()[1:]}
         return int(rows["Pss"]) * 1024, int(rows.get("Pss_Shmem", 0)) * 1024
     except (OSError, ValueError, LookupError):
-        return usage([process_id]).memory, 0
+        return usage([process_id], waiting=False).memory, 0
 
 
 def memory_files(process_ids: Iterable[int], patience_s: float) -> int:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import atexit
 import faulthandler
 import fcntl
+import gc
 import io
 import json
 import os
@@ -95,6 +96,7 @@ def main(program: Program, cell: Cell, inside: Streams) -> None:
     program = _with_files(program, Path(folder))
     if program.command:
         _execute(program)
+    gc.enable()
     faulthandler.register(STACKS_SIGNAL, file=evidence, all_threads=True)
     status = 1
     try:
@@ -188,8 +190,6 @@ def _run(program: Program, evidence: int) -> None:
 
 def _has_made_nodes() -> bool:
     """Whether the program has used ROS by itself: a node, or a context that was once initialised."""
-    import gc
-
     from rclpy.context import Context
     from rclpy.node import Node
 
