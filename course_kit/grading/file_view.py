@@ -101,6 +101,7 @@ def _interpreter() -> list[str]:
         named += _entries(os.environ.get(variable, ""))
     named.append(os.path.dirname(os.path.realpath(sys.executable)))  # noqa: PTH120 - as text, like the others
     named += [os.path.dirname(path) for path in _mapped()]  # noqa: PTH120
+    named = list(dict.fromkeys(named))
     return [*named, *(os.path.realpath(path) for path in named)]
 
 
