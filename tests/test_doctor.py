@@ -86,7 +86,7 @@ def test_a_middleware_that_is_not_installed_is_noted_and_the_course_works() -> N
     assert len(done.stderr.splitlines()) == 1
 
 
-def test_a_course_that_only_this_user_may_not_write_is_noted(tmp_path: Path) -> None:
+def test_a_course_that_this_user_may_not_write_is_noted(tmp_path: Path) -> None:
     course = copy_course(tmp_path)
     forbid_writing(course.root)
     try:
@@ -94,8 +94,9 @@ def test_a_course_that_only_this_user_may_not_write_is_noted(tmp_path: Path) -> 
     finally:
         forbid_writing(course.root, forbid=False)
     assert line_about("course folder", done.stdout).startswith("note")
-    assert "read-only for you" in done.stdout
-    assert "ros2-course" in " ".join(done.stdout.split())
+    said = " ".join(done.stdout.split())
+    assert "read-only for you" in said
+    assert "lab opens a copy of your own" in said
 
 
 def test_without_the_notebooks_it_says_what_works_and_what_is_missing(tmp_path: Path) -> None:
