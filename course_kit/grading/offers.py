@@ -134,10 +134,15 @@ def _not_offered(bench: Bench, wanted: Wanted, offers: Sequence[Offer], expected
     bench.spoil()
     got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or graph.listed(nodes, "node")
     evidence = Evidence("", expected, f"on the graph: {got}")
-    same_name = [offer for offer in offers if offer.name == wanted.name]
-    if same_name:
-        kind = same_name[0].type
-        message = f"The {wanted.kind} {wanted.name} is there with the type {kind} instead of {wanted.type}."
+    types = [offer.type for offer in offers if offer.name == wanted.name]
+    if wanted.type in types:
+        message = (
+            f"The {wanted.kind} {wanted.name} is there with its type, and a client cannot connect to all of it. "
+            "Make it with the default QoS profile, and keep it as long as the node."
+        )
+        return Failed(evidence, message)
+    if types:
+        message = f"The {wanted.kind} {wanted.name} is there with the type {types[0]} instead of {wanted.type}."
         return Failed(evidence, message, "type.interface")
     if offers:
         alike = [offer for offer in offers if offer.type == wanted.type] or offers

@@ -101,6 +101,7 @@ class Tester:
             use_global_arguments=False,
             enable_rosout=False,
             start_parameter_services=False,
+            # What nobody can call, nobody can call wrongly: an exception in a callback of ours would end the grading.
             parameter_overrides=[_NO_TYPE_DESCRIPTIONS],
         )
         self._executor = SingleThreadedExecutor(context=self._context)
