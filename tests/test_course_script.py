@@ -130,6 +130,21 @@ def test_a_sourced_jazzy_is_used_instead_of_the_wheels(clone: Clone) -> None:
     assert "[ros" not in log
 
 
+def test_the_python_of_a_sourced_jazzy_is_the_one_in_path(clone: Clone) -> None:
+    clone.sourced()
+    (clone.tools / "ros_python").rename(clone.tools / "python3")
+    done = clone.course("doctor", ROS_DISTRO="jazzy", COURSE_PYTHON="")
+    assert done.returncode == 0, done.stderr
+    assert "--system-site-packages" in clone.log.read_text()
+
+
+def test_a_python_can_be_chosen_by_its_name_in_path(clone: Clone, tmp_path: Path) -> None:
+    (clone.tools / "chosen").symlink_to(BASE_PYTHON)
+    done = clone.course("doctor", COURSE_PYTHON="chosen", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert f"--python {BASE_PYTHON}" in clone.log.read_text()
+
+
 def test_a_jazzy_that_no_python_here_can_import_is_named(clone: Clone) -> None:
     clone.tool("stand_in_python_without_ros", "#!/bin/sh\nexit 1\n")
     python = str(clone.tools / "stand_in_python_without_ros")
