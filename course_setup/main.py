@@ -14,7 +14,7 @@ from course_setup import portable
 from course_setup.environments import Environment, Environments, identity
 from course_setup.installing import Installer
 from course_setup.lock import held, held_if_free
-from course_setup.problems import SIZE, SetUpError, describe, require_usable, say
+from course_setup.problems import SetUpError, describe, require_usable, say, size
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -65,7 +65,7 @@ def main(arguments: Sequence[str]) -> int:
         say(str(problem))
         return 2
     except OSError as problem:
-        say(describe(problem, Path(request.root)))
+        say(describe(problem, Path(request.root), request.kind))
         return 2
     return _start_again(request, arguments[6:])
 
@@ -152,7 +152,7 @@ def _make_new(environments: Environments, old: Environment | None, request: Requ
     fresh = environments.new()
     try:
         installer.create(fresh)
-        say(f"[2/2] installing {_what(request)} ({SIZE} on disk; once)")
+        say(f"[2/2] installing {_what(request)} ({size(request.kind)} on disk; once)")
         _install(installer, fresh, old, request)
         environments.put_in_force(fresh)
     finally:
@@ -185,8 +185,10 @@ def _drop_unless_in_force(fresh: Environment, environments: Environments) -> Non
 
 
 def _installer(request: Request) -> Installer:
-    return Installer(Path(request.root), request.python, request.uv, system_ros=request.kind == "jazzy")
+    return Installer(Path(request.root), request.python, request.uv, request.kind)
 
 
 def _what(request: Request) -> str:
-    return "JupyterLab and the course" if request.kind == "jazzy" else "ROS 2, JupyterLab and the course"
+    if request.kind == "jazzy":
+        return "JupyterLab and the course"
+    return "ROS 2, JupyterLab and the course"

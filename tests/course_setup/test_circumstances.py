@@ -199,7 +199,7 @@ def test_a_file_that_changes_during_the_set_up_is_no_endless_loop(clone: Clone) 
 )
 def test_errors_of_the_system_are_sentences(number: int, word: str) -> None:
     problem = OSError(number, os.strerror(number), "/a course/x")
-    assert word in problems.describe(problem, Path("/a course"))
+    assert word in problems.describe(problem, Path("/a course"), "wheels")
 
 
 @pytest.mark.parametrize(
@@ -218,7 +218,7 @@ def test_a_failed_installation_tells_of_the_room_there_is(
     blocks = free_mb * 2**20 // real.f_frsize
     stand_in = os.statvfs_result((*real[:3], blocks, blocks, *real[5:], real.f_namemax))
     monkeypatch.setattr(os, "statvfs", lambda _path: stand_in)
-    told = problems.unfinished("the installation did not finish", tmp_path)
+    told = problems.unfinished("the installation did not finish", tmp_path, "wheels")
     assert [word for word in words if word not in told] == []
 
 
