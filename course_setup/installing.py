@@ -40,7 +40,12 @@ class Installer:
     root: Path
     python: str
     uv: str  # the uv to use, or "" for venv and pip
-    system_ros: bool  # a real ROS 2 brings rclpy, and the numpy it was compiled for
+    kind: str  # "jazzy": the sourced ROS 2 brings rclpy, and the numpy it was compiled for; or "wheels"
+
+    @property
+    def system_ros(self) -> bool:
+        """Whether the environment uses the packages of a ROS 2 outside of it."""
+        return self.kind == "jazzy"
 
     def create(self, environment: Environment) -> None:
         """Make an empty environment.
@@ -125,7 +130,7 @@ class Installer:
         finally:
             shutil.rmtree(work, ignore_errors=True)
         if done.returncode:
-            raise SetUpError(unfinished(failed, self.root))
+            raise SetUpError(unfinished(failed, self.root, self.kind))
 
     def _variables(self, work: Path) -> dict[str, str]:
         kept = {name: value for name, value in os.environ.items() if name not in _NOT_PASSED_ON}

@@ -14,7 +14,7 @@ from course_setup import portable
 from course_setup.environments import Environment, Environments, identity
 from course_setup.installing import Installer
 from course_setup.lock import held, held_if_free
-from course_setup.problems import SIZE, SetUpError, describe, require_usable, say
+from course_setup.problems import SetUpError, describe, require_usable, say, size
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -36,9 +36,8 @@ class Request:
     """What `./course` wants, and what it has found out. All are text, as they come from the command line."""
 
     root: str
-    kind: str  # "wheels" or "jazzy"
+    kind: str  # "jazzy" where a ROS 2 Jazzy is sourced, else "wheels"
     extra: str  # "" or "test"
-    system_ros: str  # "yes" where a ROS 2 is sourced whose rclpy can be imported
     python: str
     uv: str
     stamp: str  # fingerprint of what an environment is made from; its last line is the folder
@@ -55,7 +54,7 @@ def main(arguments: Sequence[str]) -> int:
     Returns:
         128 + the signal's number where one has stopped it, 2 where the set-up could not be done.
     """
-    request = Request(*arguments[:7])
+    request = Request(*arguments[:6])
     try:
         with _stoppable():
             set_up(request)
@@ -66,9 +65,9 @@ def main(arguments: Sequence[str]) -> int:
         say(str(problem))
         return 2
     except OSError as problem:
-        say(describe(problem, Path(request.root)))
+        say(describe(problem, Path(request.root), request.kind))
         return 2
-    return _start_again(request, arguments[7:])
+    return _start_again(request, arguments[6:])
 
 
 def show(root: str, kind: str) -> int:
@@ -153,7 +152,7 @@ def _make_new(environments: Environments, old: Environment | None, request: Requ
     fresh = environments.new()
     try:
         installer.create(fresh)
-        say(f"[2/2] installing {_what(request)} ({SIZE} on disk; once)")
+        say(f"[2/2] installing {_what(request)} ({size(request.kind)} on disk; once)")
         _install(installer, fresh, old, request)
         environments.put_in_force(fresh)
     finally:
@@ -186,8 +185,10 @@ def _drop_unless_in_force(fresh: Environment, environments: Environments) -> Non
 
 
 def _installer(request: Request) -> Installer:
-    return Installer(Path(request.root), request.python, request.uv, system_ros=request.system_ros == "yes")
+    return Installer(Path(request.root), request.python, request.uv, request.kind)
 
 
 def _what(request: Request) -> str:
-    return "JupyterLab and the course" if request.system_ros else "ROS 2, JupyterLab and the course"
+    if request.kind == "jazzy":
+        return "JupyterLab and the course"
+    return "ROS 2, JupyterLab and the course"

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pathlib import Path
 
-_SIZE_MB = 500
-SIZE = f"about {_SIZE_MB} MB"
+_SIZES_MB = {"wheels": 500, "jazzy": 250}  # of an environment in use; a sourced ROS brings the rest
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 _FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)
 _FULL_MB = 20  # an installer that found no room has left less than this
@@ -27,11 +26,16 @@ def say(text: str) -> None:
     print(f"course: {text}", file=sys.stderr, flush=True)
 
 
-def describe(error: OSError, root: Path) -> str:
+def size(kind: str) -> str:
+    """How large an environment of this kind is, in words."""
+    return f"about {_SIZES_MB[kind]} MB"
+
+
+def describe(error: OSError, root: Path, kind: str) -> str:
     """An error of the operating system as sentences: what happened, why, what to do."""
     reason = error.strerror or str(error)
     if error.errno in _FULL:
-        return disk_full(root)
+        return disk_full(root, kind)
     if error.errno in _FORBIDDEN:
         return (
             f"The folder {root} cannot be written ({reason}), and the course has to be set up in it. Copy the folder "
@@ -41,23 +45,26 @@ def describe(error: OSError, root: Path) -> str:
     return f"The set-up failed ({reason}{where}). When you have mended that, run the same command again."
 
 
-def disk_full(root: Path) -> str:
+def disk_full(root: Path, kind: str) -> str:
     """The sentence for a disk, or a quota, without room."""
-    return f"The disk is full. The course needs {SIZE} in {root}. Free some space, then run the same command again."
+    return (
+        f"The disk is full. The course needs {size(kind)} in {root}. Free some space, then run the same command again."
+    )
 
 
-def unfinished(what: str, root: Path) -> str:
+def unfinished(what: str, root: Path, kind: str) -> str:
     """What to say of a step that failed, after its installer has said why in words of its own.
 
     Args:
         what: the beginning of the sentence, such as "the installation did not finish".
         root: the course's folder.
+        kind: that of the environment, "wheels" or "jazzy".
     """
     status = os.statvfs(root)
     free = status.f_bavail * status.f_frsize // 2**20
     if free < _FULL_MB:
-        return f"{what}. {disk_full(root)}"
-    room = f", and room: {free} MB are free, and the course needs {SIZE}" if free < _SIZE_MB else ""
+        return f"{what}. {disk_full(root, kind)}"
+    room = f", and room: {free} MB are free, and the course needs {size(kind)}" if free < _SIZES_MB[kind] else ""
     return f"{what}; the lines above say why. It needs a network connection{room}. Then run the same command again."
 
 

@@ -39,6 +39,19 @@ END
        chmod +x "$environment/bin/program" ;;
 esac
 """
+# Stands in for the Python of a sourced ROS 2 Jazzy: has rclpy, and a venv and a pip that note what they are asked for.
+# STAND_IN_PIP is the version of that pip.
+STAND_IN_ROS_PYTHON = f"""#!/bin/sh
+case "$*" in
+  "-c import rclpy" | "-c import ensurepip, venv") exit 0 ;;
+  "-m venv "*) for last; do :; done
+     echo "$@" >>"$STAND_IN_LOG"
+     mkdir -p "$last/bin" "$last/lib/python3.10/site-packages/pip-${{STAND_IN_PIP:-26.0}}.dist-info"
+     cp "$0" "$last/bin/python"; touch "$last/bin/activate" ;;
+  "-m pip "*) echo "$@" >>"$STAND_IN_LOG"; env >"$STAND_IN_LOG.variables" ;;
+  *) PYTHONPATH=${{PYTHONPATH:-}}:$STAND_IN_ROOT exec {BASE_PYTHON} "$@" ;;
+esac
+"""
 STAND_IN_CLI = "import os, sys; print('cli', os.environ['VIRTUAL_ENV'], *sys.argv[1:])\n"
 
 
@@ -76,6 +89,7 @@ class Clone:
             "COURSE_PYTHON": str(BASE_PYTHON),
             "STAND_IN_PYTHON": str(BASE_PYTHON),
             "STAND_IN_LOG": str(self.log),
+            "STAND_IN_ROOT": str(self.root),
             **variables,
         }
 
@@ -97,6 +111,11 @@ class Clone:
             timeout=60,
             check=False,
         )
+
+    def sourced(self) -> dict[str, str]:
+        """The variables of a terminal in which a ROS 2 Jazzy is sourced."""
+        self.tool("ros_python", STAND_IN_ROS_PYTHON)
+        return {"ROS_DISTRO": "jazzy", "COURSE_PYTHON": str(self.tools / "ros_python")}
 
     def half_way(self, folder: Path, *arguments: str) -> subprocess.Popen[str]:
         """A set-up in which the installation has begun, and waits."""

@@ -32,7 +32,7 @@ def run(*command: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.timeout(300)
 def test_mypy_strict_is_content() -> None:
-    done = run("mypy", "-p", "course_kit")
+    done = run("mypy", "-p", "course_kit", "-p", "course_setup")
     assert done.returncode == 0, done.stdout
 
 
@@ -75,7 +75,19 @@ def test_rooms_import_only_from_the_floors_below(path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", sorted((REPOSITORY / "course_kit").rglob("*.py")), ids=lambda path: str(path.relative_to(REPOSITORY))
+    "path",
+    sorted(path for package in ("course_kit", "course_setup") for path in (REPOSITORY / package).rglob("*.py")),
+    ids=lambda path: str(path.relative_to(REPOSITORY)),
 )
 def test_a_module_fits_in_one_sitting(path: Path) -> None:
     assert len(path.read_text().splitlines()) <= 300
+
+
+@pytest.mark.parametrize("path", sorted((REPOSITORY / "course_setup").glob("*.py")), ids=lambda path: path.name)
+def test_the_set_up_needs_nothing_that_it_would_have_to_install(path: Path) -> None:
+    for node in ast.walk(ast.parse(path.read_text())):
+        names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+        names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        for name in names:
+            top = name.split(".")[0]
+            assert top in sys.stdlib_module_names or top == "course_setup", f"{path.name} imports {name}"

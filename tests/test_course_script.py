@@ -122,25 +122,36 @@ def test_another_ros_distribution_is_named(clone: Clone) -> None:
 
 
 def test_a_sourced_jazzy_is_used_instead_of_the_wheels(clone: Clone) -> None:
-    """The stand-in Python below claims to have Jazzy's rclpy and writes down what pip would install."""
-    clone.tool(
-        "stand_in_python_with_jazzy",
-        f"""#!/bin/sh
-case "$*" in
-  "-c import rclpy" | "-c import ensurepip, venv") exit 0 ;;
-  "-m venv "*) for last; do :; done
-     echo "$@" >>"$STAND_IN_LOG"; mkdir -p "$last/bin"; cp "$0" "$last/bin/python"; touch "$last/bin/activate" ;;
-  "-m pip "*) echo "$@" >>"$STAND_IN_LOG" ;;
-  *) PYTHONPATH=$PWD exec {BASE_PYTHON} "$@" ;;
-esac
-""",
-    )
-    done = clone.course("doctor", ROS_DISTRO="jazzy", COURSE_PYTHON=str(clone.tools / "stand_in_python_with_jazzy"))
+    done = clone.course("doctor", **clone.sourced())
     assert done.returncode == 0, done.stderr
     log = clone.log.read_text()
     assert "--system-site-packages" in log
     assert "numpy<2" in log
     assert "[ros" not in log
+
+
+def test_the_python_of_a_sourced_jazzy_is_the_one_in_path(clone: Clone) -> None:
+    clone.sourced()
+    (clone.tools / "ros_python").rename(clone.tools / "python3")
+    done = clone.course("doctor", ROS_DISTRO="jazzy", COURSE_PYTHON="")
+    assert done.returncode == 0, done.stderr
+    assert "--system-site-packages" in clone.log.read_text()
+
+
+def test_a_python_can_be_chosen_by_its_name_in_path(clone: Clone, tmp_path: Path) -> None:
+    (clone.tools / "chosen").symlink_to(BASE_PYTHON)
+    done = clone.course("doctor", COURSE_PYTHON="chosen", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert f"--python {BASE_PYTHON}" in clone.log.read_text()
+
+
+def test_a_jazzy_that_no_python_here_can_import_is_named(clone: Clone) -> None:
+    clone.tool("stand_in_python_without_ros", "#!/bin/sh\nexit 1\n")
+    python = str(clone.tools / "stand_in_python_without_ros")
+    done = clone.course("lab", ROS_DISTRO="jazzy", COURSE_PYTHON=python)
+    assert done.returncode == 2
+    assert f"rclpy cannot be imported by: {python}. Source its setup.bash" in done.stderr
+    assert clone.calls() == []
 
 
 def test_a_python_that_does_not_fit_is_named(clone: Clone) -> None:

@@ -15,24 +15,13 @@ import pytest
 
 from course_kit.grading.namespaces import drop_privileges
 from course_setup import problems
-from tests.course_clone import BASE_PYTHON, STAND_IN_UV, Clone
+from tests.course_clone import STAND_IN_UV, Clone
 
 if TYPE_CHECKING:
     import subprocess
     from collections.abc import Iterator
 
 NEEDED = ("sh", "cat", "chmod", "cksum", "dirname", "env", "getconf", "readlink", "rm", "uname")
-# Stands in for a Python whose venv brings the pip of that version, and notes what that pip is asked for.
-WITH_PIP = f"""#!/bin/sh
-case "$*" in
-  "-c import ensurepip, venv") exit 0 ;;
-  "-m venv "*) for last; do :; done
-     mkdir -p "$last/bin" "$last/lib/python3.10/site-packages/pip-$STAND_IN_PIP.dist-info"
-     cp "$0" "$last/bin/python"; touch "$last/bin/activate" ;;
-  "-m pip "*) echo "$@" >>"$STAND_IN_LOG" ;;
-  *) PYTHONPATH=$PWD exec {BASE_PYTHON} "$@" ;;
-esac
-"""
 OLD_PYTHON = """#!/bin/sh
 case "$*" in *python_version*) echo 3.9.2 ;; *) exit 1 ;; esac
 """
@@ -97,15 +86,14 @@ def test_packages_from_elsewhere_are_left_aside_unless_ros_brings_them(clone: Cl
         done = clone.course("doctor", PYTHONPATH=str(tmp_path))
         assert done.stdout == f"{graphlib.__file__}\n", done.stderr
         assert "PYTHONPATH is set; the course runs without it" in done.stderr
-    sourced = clone.course("doctor", PYTHONPATH=str(tmp_path), ROS_DISTRO="jazzy")
+    sourced = clone.course("doctor", PYTHONPATH=str(tmp_path), **clone.sourced())
     assert sourced.stdout == f"{tmp_path}/graphlib.py\n"
     assert "PYTHONPATH" not in sourced.stderr
 
 
 def test_the_installer_gets_no_settings_for_other_installations(clone: Clone, tmp_path: Path) -> None:
-    clone.course(
-        "doctor", PYTHONPATH=str(tmp_path), ROS_DISTRO="jazzy", VIRTUAL_ENV="/x", PIP_TARGET="/x", PIP_USER="1"
-    )
+    others = {"PYTHONPATH": str(tmp_path), "VIRTUAL_ENV": "/x", "PIP_TARGET": "/x", "PIP_USER": "1"}
+    clone.course("doctor", **clone.sourced(), **others)
     given = dict(line.split("=", 1) for line in Path(f"{clone.log}.variables").read_text().splitlines() if "=" in line)
     assert not given.keys() & {"PYTHONPATH", "VIRTUAL_ENV", "PIP_TARGET"}
     assert (given["PIP_USER"], given["LC_ALL"], given["PYTHONUTF8"]) == ("0", "C.UTF-8", "1")
@@ -122,10 +110,11 @@ def test_a_folder_that_cannot_be_written_is_refused_at_once(clone: Clone) -> Non
 
 
 def test_a_complete_course_works_in_a_folder_that_cannot_be_written(clone: Clone) -> None:
-    clone.course("doctor", ROS_DISTRO="jazzy")
+    sourced = clone.sourced()
+    clone.course("doctor", **sourced)
     clone.course("doctor")
     with not_writable(clone.root, clone.root / ".venvs"):
-        done = clone.course("doctor", ROS_DISTRO="jazzy", before=drop_privileges)
+        done = clone.course("doctor", before=drop_privileges, **sourced)
         assert (done.returncode, done.stderr) == (0, "")
         assert "/.venvs/jazzy-" in done.stdout
         assert "cannot be written" in refusal(clone.course("test", before=drop_privileges))
@@ -144,14 +133,12 @@ def test_uv_does_without_a_cache_where_the_home_directory_cannot_be_written(
 
 
 @pytest.mark.parametrize(
-    ("version", "calls"), [("21.2.3", ["--upgrade pip>=22", "-e .[ros]"]), ("23.0.1", ["-e .[ros]"])]
+    ("version", "calls"), [("21.2.3", ["--upgrade pip>=22", "-e . numpy<2"]), ("23.0.1", ["-e . numpy<2"])]
 )
 def test_a_pip_that_is_too_old_is_renewed_first(clone: Clone, version: str, calls: list[str]) -> None:
-    clone.tool("stand_in_python", WITH_PIP)
-    python = str(clone.tools / "stand_in_python")
-    done = clone.course("doctor", COURSE_PYTHON=python, COURSE_NO_UV="1", STAND_IN_PIP=version)
+    done = clone.course("doctor", STAND_IN_PIP=version, **clone.sourced())
     assert done.returncode == 0, done.stderr
-    installs = [line.split("--progress-bar off ")[1] for line in clone.log.read_text().splitlines()]
+    installs = [line.split("--progress-bar off ")[1] for line in clone.log.read_text().splitlines()[1:]]
     assert installs == calls
 
 
@@ -212,7 +199,7 @@ def test_a_file_that_changes_during_the_set_up_is_no_endless_loop(clone: Clone) 
 )
 def test_errors_of_the_system_are_sentences(number: int, word: str) -> None:
     problem = OSError(number, os.strerror(number), "/a course/x")
-    assert word in problems.describe(problem, Path("/a course"))
+    assert word in problems.describe(problem, Path("/a course"), "wheels")
 
 
 @pytest.mark.parametrize(
@@ -231,7 +218,7 @@ def test_a_failed_installation_tells_of_the_room_there_is(
     blocks = free_mb * 2**20 // real.f_frsize
     stand_in = os.statvfs_result((*real[:3], blocks, blocks, *real[5:], real.f_namemax))
     monkeypatch.setattr(os, "statvfs", lambda _path: stand_in)
-    told = problems.unfinished("the installation did not finish", tmp_path)
+    told = problems.unfinished("the installation did not finish", tmp_path, "wheels")
     assert [word for word in words if word not in told] == []
 
 

@@ -48,21 +48,21 @@ def used(done: subprocess.CompletedProcess[str]) -> str:
 
 
 def test_terminals_with_and_without_a_sourced_ros_keep_their_environments(clone: Clone) -> None:
-    without, sourced = used(clone.course("doctor")), used(clone.course("doctor", ROS_DISTRO="jazzy"))
+    without, sourced = used(clone.course("doctor")), used(clone.course("doctor", **clone.sourced()))
     assert without != sourced
     assert str(clone.environment) == sourced
     for _ in range(2):
         assert used(clone.course("doctor")) == without == str(clone.environment)
-        assert used(clone.course("doctor", ROS_DISTRO="jazzy")) == sourced == str(clone.environment)
-    assert clone.calls() == ["venv", "pip", "venv", "pip"]
+        assert used(clone.course("doctor", **clone.sourced())) == sourced == str(clone.environment)
+    assert clone.calls() == ["venv", "pip", "-m", "-m"]
 
 
 def test_while_one_terminal_sets_up_the_others_go_on(clone: Clone, tmp_path: Path) -> None:
     before = used(clone.course("doctor"))
-    clone.course("doctor", ROS_DISTRO="jazzy")
+    clone.course("doctor", **clone.sourced())
     started = clone.half_way(tmp_path, "test")
     try:
-        assert used(clone.course("doctor", ROS_DISTRO="jazzy")) != before
+        assert used(clone.course("doctor", **clone.sourced())) != before
         assert used(clone.course("doctor")) == before
     finally:
         os.killpg(started.pid, signal.SIGKILL)
