@@ -6,6 +6,7 @@ A message of 8 MB would otherwise stand in every check, in every report and on e
 from __future__ import annotations
 
 import json
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -26,28 +27,48 @@ def bounded(message: Any) -> Any:
 
     Of a sequence the last elements stay: what is added to a list of goals or of parameters is added at its end.
     """
-    for name in message.get_fields_and_field_types():
+    for name in _growing(_kind(message)):
         value = getattr(message, name)
         if isinstance(value, str):
             if len(value) > LONGEST_TEXT:
                 setattr(message, name, value[:LONGEST_TEXT])
         elif hasattr(value, "get_fields_and_field_types"):
             bounded(value)
-        elif not isinstance(value, (bool, int, float)):
-            _bound_elements(message, name, value)
+        else:
+            if len(value) > MOST_ELEMENTS:
+                setattr(message, name, value[-MOST_ELEMENTS:])
+            _bound_elements(message, name)
     return message
 
 
-def _bound_elements(message: Any, name: str, values: Any) -> None:
-    if len(values) > MOST_ELEMENTS:
-        setattr(message, name, values[-MOST_ELEMENTS:])
-    if isinstance(values, list) and values and not isinstance(values[0], (bool, int, float, bytes)):
-        kept = getattr(message, name)
-        if isinstance(kept[0], str):
-            setattr(message, name, [text[:LONGEST_TEXT] for text in kept])
-        else:
-            for element in kept:
+def _bound_elements(message: Any, name: str) -> None:
+    elements = getattr(message, name)
+    if isinstance(elements, list) and elements:
+        if isinstance(elements[0], str):
+            setattr(message, name, [text[:LONGEST_TEXT] for text in elements])
+        elif hasattr(elements[0], "get_fields_and_field_types") and _growing(_kind(elements[0])):
+            for element in elements:
                 bounded(element)
+
+
+def _kind(message: Any) -> Any:
+    return type(message)
+
+
+@lru_cache(maxsize=256)
+def _growing(kind: Any) -> tuple[str, ...]:
+    """The fields of a message class that can hold texts or sequences of any length."""
+    made = kind()
+    names = []
+    for name, described in kind.get_fields_and_field_types().items():
+        value = getattr(made, name)
+        if hasattr(value, "get_fields_and_field_types"):
+            grows = bool(_growing(_kind(value)))
+        else:
+            grows = "string" in described or "sequence" in described or ("/" in described and "[" in described)
+        if grows:
+            names.append(name)
+    return tuple(names)
 
 
 def cut(text: str, longest: int = _LONGEST) -> str:

@@ -17,6 +17,7 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
 from course_kit.grading.bounds import bounded
+from course_kit.grading.checks import Evidence, Failed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -116,10 +117,19 @@ class Tester:
         return int(self._context.get_domain_id())
 
     def spin_once(self, timeout_s: float) -> None:
-        """Run one callback, or wait for one at most `timeout_s` seconds."""
+        """Run one callback, or wait for one at most `timeout_s` seconds.
+
+        Raises:
+            Failed: what has come is too large to be taken in, with limit.memory.
+        """
         if not self._context.ok():
             raise ExternalShutdownException
-        self._executor.spin_once(timeout_sec=timeout_s)
+        try:
+            self._executor.spin_once(timeout_sec=timeout_s)
+        except (MemoryError, SystemError):  # the second, where an allocation in rclpy's own code has failed
+            evidence = Evidence(got="messages too large for the grader's memory")
+            message = "Your program sends messages so large, or so many large ones, that the grader cannot hold them."
+            raise Failed(evidence, message, "limit.memory") from None
 
     def client(self, interface: Any, name: str, number: int = 0) -> Client:
         """The client `number` of a service; made on first use and kept, so that it is connected the next time."""

@@ -77,6 +77,7 @@ def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int
         over = _await_end(line, alive)
     except EOFError:
         _kill(child)
+        os.waitpid(child, 0)
         raise
     finally:
         os.close(alive)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+from typing import TYPE_CHECKING
+
 import pytest
 
 from course_kit.grading import endings
@@ -9,6 +12,9 @@ from course_kit.grading.bench import Life
 from course_kit.grading.job import Job
 from course_kit.grading.output import KEPT, Output
 from course_kit.grading.traces import activity, last_exception
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 TRACE = """[INFO] something
 Traceback (most recent call last):
@@ -155,6 +161,10 @@ def test_why_a_call_failed(life: Life, code: str | None) -> None:
         ("ModuleNotFoundError: No module named 'course_interface'", "course_interfaces"),
         ("ModuleNotFoundError: No module named 'nunpy.linalg'", "numpy"),
         ("ImportError: cannot import name 'ConvertTemperatur' from 'course_interfaces.srv' (x)", "ConvertTemperature"),
+        ("ImportError: cannot import name 'Strin' from 'std_msgs.msg' (x)", "String"),
+        ("ImportError: cannot import name 'Nod' from 'rclpy.node' (x)", "Node"),
+        ("ImportError: cannot import name 'SimulatedRobo' from 'course_kit.robot' (x)", "SimulatedRobot"),
+        ("ImportError: cannot import name 'sqtr' from 'math' (x)", "sqrt"),
     ],
 )
 def test_nearest_import(problem: str, nearest: str) -> None:
@@ -193,3 +203,22 @@ def test_output_is_harmless_text() -> None:
     assert "\x00" not in text
     assert text.startswith("ä")
     assert "\n\t" in text
+
+
+@pytest.mark.parametrize("module", ["harmful", "harmful.msg", "harmful_msgs", "rclpyy", "course_kit.robott"])
+def test_a_module_that_a_traceback_names_is_not_run(
+    module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The submission has written it, and importing is running."""
+    top, _, inner = module.partition(".")
+    (tmp_path / top).mkdir(exist_ok=True)
+    for name in ("__init__", inner or "other"):
+        (tmp_path / top / f"{name}.py").write_text(
+            f"open({str(tmp_path / 'trace')!r}, 'w').close()\nraise SystemExit\n"
+        )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    stderr = f"Traceback (most recent call last):\nImportError: cannot import name 'x' from '{module}' (y)\n"
+    if top == "course_kit":
+        monkeypatch.delitem(sys.modules, module, raising=False)
+    assert endings.of_start(Life(running=False, exit_code=1, stderr=stderr), JOB)[0] == "start.import"
+    assert not (tmp_path / "trace").exists()

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import threading
 
 import pytest
 
+from course_kit.grading import wire
 from course_kit.grading.wire import Channel, ChannelClosedError
 
 
@@ -33,13 +35,33 @@ def test_silence_is_a_timeout_and_an_end_is_an_end() -> None:
     second.close()
 
 
-@pytest.mark.parametrize("data", [b"\xff\xff\xff\xff....", b"\x00\x00\x00\x02[]"])
+@pytest.mark.parametrize(
+    "data", [b"\xff\xff\xff\xff....", b"\x00\x00\x00\x02[]", b"\x00\x00\x00\x01{", b"\x00\x01\x86\xa0" + b"[" * 100_000]
+)
 def test_what_is_no_message_is_refused(data: bytes) -> None:
-    import os
-
     first, second = Channel.pair()
     os.write(first.fileno(), data)
     with pytest.raises(ChannelClosedError, match="no message"):
         second.receive(5)
+    first.close()
+    second.close()
+
+
+def test_a_peer_that_stops_in_the_middle_of_a_message_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(wire, "_TRANSFER_S", 0.05)
+    for begun in (b"\0", b"\0\0\0\2", b"\0\0\0\2{"):
+        first, second = Channel.pair()
+        os.write(first.fileno(), begun)
+        with pytest.raises(ChannelClosedError, match="middle of a message"):
+            second.receive()
+        first.close()
+        second.close()
+
+
+def test_a_peer_that_does_not_read_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(wire, "_TRANSFER_S", 0.05)
+    first, second = Channel.pair()
+    with pytest.raises(ChannelClosedError, match="does not read"):
+        first.send({"text": "x" * 10_000_000})
     first.close()
     second.close()

@@ -158,3 +158,8 @@ def test_right_patterns_with_the_longest_reasons_do_not_pass() -> None:
 
 def test_right_reasons_with_guessed_patterns_seldom_pass() -> None:
     assert passes(lambda scenario, chance: (chance.choice(quiz.PATTERNS), right(scenario)[1])) < 0.12
+
+
+def test_ids_nobody_would_write_are_not_compared() -> None:
+    assert quiz.nearest("weld_seam", ["weld_saem", "x" * 1_000_000]) == "weld_saem"
+    assert quiz.nearest("weld_seam" * 100_000, ["weld_seam" * 100_000]) is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 from hypothesis import given
@@ -93,3 +94,18 @@ def test_a_parameter_file_is_what_ros_2_reads() -> None:
     assert _limiter.parameter_file("/velocity_limiter", values) == (
         "velocity_limiter:\n  ros__parameters:\n    robot_name: 'rover'\n    enabled: false\n    max_velocity: 2.5\n"
     )
+
+
+@given(
+    st.lists(st.sampled_from(["a", ":", " ", "\n", "1", ".", "m/s", "m", "/s", "\t", "\u2028"]), max_size=12).map(
+        "".join
+    )
+)
+def test_a_status_line_is_read_as_the_contract_describes_it(line: str) -> None:
+    """As by this pattern, which takes the cube of a line's length."""
+    match = re.fullmatch(r"\s*(?P<name>.*?)\s*:\s*(?P<number>\S+)\s*m/s\s*", line, re.DOTALL)
+    try:
+        expected = (match["name"], float(match["number"])) if match else None
+    except ValueError:
+        expected = None
+    assert _limiter.read_status(line) == expected

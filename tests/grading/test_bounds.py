@@ -1,0 +1,104 @@
+"""What is kept of what a submission sends: a little of each, whatever comes."""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from action_msgs.msg import GoalStatus, GoalStatusArray
+from course_interfaces.action import MoveRobot
+from course_interfaces.srv import ConvertTemperature
+from hypothesis import given
+from hypothesis import strategies as st
+from rcl_interfaces.msg import ListParametersResult, ParameterValue
+from rcl_interfaces.srv import GetParameters
+from std_msgs.msg import String
+
+from course_kit.grading import bounds
+from course_kit.grading.actions import Feedback, Statuses
+from course_kit.grading.tester import Heard
+
+INFO = {"received_timestamp": 2_000_000_000, "source_timestamp": 1_000_000_000}
+TEXTS = ("sent", "expected", "got", "message")
+
+
+def test_texts_and_sequences_of_a_message_are_cut_wherever_they_stand() -> None:
+    assert len(bounds.bounded(String(data="x" * 5_000_000)).data) == bounds.LONGEST_TEXT
+    assert bounds.bounded(String(data="short")).data == "short"
+    assert len(bounds.bounded(ConvertTemperature.Response(message="x" * 5_000_000)).message) == bounds.LONGEST_TEXT
+    names = bounds.bounded(ListParametersResult(names=[*["x" * 10_000] * 5000, "the last"])).names
+    assert (len(names), len(names[0]), names[-1]) == (bounds.MOST_ELEMENTS, bounds.LONGEST_TEXT, "the last")
+    value = ParameterValue(type=6, bool_array_value=[True] * 5000, string_value="x" * 10_000)
+    value.byte_array_value = [b"x"] * 5000
+    value.double_array_value = [0.5] * 5000
+    found = bounds.bounded(GetParameters.Response(values=[value])).values[0]
+    assert {len(found.bool_array_value), len(found.byte_array_value), len(found.double_array_value)} == {1000}
+    assert len(found.string_value) == bounds.LONGEST_TEXT
+
+
+def test_of_a_flood_on_a_topic_the_last_messages_are_kept_and_all_are_counted() -> None:
+    heard = Heard()
+    for number in range(5000):
+        heard.take(String(data=f"{number} {'x' * 20_000}"), INFO)
+    assert heard.count == 5000
+    assert len(heard.messages) == len(heard.times) == 1000
+    assert sum(len(message.data) for message in heard.messages) <= 1000 * bounds.LONGEST_TEXT
+    assert [message.data.split()[0] for message in heard.since(4998)] == ["4998", "4999"]
+    assert len(heard.since(0)) == 1000
+    assert heard.since(5000) == []
+
+
+def feedback(goal: bytes, number: int) -> Any:
+    return SimpleNamespace(goal_id=SimpleNamespace(uuid=goal), feedback=MoveRobot.Feedback(progress=float(number)))
+
+
+def test_of_feedback_without_end_the_beginning_and_the_last_are_kept() -> None:
+    ours, other, heard = b"a" * 16, b"b" * 16, Feedback()
+    told = heard.of(ours)
+    for number in range(12_000):
+        heard.take(feedback(ours, number), INFO)
+        heard.take(feedback(other, number), INFO)
+    assert heard.count == 24_000
+    assert len(told) == 10_000
+    assert [told[place].feedback.progress for place in (0, 1, -2, -1)] == [0, 1, 9998, 11_999]
+    assert heard.of(other) == []
+
+
+def test_only_changes_of_the_status_of_our_own_goals_are_kept() -> None:
+    ours, heard = bytes(range(16)), Statuses()
+    changes = heard.of(ours)
+    for status in (1, 2, 2, 2, 77, 4, 4, *range(-30, 0)):
+        entries = [GoalStatus(status=status) for _ in range(1100)]
+        entries[-1].goal_info.goal_id.uuid = list(ours)
+        heard.take(GoalStatusArray(status_list=entries), INFO)
+    assert [status for _, status in changes[:4]] == [1, 2, 77, 4]
+    assert len(changes) == 20
+
+
+@given(st.text(st.characters(exclude_categories=()), max_size=200), st.integers(10, 100))
+def test_a_cut_text_is_as_short_as_it_was_asked_to_be_and_can_be_written(text: str, longest: int) -> None:
+    found = bounds.cut(text, longest)
+    assert len(json.dumps(found, ensure_ascii=False).encode()) - 2 <= longest
+    if text.isascii() and text.isprintable() and len(text) <= longest - 20 and not set(text) & set('"\\'):
+        assert found == text
+    assert found.endswith("...") or len(found) == len(text)
+
+
+def result(**texts: str) -> dict[str, Any]:
+    return {**dict.fromkeys(TEXTS, ""), "id": "x", "steps": [], **texts}
+
+
+@pytest.mark.parametrize("letter", ["x", "\x01", "\U0001f600", '"', "\ud800"])
+def test_all_results_together_are_short(letter: str) -> None:
+    step = {"sender": "grader", "receiver": "your node", "kind": "request", "text": letter * 100_000}
+    long = result(**dict.fromkeys(TEXTS, letter * 1_000_000)) | {"steps": [step] * 500}
+    found = bounds.results([long] * 50)
+    assert (
+        sum(len(json.dumps({name: one[name] for name in TEXTS}, ensure_ascii=False).encode()) for one in found)
+        < 170_000
+    )
+    assert all(one["got"].endswith("...") for one in found)
+    assert len(json.dumps(found)) < 2_000_000
+    assert bounds.results([result(got="as it was")]) == [result(got="as it was")]

@@ -1,0 +1,202 @@
+"""The process that reads submissions: it is apart, it is small, and it ends with whoever has started it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+
+from course_kit.grading import exercise
+from course_kit.grading.classroom import handed
+from course_kit.grading.classroom.records import Entry
+from course_kit.grading.errors import GradingError
+from course_kit.grading.reading import Reader, ReadingStoppedError
+from course_kit.grading.submission import Copy, UnreadableError
+from course_kit.reader import limits
+from tests.reading import read
+from tests.waiting import wait_until
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TASK = exercise.load("temperature_service")
+SLOW = "a = 1\nb = f'" + "{a}" * 349_000 + "'\n"  # takes seconds, whatever the Python
+# A module that lies where the reader was started from, or where the user's own variables lead, is not loaded.
+PLANTED = "open({trace!r}, 'w').close()\nraise SystemExit('planted')\n"
+
+
+@pytest.fixture
+def program(tmp_path: Path) -> Path:
+    path = tmp_path / "answer.py"
+    path.write_text("async def f(node, client):\n    x = 7 // 2\n    await client.call_async(x)\n")
+    return path
+
+
+def test_nothing_beside_a_submission_is_loaded(program: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    trace = tmp_path / "trace"
+    for name in ("json", "ast", "re", "socket", "signal", "numpy", "sitecustomize", "usercustomize", "keyword"):
+        (tmp_path / f"{name}.py").write_text(PLANTED.format(trace=str(trace)))
+    (tmp_path / "course_kit").mkdir()
+    (tmp_path / "course_kit/__init__.py").write_text(PLANTED.format(trace=str(trace)))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setenv("PYTHONSTARTUP", str(tmp_path / "json.py"))
+    found = read(program, TASK.id)
+    assert found.fault is None
+    assert not trace.exists()
+
+
+def test_what_the_text_gives_away(program: Path) -> None:
+    facts = read(program, TASK.id).facts
+    assert (facts.awaits, facts.floor_divides, facts.loops, facts.functions) == (True, True, False, ())
+    outer = "def outer(self):\n    f = self.call_async(1)\n"
+    program.write_text(f"{outer}    def inner():\n        pass\n    while f.done():\n        pass\n")
+    facts = read(program, TASK.id).facts
+    assert (facts.awaits, facts.floor_divides, facts.loops) == (False, False, True)
+    assert [facts.waits_for_a_future(line) for line in (1, 2, 4, 5, 7)] == [True, True, False, True, False]
+
+
+def test_the_reader_is_small(program: Path) -> None:
+    with Reader() as reader, Copy(program) as copy:
+        reader.read(copy, TASK)
+        process = psutil.Process(reader._process.pid)
+        assert process.memory_info().rss < 40 << 20
+        assert process.num_threads() == 1
+        assert process.cwd() == "/"
+
+
+def test_a_reader_that_somebody_has_killed_gets_a_successor(program: Path) -> None:
+    with Reader() as reader, Copy(program) as copy:
+        first = reader.read(copy, TASK)
+        killed = reader._process.pid
+        os.kill(killed, signal.SIGKILL)
+        assert reader.read(copy, TASK) == first
+        assert reader._process.pid != killed
+
+
+def test_a_child_of_the_reader_that_somebody_has_killed_is_no_fault_of_the_submission(tmp_path: Path) -> None:
+    (tmp_path / "slow.py").write_text(SLOW)
+    killed: list[int] = []
+
+    def kill() -> bool:
+        """Asked now and then while it is waited for."""
+        for one in psutil.Process(reader._process.pid).children():
+            if len(killed) < 2:
+                killed.append(one.pid)
+                one.kill()
+        return False
+
+    with Reader(kill) as reader, Copy(tmp_path / "slow.py") as copy, pytest.raises(GradingError, match="was at work"):
+        reader.read(copy, TASK)
+    assert len(killed) == 2
+
+
+def test_it_stops_when_somebody_asks_for_it(program: Path, tmp_path: Path) -> None:
+    (tmp_path / "slow.py").write_text(SLOW)
+    stopped: list[bool] = []
+    with Reader(lambda: bool(stopped)) as reader, Copy(program) as copy, Copy(tmp_path / "slow.py") as slow:
+        assert reader.read(copy, TASK)
+        stopped.append(True)
+        with pytest.raises(ReadingStoppedError):
+            reader.read(copy, TASK)
+        stopped.clear()
+        reader._stopped = lambda: len(psutil.Process(reader._process.pid).children()) > 0
+        with pytest.raises(ReadingStoppedError):
+            reader.read(slow, TASK)
+        process = psutil.Process(reader._process.pid)
+        at_work = process.children()
+    assert at_work
+    assert not any(one.is_running() for one in (process, *at_work))
+
+
+STARTS_ONE = """
+import sys
+from pathlib import Path
+from course_kit.grading import exercise
+from course_kit.grading.reading import Reader
+from course_kit.grading.submission import Copy
+reader = Reader()
+print(reader._process.pid, flush=True)
+with Copy(Path(sys.argv[1])) as copy:
+    reader.read(copy, exercise.load("temperature_service"))
+sys.stdin.read()
+"""
+
+
+@pytest.mark.parametrize("text", ["x = 1\n", SLOW])
+def test_it_ends_with_whoever_has_started_it_at_rest_and_at_work(text: str, tmp_path: Path) -> None:
+    (tmp_path / "a.py").write_text(text)
+    command = [sys.executable, "-c", STARTS_ONE, str(tmp_path / "a.py")]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as user:
+        assert user.stdout is not None
+        reader = psutil.Process(int(user.stdout.readline()))
+        if text == SLOW:
+            wait_until(reader.children, "the reader being at work")
+        below = [reader, *reader.children()]
+        user.kill()
+    psutil.wait_procs(below, timeout=60)
+    assert not any(one.is_running() for one in below)
+
+
+def test_limits_hold_and_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "a.py"
+    path.write_text("a;" * 500_000)
+    with pytest.raises(UnreadableError, match=rf"^a.py cannot be read: .* {limits.MEMORY_MB} MB of memory .*\.$"):
+        read(path, TASK.id)
+    notebook = tmp_path / "a.ipynb"
+    notebook.write_text(f'{{"cells": [], "x": [{"[]," * 20_000_000}0]}}')
+    with pytest.raises(UnreadableError, match=r"^a.ipynb cannot be read: .* Clear its outputs, and hand in a shorter"):
+        read(notebook, TASK.id)
+
+
+NO_FILES = """
+import resource, sys
+from pathlib import Path
+from course_kit.grading.errors import GradingError
+from course_kit.grading.submission import Copy
+held = []
+try:
+    while True:
+        held.append(open("/dev/null"))
+except OSError:
+    held.pop()
+    if sys.argv[2] == "none":
+        held.append(open("/dev/null"))
+try:
+    Copy(Path(sys.argv[1]))
+except GradingError as problem:
+    sys.stdout.write(str(problem))
+"""
+
+
+@pytest.mark.parametrize("left", ["none", "one"])
+def test_a_machine_that_has_no_more_files_is_no_fault_of_the_submission(left: str, program: Path) -> None:
+    command = [
+        sys.executable,
+        "-c",
+        f"import resource; resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))\n{NO_FILES}",
+    ]
+    done = subprocess.run([*command, program, left], capture_output=True, text=True, timeout=60, check=True)
+    assert "Too many open files" in done.stdout
+
+
+def test_what_has_its_result_is_not_read_again(program: Path, tmp_path: Path) -> None:
+    entry = Entry("ann", TASK.id, "answer.py")
+    with Reader() as reader:
+        first = handed.read(entry, tmp_path, TASK, 3, reader)
+    assert first.text is not None
+    known = first.record(first.unreadable())
+    known.report["status"] = "graded"
+    again = handed.read(entry, tmp_path, TASK, 3, reader, known=known)  # which is closed
+    assert again.has_result(known)
+    assert again.text is None
+    program.write_text("x = 2\n")
+    with Reader() as reader:
+        changed = handed.read(entry, tmp_path, TASK, 3, reader, known=known)
+    assert changed.text is not None
+    assert not changed.has_result(known)
