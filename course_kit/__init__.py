@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
     """Called by `%load_ext course_kit`."""
+    import sys
+
     from course_kit import environment, grade_magics, magics
     from course_kit.hint_magic import hint_line
     from course_kit.ros2.magic import ros2_line
@@ -21,7 +23,10 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     shell.register_magics(grade_magics.GradeMagics)
     shell.register_magic_function(hint_line, "line", "hint")
     shell.register_magic_function(ros2_line, "line", "ros2")
+    environment.put_scripts_first()  # !ros2, %%bash and subprocess find the programs of this Python
     environment.apply()  # before rclpy is imported; grading works also where this finds no ROS domain
+    if told := environment.middleware.unsupported():
+        sys.stderr.write(f"{told}\n")
     from course_kit import lab, trace
 
     lab.current().watch_output()

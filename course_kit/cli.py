@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import io
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import class_cli, environment, otter
+from course_kit import class_cli, environment, otter, streams
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,6 +17,7 @@ _ON_LIMITS = (
     "A submission runs sandboxed; --exec relaxes two restrictions, and --attach has no sandbox. What holds and what "
     "does not: course_kit/grading/LIMITS.md"
 )
+_FOUND = "when left out, looked for here, then in the course's folder, or your copy where that is read-only"
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -65,7 +65,7 @@ def build_parser() -> argparse.ArgumentParser:
     doctor.set_defaults(run=_doctor)
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
-    dev.add_argument("tool", choices=("check", "otter"))
+    dev.add_argument("tool", choices=("check", "matrix", "otter"))
     dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
     dev.set_defaults(run=_dev)
     return parser
@@ -75,7 +75,7 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     """What a learner does beside grading."""
     watch = verbs.add_parser("watch", help="grade a file again each time you save it")
     watch.add_argument("exercise", help="the exercise's id")
-    watch.add_argument("path", nargs="?", type=Path, help="your file; the exercise's starter when left out")
+    watch.add_argument("path", nargs="?", type=Path, help=f"your file; {_FOUND}")
     watch.set_defaults(run=_watch)
 
     listing = verbs.add_parser("list", help="show the exercises and what you have reached")
@@ -87,11 +87,16 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     hint.add_argument("--again", action="store_true", help="repeat the hints you have had")
     hint.set_defaults(run=_hint)
 
-    reset = verbs.add_parser("reset", help="put an exercise's starter back; your files are kept beside it")
+    reset = verbs.add_parser("reset", help="put an exercise's starter back, or make it; your files are kept beside it")
     reset.add_argument("exercise", help="the exercise's id")
+    reset.add_argument("path", nargs="?", type=Path, help=f"your file, or a folder, also a new one; {_FOUND}")
     reset.add_argument("--yes", action="store_true", help="do not ask")
     reset.add_argument("--progress", action="store_true", help="forget its best score, tries and hints, too")
     reset.set_defaults(run=_reset)
+
+    copy = verbs.add_parser("copy", help="make your own copy of the lessons and exercises, where the course is shared")
+    copy.add_argument("path", nargs="?", type=Path, help="the folder; ros2-course in your home directory if left out")
+    copy.set_defaults(run=_copy)
 
     solution = verbs.add_parser("solution", help="show the solution of an exercise you have passed")
     solution.add_argument("exercise", help="the exercise's id")
@@ -108,14 +113,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         `doctor`, 2 when it could not be done; 130 after Ctrl-C.
     """
     environment.heed_interrupts()
+    if arguments is None:
+        streams.read_names_as_utf_8()
     parser = build_parser()
     options, others = parser.parse_known_args(arguments)
     if others and "others" not in options:
         parser.error(f"unrecognized arguments: {' '.join(others)}")
     options.others = others
-    _speak_to_any_terminal()
+    streams.speak_to_any_terminal()
     try:
-        return int(options.run(options))
+        code = int(options.run(options))
+        sys.stdout.flush()
+        return code  # noqa: TRY300 - no more can go wrong
     except environment.DomainError as problem:
         return _cannot(problem)
     except KeyboardInterrupt:
@@ -140,9 +149,9 @@ def _doctor(options: argparse.Namespace) -> int:
 
 
 def _dev(options: argparse.Namespace) -> int:
-    from course_kit.dev import check, otter
+    from course_kit.dev import check, matrix, otter
 
-    main_of = {"check": check.main, "otter": otter.main}
+    main_of = {"check": check.main, "matrix": matrix.main, "otter": otter.main}
     return main_of[options.tool](options.rest)
 
 
@@ -182,7 +191,7 @@ def _grade(options: argparse.Namespace) -> int:
     except grading.GradingError as problem:
         return _cannot(problem)
     if options.format == "json":
-        _print_json(report.to_json())
+        streams.print_json(report.to_json())
     else:
         print(grading.render_text(report))
     _tell(progress.record(report))
@@ -210,7 +219,7 @@ def _list(options: argparse.Namespace) -> int:
     except GradingError as problem:
         return _cannot(problem)
     if options.format == "json":
-        _print_json(course_list.to_json(rows))
+        streams.print_json(course_list.to_json(rows))
     else:
         print(course_list.to_text(rows, sys.stdout.encoding))
     for sentence in told:
@@ -236,9 +245,15 @@ def _reset(options: argparse.Namespace) -> int:
     from course_kit.grading import GradingError
 
     try:
-        return shelf.reset(options.exercise, yes=options.yes, forget=options.progress)
+        return shelf.reset(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
     except GradingError as problem:
         return _cannot(problem)
+
+
+def _copy(options: argparse.Namespace) -> int:
+    from course_kit import workspace
+
+    return workspace.copy(options.path)
 
 
 def _solution(options: argparse.Namespace) -> int:
@@ -259,20 +274,6 @@ def _cannot(problem: Exception) -> int:
 def _tell(sentence: str) -> None:
     if sentence:
         print(f"course-kit: {sentence}", file=sys.stderr)
-
-
-def _speak_to_any_terminal() -> None:
-    """Print a question mark for a character the terminal does not have, instead of failing."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")
-
-
-def _print_json(document: str) -> None:
-    """JSON is UTF-8, whatever the terminal's own encoding."""
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(encoding="utf-8")
-    print(document)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from course_kit import progress
+from course_kit import environment, progress, workspace
 from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
 
@@ -88,7 +88,9 @@ def to_text(found: list[Row], encoding: str | None) -> str:
     lines += ["", f"{passed} of {len(found)} passed."]
     following = next((row.task for row in found if not row.known.passed), None)
     if following is not None:
-        lines.append(f"Next: {following.id}, in exercises/{following.id}")
+        folder = workspace.exercise_folder(following)
+        where = f"after: {environment.command()} copy" if folder is None else f"in {workspace.shown(folder)}"
+        lines.append(f"Next: {following.id}, {where}")
     return "\n".join(lines)
 
 

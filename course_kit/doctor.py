@@ -9,35 +9,23 @@ import shutil
 import subprocess
 import sys
 import textwrap
-import time
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import environment
+from course_kit import discovery_trial, environment, workspace
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 VERDICTS = {"ok": "ok  ", "note": "note", "bad": "BAD "}
-_ROUND_TRIP_DEADLINE_S = 20.0
+_ONLY_THE_PACKAGE = (
+    "Live nodes, panels, message types and ros2 work; lab, list, grade, hint, watch and reset do not. Clone the course "
+    "and run ./course lab in its folder, or install that folder with pip install -e."
+)
 _PLENTY_OF_SHM = 64 * 2**20  # bytes
+_OTHER_RMW = f"Set RMW_IMPLEMENTATION={environment.middleware.SUPPORTED} and start again."
 _SHARED_MEMORY = "/dev/shm"  # noqa: S108 - only its free space is read
-
-# A service server in a process of its own: what the doctor's client has to discover.
-_SERVER = """
-import rclpy
-from std_srvs.srv import Trigger
-rclpy.init()
-node = rclpy.create_node("doctor_server")
-def answer(request, response):
-    response.success = True
-    return response
-node.create_service(Trigger, "doctor", answer)
-try:
-    rclpy.spin(node)
-except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
-    pass
-"""
 
 
 @dataclass(frozen=True)
@@ -74,7 +62,7 @@ def render(finding: Finding) -> str:
 
 def findings() -> Iterator[Finding]:
     """All findings, the quick ones first; whatever goes wrong in one is a finding of its own."""
-    for check in (python, packages):
+    for check in (python, packages, course_folder, own_files):
         yield guarded(check)
     graph = guarded(settings)
     yield graph
@@ -127,6 +115,29 @@ def packages() -> Finding:
     )
 
 
+def course_folder() -> Finding:
+    """The lessons and exercises, and whether this user can work on them where they are."""
+    root = environment.checkout()
+    if root is None or not (root / "exercises").is_dir():
+        missing = "lessons and exercises" if root is None else "exercises"
+        found = f"the {missing} are not here, only what is in {Path(__file__).parent}"
+        return Finding("course folder", found, "bad", _ONLY_THE_PACKAGE)
+    if workspace.is_shared(root):
+        advice = f"{environment.command()} lab opens a copy of your own: {workspace.copy_folder()}"
+        return Finding("course folder", f"{root}, read-only for you", "note", advice)
+    return Finding("course folder", str(root))
+
+
+def own_files() -> Finding:
+    """Where progress, logs and the like are kept."""
+    folder = environment.state_dir()
+    if folder == environment.usual_state_dir():
+        return Finding("your files", f"progress and logs are kept in {folder}")
+    found = f"progress and logs are kept in {folder}, because your home directory cannot be written"
+    advice = "They may be gone after a restart. Set XDG_STATE_HOME to a folder that you can write and that stays."
+    return Finding("your files", found, "note", advice)
+
+
 def settings() -> Finding:
     """The private graph."""
     try:
@@ -148,6 +159,7 @@ def rclpy_itself() -> Finding:
         env=environment.child_environment(ROS_DOMAIN_ID="0"),  # nothing joins it
         capture_output=True,
         text=True,
+        errors="replace",
         timeout=60,
         check=False,
     )
@@ -168,9 +180,14 @@ def middleware() -> Finding:
     from rclpy.utilities import get_rmw_implementation_identifier
 
     name = get_rmw_implementation_identifier()
-    if name.startswith("rmw_fastrtps"):
+    if name != environment.middleware.SUPPORTED:
+        return Finding("RMW", name, "bad", environment.middleware.unsupported() or _OTHER_RMW)
+    if not (replaced := environment.middleware.replaced()):
         return Finding("RMW", name)
-    return Finding("RMW", name, "bad", "The course's message types are made for Fast DDS: unset RMW_IMPLEMENTATION.")
+    advice = (
+        f"Nothing has to be done. Unset {replaced.partition('=')[0]} and the course says nothing about it any more."
+    )
+    return Finding("RMW", f"{name}, because {replaced} is not installed here", "note", advice)
 
 
 def jupyter() -> Finding:
@@ -189,6 +206,7 @@ def interfaces() -> Finding:
         env=environment.child_environment(),
         capture_output=True,
         text=True,
+        errors="replace",
         timeout=60,
         check=False,
     )
@@ -220,55 +238,16 @@ def shared_memory() -> Finding:
 def discovery() -> Finding:
     """Time until a client has found and asked a server in another process, on a domain of its own."""
     try:
-        return _try_discovery()
+        seconds = discovery_trial.seconds()
     except environment.NoDomainError as problem:
         advice = "Run ./course doctor again when fewer courses and graders are at work."
         return Finding("discovery", f"not tried, for want of a domain to try it on. {problem}", "note", advice)
-
-
-def _try_discovery() -> Finding:
-    with environment.exclusive_domain() as domain_id:
-        environ = environment.child_environment(ROS_DOMAIN_ID=str(domain_id))
-        with subprocess.Popen(
-            [sys.executable, "-c", _SERVER], env=environ, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        ) as server:
-            try:
-                seconds = _ask(domain_id)
-            finally:
-                server.kill()  # a signal that rclpy handles now and then leaves it hanging at its end
     if seconds is None:
         advice = "A firewall on the loopback interface, or your own Fast DDS profile, keeps the nodes apart."
         return Finding(
-            "discovery", f"no answer from another process within {_ROUND_TRIP_DEADLINE_S:.0f} s", "bad", advice
+            "discovery", f"no answer from another process within {discovery_trial.DEADLINE_S:.0f} s", "bad", advice
         )
     return Finding("discovery", f"a server in another process answered {seconds:.2f} s after it was started")
-
-
-def _ask(domain_id: int) -> float | None:
-    """Seconds until the server answered, start of its Python included; None when it never did."""
-    import rclpy
-    from rclpy.context import Context
-    from rclpy.executors import SingleThreadedExecutor
-    from std_srvs.srv import Trigger
-
-    started = time.monotonic()
-    context = Context()
-    rclpy.init(context=context, domain_id=domain_id)
-    try:
-        node = rclpy.create_node("doctor_client", context=context)
-        executor = SingleThreadedExecutor(context=context)
-        executor.add_node(node)
-        client = node.create_client(Trigger, "doctor")
-        future = None
-        while time.monotonic() - started < _ROUND_TRIP_DEADLINE_S:
-            if future is None and client.service_is_ready():
-                future = client.call_async(Trigger.Request())
-            executor.spin_once(timeout_sec=0.02)  # returns as soon as there is anything to do
-            if future is not None and future.done():
-                return time.monotonic() - started
-        return None
-    finally:
-        context.try_shutdown()
 
 
 def isolation() -> Finding:

@@ -84,7 +84,7 @@ def ladder(task: Exercise, known: Record) -> Ladder:
     cause = diagnosis.catalogue().get(failed.diagnosis or "")
     of_cause = (task.ladder(cause.code) or (cause.hint,)) if cause else ()
     rungs = _distinct((*of_cause, *task.ladder(failed.check)))
-    read_on = cause.link if cause and _is_here(cause.notebook) else ""
+    read_on = cause.link if cause and environment.lesson(cause.notebook) else ""
     return Ladder(_key(failed), rungs, f"for '{failed.title}', which failed last", read_on, min(1, len(rungs)))
 
 
@@ -94,11 +94,6 @@ def _key(failed: Failure) -> str:
 
 def _distinct(texts: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(texts))
-
-
-def _is_here(notebook: str) -> bool:
-    root = environment.checkout()
-    return root is not None and (root / notebook).is_file()
 
 
 def _text(task: Exercise, found: Ladder, first: int, last: int, command: str) -> str:

@@ -65,15 +65,28 @@ def prepare(root: Path, stage: Path) -> None:
         OSError: it cannot be written.
     """
     if stage.exists():
+        _make_writable(stage)
         shutil.rmtree(stage)
     for name in SHOWN:
-        shutil.copytree(root / name, stage / name, ignore=shutil.ignore_patterns(".ipynb_checkpoints"))
+        shutil.copytree(
+            root / name,
+            stage / name,
+            ignore=shutil.ignore_patterns(".ipynb_checkpoints"),
+            copy_function=shutil.copyfile,
+        )
+    _make_writable(stage)
     for path in stage.rglob("*.ipynb"):
         nbformat.write(for_a_class(nbformat.read(path, as_version=4)), path)
     for name, values in SETTINGS.items():
         path = stage / "settings" / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(values), encoding="utf-8")
+
+
+def _make_writable(folder: Path) -> None:
+    """Let copies of folders that are read-only be changed, and removed before the next class."""
+    for inner in (folder, *(path for path in folder.rglob("*") if path.is_dir())):
+        inner.chmod(0o700)
 
 
 def for_a_class(notebook: Any) -> Any:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import stat
 import subprocess
 import sys
 import tempfile
@@ -165,6 +166,7 @@ def _is_left_out(name: str) -> bool:
 def _put(source: Path, target: Path) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
     shutil.copy2(source, target)
+    target.chmod(target.stat().st_mode | stat.S_IWUSR)  # a course that is read-only makes an edition that is not
     if source.suffix == ".ipynb" and "demos" in source.parts:
         nbformat.write(without_answers(nbformat.read(source, as_version=4)), target)
 

@@ -15,15 +15,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import environment, progress
+from course_kit import environment, progress, workspace
 from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
+from course_kit.workspace import PRISTINE, STARTERS, shown
 
 if TYPE_CHECKING:
     from course_kit.grading.exercise import Exercise
-
-STARTERS = Path(__file__).with_name("starters")
-PRISTINE = ".pristine"
 
 
 @dataclass(frozen=True)
@@ -56,21 +54,25 @@ class Return:
         return saved
 
 
-def changed(task: Exercise) -> list[Return]:
-    """The starter files of an exercise that the learner has changed or removed.
+def changed(task: Exercise, place: Path | None = None) -> list[Return]:
+    """The starter files of an exercise that the learner has changed, or that are not there.
+
+    Args:
+        task: the exercise.
+        place: the folder they are in, or one of the two files; the exercise's own folder when None.
 
     Raises:
-        GradingError: the kit has no pristine copy, or a file cannot be read.
+        GradingError: the kit has no pristine copy, a file cannot be read, or `place` is neither.
     """
     found = []
-    for name in (task.starter, task.notebook):
+    for name, file in _files(task, task.folder if place is None else place).items():
         pristine = STARTERS / task.id / f"{name}{PRISTINE}"
         if not pristine.is_file():
             raise GradingError(
                 f"The course kit has no copy of the starter {name}. Who writes the exercise makes one: "
                 "python -m course_kit.dev.starters"
             )
-        file, content = task.folder / name, pristine.read_bytes()
+        content = pristine.read_bytes()
         try:
             if not file.exists() or file.read_bytes() != content:
                 found.append(Return(file, content))
@@ -79,24 +81,40 @@ def changed(task: Exercise) -> list[Return]:
     return found
 
 
-def reset(exercise_id: str, *, yes: bool, forget: bool, folder: Path | None = None) -> int:
+def _files(task: Exercise, place: Path) -> dict[str, Path]:
+    """Where each starter file belongs, by its name: both in a folder, or the one that a file's ending says."""
+    if place.is_dir() or not place.suffix:
+        return {name: place / name for name in (task.starter, task.notebook)}
+    for name in (task.starter, task.notebook):
+        if place.suffix == Path(name).suffix:
+            return {name: place}
+    raise GradingError(f"{place} is no .py and no .ipynb file. Name your file, or the folder it is in.")
+
+
+def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = None, folder: Path | None = None) -> int:
     """Put the starter back, after saving what is there, and ask before; 0 when done, 1 when the answer is no.
 
     Args:
         exercise_id: which exercise.
         yes: do not ask.
         forget: forget its progress, too.
+        place: the learner's folder or file, which may not be there yet; found by `workspace` when None.
         folder: the folder of exercises, the course's own when None.
 
     Raises:
         GradingError: it could not be done, or there is nobody to ask.
     """
     task = exercise.load(exercise_id, folder)
-    returns = changed(task)
-    if not returns and not forget:
-        print(f"{task.id} is as at the beginning already: {_shown(task.folder)}")
+    if place is None:
+        place = task.folder if folder is not None else workspace.exercise_folder(task)
+    if place is None and not forget:
+        raise workspace.no_files_of(task, "reset")
+    returns = [] if place is None else changed(task, place)
+    if not returns and not forget and place is not None:
+        print(f"{task.id} is as at the beginning already: {shown(place)}")
         return 0
-    if not yes and not _agreed(returns, forget=forget):
+    nothing_to_lose = not forget and not any(each.file.exists() for each in returns)
+    if not yes and not nothing_to_lose and not _agreed(returns, forget=forget):
         print("Nothing was changed.")
         return 1
     for each in returns:
@@ -110,8 +128,10 @@ def reset(exercise_id: str, *, yes: bool, forget: bool, folder: Path | None = No
 
 def _agreed(returns: list[Return], *, forget: bool) -> bool:
     for each in returns:
-        kept = f" (yours is kept as {each.backup.name})" if each.file.exists() else ""
-        print(f"{_shown(each.file)} becomes the starter again{kept}.")
+        if each.file.exists():
+            print(f"{shown(each.file)} becomes the starter again (yours is kept as {each.backup.name}).")
+        else:
+            print(f"{shown(each.file)} is made.")
     if forget:
         print("Its progress is forgotten: best score, tries, hints.")
     if not sys.stdin.isatty():
@@ -128,10 +148,9 @@ def _carry_out(each: Return) -> None:
         saved = each.carry_out()
     except OSError as problem:
         raise GradingError(
-            f"{each.file} could not be put back: {problem.strerror or problem}. It is as it was."
+            f"{each.file} could not be written: {problem.strerror or problem}. What was there is as it was."
         ) from problem
-    kept = f"; yours is kept as {saved.name}" if saved else ""
-    print(f"{_shown(each.file)} is the starter again{kept}.")
+    print(f"{shown(each.file)} is the starter" + (f" again; yours is kept as {saved.name}." if saved else "."))
 
 
 def _forget(task: Exercise) -> int:
@@ -141,14 +160,6 @@ def _forget(task: Exercise) -> int:
         return 2
     print(f"The progress of {task.id} is forgotten.")
     return 0
-
-
-def _shown(path: Path) -> Path:
-    """As short as it can be said from here."""
-    try:
-        return path.relative_to(Path.cwd())
-    except ValueError:
-        return path
 
 
 def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | None = None) -> int:
@@ -185,7 +196,7 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | 
         raise GradingError(f"{target} is there already, and nothing is overwritten. Name another file.") from None
     except OSError as problem:
         raise GradingError(f"{target} could not be written: {problem.strerror}.") from None
-    print(f"The solution of {task.id} is in {_shown(target)}.")
+    print(f"The solution of {task.id} is in {shown(target)}.")
     return 0
 
 

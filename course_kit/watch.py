@@ -13,7 +13,7 @@ import time
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from course_kit import progress
+from course_kit import progress, workspace
 from course_kit.grading import Worker, exercise, grade
 from course_kit.grading.errors import GradingError
 
@@ -38,7 +38,7 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
         GradingError: there is no such exercise or no such file, or the grader could not start twice in a row.
     """
     task = exercise.load(exercise_id)
-    path = task.folder / task.starter if path is None else path
+    path = workspace.own_file(task, "watch") if path is None else path
     if path.is_dir():
         raise GradingError(f"{path} is a folder. Name the .py or .ipynb file in it.")
     if not path.is_file():

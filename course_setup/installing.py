@@ -129,8 +129,15 @@ class Installer:
 
     def _variables(self, work: Path) -> dict[str, str]:
         kept = {name: value for name, value in os.environ.items() if name not in _NOT_PASSED_ON}
-        # The user's own packages, outside of the environment, may be gone tomorrow.
-        changed = {"PYTHONUTF8": "1", "PYTHONNOUSERSITE": "1", "PIP_USER": "0", "TMPDIR": str(work)}
+        # In a locale of another encoding uv would install into a folder whose name it got wrong. The user's own
+        # packages, outside of the environment, may be gone tomorrow.
+        changed = {
+            "LC_ALL": "C.UTF-8",
+            "PYTHONUTF8": "1",
+            "PYTHONNOUSERSITE": "1",
+            "PIP_USER": "0",
+            "TMPDIR": str(work),
+        }
         if self.uv and not _can_write(_cache_of_uv()):
             changed["UV_NO_CACHE"] = "1"  # pip does without by itself
         return {**kept, **changed}

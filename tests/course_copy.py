@@ -83,7 +83,7 @@ def copy_with_notebooks(folder: Path) -> Course:
     stamp = copied / ".course-stamp"  # names the folder it was made for
     stamp.unlink()
     made = (environment / stamp.name).read_text()
-    stamp.write_text(made.replace(f"\n{REPOSITORY}\n", f"\n{course.root}\n"))
+    stamp.write_bytes(os.fsencode(made.replace(f"\n{REPOSITORY}\n", f"\n{course.root}\n")))
     (course.root / ".venvs" / kind).symlink_to(copied.name)
     (course.root / ".venv").symlink_to(copied.relative_to(course.root))
     return course

@@ -18,7 +18,8 @@ FLOORS = [
     {"trace", "panels", "ros2", "grading"},
     {"graders"},
     {"magics", "grade_magics", "hint_magic", "cli", "doctor", "jupyter", "dev", "release"}
-    | {"progress", "hints", "course_list", "shelf", "watch", "class_cli", "present", "nbgrader", "otter", "__main__"},
+    | {"progress", "hints", "course_list", "shelf", "watch", "class_cli", "present", "nbgrader", "otter", "__main__"}
+    | {"workspace", "discovery_trial", "terminals", "jupyter_folders", "server_extension", "streams"},
 ]
 MAY_NOT_MEET = {("grading", "lab"), ("grading", "panels"), ("graders", "lab"), ("graders", "panels")}
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from course_kit import environment
+from tests.course_copy import REPOSITORY, Course, copy_course
 from tests.environment.overwritten import overwrite_lark
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from tests.unprivileged import as_somebody, forbid_writing
 
 
 def doctor(**changes: str | None) -> subprocess.CompletedProcess[str]:
@@ -32,6 +32,8 @@ def test_a_working_installation_is_found_in_order_with_a_verdict_on_each_line() 
     for subject in (
         "Python",
         "packages",
+        "course folder",
+        "your files",
         "ROS graph",
         "rclpy",
         "RMW",
@@ -51,7 +53,6 @@ def test_a_working_installation_is_found_in_order_with_a_verdict_on_each_line() 
     ("changes", "subject", "advice"),
     [
         ({"ROS_DOMAIN_ID": "abc"}, "ROS graph", "a whole number from 0 to 232"),
-        ({"RMW_IMPLEMENTATION": "rmw_of_nobody"}, "rclpy", "unset RMW_IMPLEMENTATION"),
         ({"COURSE_KIT_AUTOLOAD": "0"}, "message types", "run ./course lab"),
     ],
 )
@@ -75,3 +76,52 @@ def test_a_setting_that_opens_the_graph_to_the_network_is_noted() -> None:
     done = doctor(ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET")
     assert done.returncode == 0
     assert line_about("ROS graph", done.stdout).startswith("note")
+
+
+def test_a_middleware_that_is_not_installed_is_noted_and_the_course_works() -> None:
+    done = doctor(RMW_IMPLEMENTATION="rmw_of_nobody")
+    assert done.returncode == 0, done.stdout
+    assert line_about("RMW", done.stdout).startswith("note")
+    assert "because RMW_IMPLEMENTATION=rmw_of_nobody is not installed" in " ".join(done.stdout.split())
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_course_that_this_user_may_not_write_is_noted(tmp_path: Path) -> None:
+    course = copy_course(tmp_path)
+    forbid_writing(course.root)
+    try:
+        done = somebodys_doctor(course, tmp_path)
+    finally:
+        forbid_writing(course.root, forbid=False)
+    assert line_about("course folder", done.stdout).startswith("note")
+    said = " ".join(done.stdout.split())
+    assert "read-only for you" in said
+    assert "lab opens a copy of your own" in said
+
+
+def test_without_the_notebooks_it_says_what_works_and_what_is_missing(tmp_path: Path) -> None:
+    """As with a wheel: the package alone, in a folder that is no course."""
+    leave = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(REPOSITORY / "course_kit", tmp_path / "site" / "course_kit", ignore=leave)
+    done = somebodys_doctor(Course(tmp_path, tmp_path / "site"), tmp_path)
+    assert done.returncode == 1
+    assert line_about("course folder", done.stdout).startswith("BAD")
+    said = " ".join(done.stdout.split())
+    assert "the lessons and exercises are not here" in said
+    assert "Live nodes, panels, message types and ros2 work" in said
+    assert line_about("discovery", done.stdout).startswith("ok")
+    assert "Everything the course needs is here" not in said
+
+
+def test_a_home_that_cannot_be_written_is_noted(tmp_path: Path) -> None:
+    done = somebodys_doctor(copy_course(tmp_path), Path("/proc/nonexistent"))
+    assert done.returncode == 0, done.stdout
+    assert line_about("your files", done.stdout).startswith("note")
+
+
+def somebodys_doctor(course: Course, home: Path) -> subprocess.CompletedProcess[str]:
+    """As of a user without rights."""
+    return subprocess.run(
+        as_somebody(*course.command("doctor")), cwd=course.root, env=course.environ(HOME=str(home)),
+        capture_output=True, text=True, timeout=100, check=False,
+    )  # fmt: skip

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import nbformat
 import pytest
+from nbclient import NotebookClient
 
 from course_kit import environment
-from tests.lab.kernel import Kernel
+from tests.lab.kernel import DEADLINE, Kernel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,6 +50,8 @@ class Faulty(Node):
 
 lab.start(Faulty)
 """
+SYSTEM_PATH = "/usr/local/bin:/usr/bin:/bin"  # as of a kernel that an editor starts: without the course's programs
+SCRIPTS = str(Path(sys.executable).parent)
 CALL = "service call /power std_srvs/srv/SetBool '{data: true}'"
 
 
@@ -56,7 +59,7 @@ CALL = "service call /power std_srvs/srv/SetBool '{data: true}'"
 def kernel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kernel]:
     with environment.exclusive_domain() as domain_id, pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(domain_id))
-        patch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+        patch.setenv("PATH", SYSTEM_PATH)
         with Kernel(cwd=tmp_path_factory.mktemp("kernel")) as running:
             assert running.run("%load_ext course_kit").ok
             assert running.run(NODE).ok
@@ -75,6 +78,26 @@ def test_the_command_after_an_exclamation_mark_meets_the_same_node(kernel: Kerne
     assert "success=True" in kernel.run(f"!ros2 {CALL}").stdout
     assert "Set parameter successful" in kernel.run("!ros2 param set /switch speed 2.5").stdout
     assert kernel.run("%ros2 param get /switch speed").stdout == "Double value is: 2.5\n"
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "!which ros2 python",
+        "%%bash\nwhich ros2 python",
+        "import subprocess\nsubprocess.run(['which', 'ros2', 'python'])",
+    ],
+)
+def test_programs_of_the_kernels_own_python_come_first(kernel: Kernel, cell: str) -> None:
+    assert kernel.run(cell).stdout.split() == [f"{SCRIPTS}/ros2", f"{SCRIPTS}/python"]
+
+
+def test_a_notebook_that_nbclient_runs_has_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", SYSTEM_PATH)
+    cells = [nbformat.v4.new_code_cell(text) for text in ("%load_ext course_kit", "!ros2 --help")]
+    notebook = nbformat.v4.new_notebook(cells=cells)
+    NotebookClient(notebook, kernel_name="python3", timeout=DEADLINE).execute(cwd=str(tmp_path))
+    assert "usage: ros2" in notebook.cells[1].outputs[0].text
 
 
 def test_a_slip_is_one_line_and_no_traceback(kernel: Kernel) -> None:

@@ -12,7 +12,6 @@ import argparse
 import ast
 import importlib.util
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -86,8 +85,7 @@ class Otter:
         """Make the autograder of an exercise."""
         self._folder = folder
         private = {name: str(folder / "jupyter") for name in ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "IPYTHONDIR")}
-        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-        self._environment = environment.child_environment(ROS_DOMAIN_ID=str(domain), PATH=path, **private)
+        self._environment = environment.child_environment(ROS_DOMAIN_ID=str(domain), **private)
         (folder / "tests").mkdir()
         (folder / "tests" / f"{exercise}.py").write_text(otter.case_file(exercise, _SEED), encoding="utf-8")
         self._run("generate", "--tests-dir", "tests", "--output-path", "autograder.zip")

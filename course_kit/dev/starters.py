@@ -9,7 +9,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from course_kit import shelf
+from course_kit import workspace
 from course_kit.grading import exercise
 
 
@@ -17,7 +17,7 @@ def renew(target: Path, folder: Path | None = None) -> list[Path]:
     """Copy the starters of all exercises to `target`, and return what was written; nothing else stays there."""
     tasks = [exercise.load(name, folder) for name in exercise.ids(folder)]
     files = [task.folder / name for task in tasks for name in (task.starter, task.notebook)]
-    contents = {target / file.parent.name / f"{file.name}{shelf.PRISTINE}": file.read_bytes() for file in files}
+    contents = {target / file.parent.name / f"{file.name}{workspace.PRISTINE}": file.read_bytes() for file in files}
     shutil.rmtree(target, ignore_errors=True)  # only now, when all could be read
     for path, content in contents.items():
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -27,7 +27,7 @@ def renew(target: Path, folder: Path | None = None) -> list[Path]:
 
 def main() -> int:
     """Renew those of the package."""
-    for path in renew(shelf.STARTERS):
+    for path in renew(workspace.STARTERS):
         print(path.relative_to(Path(__file__).parent.parent))
     return 0
 

@@ -1,6 +1,7 @@
 """`./course test`: pytest on the tests, then nbval on the notebooks, with nothing installed by hand.
 
-With arguments, they go to pytest as they are, and that one run is all: `./course test tests/lab -k replace`.
+With arguments, they go to pytest as they are, and that one run is all: `./course test tests/lab -k replace`. Alone,
+`--notebooks` runs the notebooks and `--matrix` the fast part of the suite on other Pythons, as CI does after all else.
 """
 
 from __future__ import annotations
@@ -13,12 +14,14 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from course_kit import environment
-from course_kit.dev import browser
+from course_kit.dev import browser, matrix
 
 # Tests wait for nodes more than they compute. Files stay together: their fixtures are dear.
 _NOTEBOOKS_AT_ONCE = 2
 _QUEUE_S = 60.0  # for a ROS domain, where others have all of them
 SIDE_BY_SIDE = ["-n", "auto", "--maxprocesses", "4", "--dist", "loadfile"]
+
+NOTEBOOKS, MATRIX = "--notebooks", "--matrix"  # one part of the suite alone
 
 NBVAL = [
     "--nbval",
@@ -40,15 +43,24 @@ def main(arguments: list[str]) -> int:
     os.chdir(root)
     try:
         environ = environment.child_environment(COURSE_BROWSER=browser.find_or_install(), COURSE_KIT_PROGRESS="off")
-        if arguments:
-            return pytest(arguments, environ)
-        tests = pytest([*SIDE_BY_SIDE, "tests"], environ)
-        return notebooks(environ) or tests
+        return _run(arguments, environ)
     except environment.DomainError as problem:
         print(f"course: {problem}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:  # pytest, which got it too, has said so
         return 130
+
+
+def _run(arguments: list[str], environ: dict[str, str]) -> int:
+    parts = {NOTEBOOKS: lambda: notebooks(environ), MATRIX: lambda: matrix.main([])}
+    if len(arguments) == 1 and arguments[0] in parts:
+        return parts[arguments[0]]()
+    if arguments:
+        return pytest(arguments, environ)
+    codes = [pytest([*SIDE_BY_SIDE, "tests"], environ), notebooks(environ)]
+    if os.environ.get("CI"):  # takes minutes, and brings no news on a machine with a single Python
+        codes.append(matrix.main([]))
+    return next((code for code in codes if code), 0)
 
 
 def pytest(arguments: list[str], environ: dict[str, str]) -> int:

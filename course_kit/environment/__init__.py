@@ -1,7 +1,7 @@
 """The ROS settings of the course, made before rclpy loads.
 
 Everything here is read by ROS from environment variables, so it reaches kernels, terminals in JupyterLab,
-child processes and the grader alike. A value the user has set always wins.
+child processes and the grader alike. A value the user has set wins wherever it can work.
 """
 
 from __future__ import annotations
@@ -11,10 +11,23 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from course_kit.environment.domains import DomainError, Lease, NoDomainError, exclusive_domain, share
+from course_kit.environment import middleware
+from course_kit.environment.container import sign_of_container
+from course_kit.environment.domains import Lease, NoDomainError, exclusive_domain, share
+from course_kit.environment.errors import DomainError, SettingsError
 from course_kit.environment.files import write_atomically, write_new
 from course_kit.environment.interrupts import heed_interrupts
-from course_kit.environment.places import checkout, command, run_dir, state_dir
+from course_kit.environment.places import (
+    checkout,
+    command,
+    home,
+    is_writable,
+    lesson,
+    run_dir,
+    state_dir,
+    usual_state_dir,
+)
+from course_kit.environment.search_path import put_scripts_first, scripts_folder, with_scripts_first
 
 __all__ = [
     "FAST_DISCOVERY_PROFILE",
@@ -31,9 +44,17 @@ __all__ = [
     "defaults",
     "exclusive_domain",
     "heed_interrupts",
+    "home",
+    "is_writable",
+    "lesson",
+    "middleware",
+    "put_scripts_first",
     "run_dir",
+    "scripts_folder",
+    "sign_of_container",
     "state_dir",
     "trusted_python",
+    "usual_state_dir",
     "write_atomically",
     "write_new",
 ]
@@ -46,10 +67,6 @@ _PROFILES = (str(LOOPBACK_PROFILE), str(FAST_DISCOVERY_PROFILE))
 _CHOSEN_BY_KIT = "COURSE_KIT_DOMAIN_ID"
 _LOGS_KEPT = 40
 _HIGHEST_DOMAIN = 232  # the ports of a higher one would lie past 65535
-
-
-class SettingsError(DomainError, ValueError):
-    """ROS_DOMAIN_ID is no number that ROS can use."""
 
 
 @dataclass(frozen=True)
@@ -114,8 +131,9 @@ def apply() -> Settings:
     """Put the course's settings into this process's environment; calling it again changes nothing.
 
     Raises:
-        DomainError: all ROS domains of this machine are in use, ROS_DOMAIN_ID is no number that ROS can use, or there
-            is no loopback interface. All other settings are made then.
+        DomainError: all ROS domains of this machine are in use, ROS_DOMAIN_ID is no number that ROS can use, there
+            is no loopback interface, or no middleware is installed that could be used. All other settings are made
+            then.
     """
     made = _apply_defaults()
     by_user = _domain_set_by_user(os.environ)
@@ -127,7 +145,7 @@ def apply() -> Settings:
 
 
 def child_environment(**changes: str | None) -> dict[str, str]:
-    """The environment for a child process of the course: the settings of `apply`, then `changes`.
+    """The environment for a child process: the settings of `apply`, the course's programs first on PATH, `changes`.
 
     A change of None removes the variable. A changed ROS_DOMAIN_ID counts as the user's choice in the child, and no
     domain is leased for it.
@@ -142,6 +160,9 @@ def child_environment(**changes: str | None) -> dict[str, str]:
     else:
         apply()
         environ = dict(os.environ)
+    environ["PATH"] = with_scripts_first(environ.get("PATH"))
+    if sys.getfilesystemencoding() == "ascii":  # rclpy refuses arguments that are no text, as a name with an umlaut
+        environ["PYTHONUTF8"] = "1"
     for name, value in changes.items():
         if value is None:
             environ.pop(name, None)
@@ -170,12 +191,14 @@ def trusted_python(module: str, function: str, *arguments: str) -> list[str]:
 
 
 def _apply_defaults() -> dict[str, str]:
+    if told := middleware.settle():
+        sys.stderr.write(f"course-kit: {told}\n")
     made = defaults()
     for name, value in made.items():
         if os.environ.get(name) in _PROFILES:  # inherited from a process in which the user had chosen otherwise
             del os.environ[name]
         os.environ.setdefault(name, value)
-    if "ROS_LOG_DIR" not in os.environ and "ROS_HOME" not in os.environ:
+    if not _has_a_log_folder():
         os.environ["ROS_LOG_DIR"] = str(_log_folder())
     return made
 
@@ -196,9 +219,18 @@ def _hold_domain() -> None:
     if _Held.lease is None or _Held.process_id != os.getpid():
         for name in ("ROS_DOMAIN_ID", _CHOSEN_BY_KIT):  # what was inherited may be somebody else's by now
             os.environ.pop(name, None)
-        _Held.lease = share(f"{os.getuid()}:{checkout() or state_dir()}")
+        # By the bytes of its name: what Python makes of them depends on the locale, and may be no text at all.
+        folder = os.fsencode(checkout() or state_dir()).decode("ascii", errors="backslashreplace")
+        _Held.lease = share(f"{os.getuid()}:{folder}")
         _Held.process_id = os.getpid()
     os.environ["ROS_DOMAIN_ID"] = os.environ[_CHOSEN_BY_KIT] = str(_Held.lease.domain_id)
+
+
+def _has_a_log_folder() -> bool:
+    """Whether the user has chosen one that can be written, by themselves: without any, ROS does not start."""
+    home = os.environ.get("ROS_HOME", "")
+    chosen = os.environ.get("ROS_LOG_DIR") or (f"{home}/log" if home else "")
+    return bool(chosen) and is_writable(Path(os.path.expanduser(chosen)))  # noqa: PTH111 - unlike Path's, never raises
 
 
 def _log_folder() -> Path:

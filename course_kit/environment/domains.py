@@ -30,6 +30,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.environment import ports
+from course_kit.environment.errors import DomainError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterator
@@ -40,14 +41,6 @@ _LOOPBACK, _DISCARD = "127.0.0.1", 9  # the port of the discard service (RFC 863
 _QUEUE_S = 0.05  # how often one who queues for a domain looks
 _CHOICE_LOOK_S = 0.002
 _CHOICE_S = 10.0
-
-
-class DomainError(RuntimeError):
-    """This process gets no ROS domain to work in; the message says why and what to do."""
-
-    def _render_traceback_(self) -> list[str]:
-        """IPython's hook for exceptions that print themselves: in a notebook the message alone matters."""
-        return [f"{type(self).__name__}: {self}"]
 
 
 class NoDomainError(DomainError):

@@ -24,9 +24,8 @@ if TYPE_CHECKING:
     from course_kit.grading.job import Job
     from course_kit.grading.wire import Channel
 
-_STEP_S = 0.004  # how often the graph is looked at: rclpy has no event for its changes
-_CALM_STEP_S = 0.02  # the same for a long wait: looking costs computing, which others need
-_SOON_S = 1.0  # what has not come until then makes it a long wait
+_STEP_S = 0.02  # how often a condition is looked at beside each message: looking costs computing, which others need
+GRAPH_STEP_S = 0.01  # the same for what a change of the graph makes true: rclpy has no event for that
 _WATCH_S = 0.02  # how often it is asked whether the submission lives, while an answer is waited for
 PHASES = ("start", "discovery")  # where time goes beside checking: the program's making, and its way onto the graph
 _MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a very busy machine, twelve times as long
@@ -222,7 +221,7 @@ class Bench:
         seconds: float,
         *,
         most: float = MOST,
-        calmly: bool = False,
+        step_s: float = _STEP_S,
         of_the_living: bool = True,
     ) -> bool:
         """Wait until `condition` holds; False when it does not within `seconds`, or before the check's time is up.
@@ -231,8 +230,8 @@ class Bench:
             condition: asked again and again.
             seconds: the patience, fairly counted, as the check's deadline is.
             most: the largest part of the time that a busy machine may take away.
-            calmly: whether it may be noticed some milliseconds late that a change of the graph, after a long wait, has
-                made it hold. What a message changes is noticed at once.
+            step_s: how late it may be noticed that something else than a message has made it hold. Always the same
+                within a wait: with another one rclpy forgets which clients it has not served yet.
             of_the_living: whether only a submission that runs can make it hold.
 
         Raises:
@@ -241,14 +240,13 @@ class Bench:
         clock = self._clock_of(self._state, most)
         watched = 0.0
         while not condition():
-            step = _CALM_STEP_S if calmly and watched > _SOON_S else _STEP_S
             if clock.wall() - watched >= _WATCH_S:
                 watched = clock.wall()
                 if of_the_living:
                     self.require_running()
                 if clock.past(seconds) or self.time_is_up():
                     return False
-            self.tester.spin_once(step)
+            self.tester.spin_once(step_s)
         return True
 
     def wait_for_start(self, condition: Callable[[], bool]) -> bool:
@@ -259,16 +257,15 @@ class Bench:
         """
         began = time.monotonic()
         try:
-            return self.wait_until(condition, self.job.limits.start_s, most=_MOST_OF_A_START, calmly=True)
+            return self.wait_until(condition, self.job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
         finally:
             self.spent["discovery"] += time.monotonic() - began
 
     def require_running(self) -> None:
         """Raise SubmissionEndedError if the submission has ended."""
-        life = self.life()
-        if not life.running:
+        if self.job.mode != "attach" and not self._ask("running")["running"]:
             self._spoiled = True
-            raise SubmissionEndedError(life, self.job)
+            raise SubmissionEndedError(self.life(), self.job)
 
     def _look(self, own_waiting: Callable[[], float] = scheduling.own_waiting) -> State:
         if self._tester is not None:

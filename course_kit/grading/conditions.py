@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading import file_view, processes
+from course_kit.grading.runner import Program
 from course_kit.grading.sandbox import Cell
 
 if TYPE_CHECKING:
@@ -20,23 +21,38 @@ if TYPE_CHECKING:
 _COUNTS_BY_NAMESPACE = (5, 14)  # Linux
 
 
-def of(job: Job, variables: Mapping[str, str]) -> Cell:
+def of(job: Job, variables: Mapping[str, str], view: FileView) -> Cell:
     """The conditions.
 
     Args:
         job: what is graded.
         variables: the environment variables to set for the program.
+        view: the files that a Python program sees.
     """
     user = _user(job)
     return Cell(
         limits=job.limits,
         isolation=job.isolation,
         scratch=job.scratch,
-        view=_view(job),
+        view=_view(job, view),
         environment=variables,
         priority=job.priority,
         others=0 if user else _others(job),
         user=user,
+    )
+
+
+def program(job: Job, arguments: tuple[str, ...], files: Mapping[str, str]) -> Program:
+    """The program of a job, for one start with these arguments and files beside it."""
+    return Program(
+        name=job.name,
+        source=job.source,
+        class_name=job.class_name,
+        arguments=arguments,
+        files=files,
+        command=job.command,
+        folder=job.folder,
+        variable=job.variable,
     )
 
 
@@ -53,17 +69,20 @@ def expect_few_participants() -> dict[str, str]:
     return {name: os.environ[name]}
 
 
-def _view(job: Job) -> FileView:
+def _view(job: Job, view: FileView) -> FileView:
     """The files that the submission sees."""
-    view = file_view.of_a_command(job.command[0], job.folder) if job.command else file_view.of_a_program()
+    if job.command:
+        view = file_view.of_a_command(job.command, job.folder)
     return view.with_more(masked=job.hidden)
 
 
 def _user(job: Job) -> int:
-    """Whom the submission runs as: a command of root's own stays root where others cannot get at its folder."""
-    folder = Path(job.folder)
-    if job.command and not all(place.stat().st_mode & stat.S_IXOTH for place in (folder, *folder.parents)):
-        return 0
+    """Whom the submission runs as: a command of root's own stays root where others cannot get at what it names."""
+    if job.command:
+        for path in map(Path, (job.folder, *file_view.named(job.command[1:], job.folder))):
+            around = (path, *path.parents) if path.is_dir() else path.parents
+            if not all(place.stat().st_mode & stat.S_IXOTH for place in around):
+                return 0
     return job.user
 
 

@@ -55,6 +55,5 @@ def complete(message: str, code: str | None) -> str:
     if code is None:
         return message
     found = catalogue()[code]
-    root = environment.checkout()
-    read_on = f" Read on: {found.link}" if root is not None and (root / found.notebook).is_file() else ""
+    read_on = f" Read on: {found.link}" if environment.lesson(found.notebook) else ""
     return f"{message} {found.explanation}{read_on}"

@@ -66,10 +66,11 @@ def grade(  # noqa: PLR0913 - the options of one verb
     if seed is None:
         seed = secrets.randbits(31) if task.seed is None else task.seed
     if path is not None:
+        shown = submission.readable(str(path))
         try:
             return _grade_file(task, Path(path), seed, worker, require_isolation)
         except submission.UnreadableError as problem:
-            return unreadable(task, str(path), str(problem))
+            return unreadable(task, shown, submission.readable(str(problem)))
     if attach and require_isolation:
         raise GradingError("A node that is running already, as with --attach, is not isolated.")
     shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
@@ -89,7 +90,8 @@ def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None, re
         reader = opened.enter_context(Reader())
         used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
         text = reader.read(copy, task)
-        return grade_text(task, text, str(path), seed, used, require_isolation=require_isolation)
+        shown = submission.readable(str(path))
+        return grade_text(task, text, shown, seed, used, require_isolation=require_isolation)
 
 
 def grade_text(  # noqa: PLR0913 - the options of one grading

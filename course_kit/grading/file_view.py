@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading import mounts
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 ROBOT = str(_PACKAGE / "robot.py")  # the one module that exercises ask a submission to import
@@ -69,12 +69,16 @@ def of_a_program() -> FileView:
     return _view(_interpreter())
 
 
-def of_a_command(command: str, folder: str) -> FileView:
-    """What a command of the user's own needs: the same, its folder, and where it looks for programs."""
+def of_a_command(words: Sequence[str], folder: str) -> FileView:
+    """What a command of the user's own needs: the same, its folder, what it names, and where it looks for programs."""
     places = [*_interpreter(), folder, *_entries(os.environ.get("PATH", ""))]
-    if os.sep in command:
-        places.append(str((Path(folder) / command).resolve().parent))
-    return _view(places, (folder,))
+    return _view([*places, *map(os.path.dirname, named(words, folder))], (folder, *named(words, folder)))
+
+
+def named(words: Iterable[str], folder: str) -> list[str]:
+    """The files and folders that the words of a command name, each as it is named and as it really is."""
+    found = [os.path.join(folder, word) for word in words if os.sep in word]  # noqa: PTH118 - as text, like the others
+    return [path for one in found if os.path.exists(one) for path in (one, os.path.realpath(one))]  # noqa: PTH110
 
 
 def _view(places: Iterable[str], wanted: Iterable[str] = ()) -> FileView:
@@ -97,6 +101,7 @@ def _interpreter() -> list[str]:
         named += _entries(os.environ.get(variable, ""))
     named.append(os.path.dirname(os.path.realpath(sys.executable)))  # noqa: PTH120 - as text, like the others
     named += [os.path.dirname(path) for path in _mapped()]  # noqa: PTH120
+    named = list(dict.fromkeys(named))
     return [*named, *(os.path.realpath(path) for path in named)]
 
 

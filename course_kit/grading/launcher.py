@@ -12,6 +12,7 @@ kills it.
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import signal
@@ -109,6 +110,7 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
     namespaces.die_with_parent()
     _load(json.loads(names.recv(_LARGEST_ORDER) or b"[]"))
     names.close()
+    gc.freeze()  # keeps the forks from copying what they only look at
     if len(lines) == 1:
         _serve(lines[0])
         return
@@ -169,6 +171,7 @@ def _fork_gate(line: socket.socket, descriptors: Sequence[int]) -> None:
 
 
 def _gate(descriptors: Sequence[int]) -> None:
+    gc.disable()  # a collection would copy pages; the program has it again
     namespaces.set_name("grade gate")
     namespaces.die_with_parent()
     inside = Streams(*descriptors[_STREAMS])

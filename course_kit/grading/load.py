@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.bench import Bench
 
+_STEP_S = 0.004  # how often it is looked: what lies between two looks counts as the grader's lateness
 _WORTHWHILE = 0.4  # of the requests answered when half the time is over
 
 
@@ -47,7 +48,7 @@ def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Loa
     ensure_ready(bench, service)
     clients = [bench.tester.client(service.interface, service.name, number) for number in range(load.clients)]
     try:
-        bench.wait_until(lambda: all(client.service_is_ready() for client in clients), load.seconds)
+        bench.wait_until(lambda: all(client.service_is_ready() for client in clients), load.seconds, step_s=_STEP_S)
         turn = bench.record.sent(evidence.sent)
         late = Lateness()
         clock = bench.clock(late.seconds)
@@ -137,8 +138,8 @@ def _done(futures: Sequence[Any]) -> list[Any]:
 
 def _run(bench: Bench, clients: Sequence[Any], requests: Sequence[Any], load: Load, late: Lateness) -> list[Any]:
     exchange = Exchange(clients, requests, load.unanswered, late)
-    if not bench.wait_until(exchange.done, load.seconds / 2):
+    if not bench.wait_until(exchange.done, load.seconds / 2, step_s=_STEP_S):
         answered = sum(response is not None for response in exchange.responses)
         if answered >= len(requests) * _WORTHWHILE:  # else the other half of the time would not do either
-            bench.wait_until(exchange.done, load.seconds / 2)
+            bench.wait_until(exchange.done, load.seconds / 2, step_s=_STEP_S)
     return exchange.responses

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.grading import endings, graph, silence
-from course_kit.grading.bench import SubmissionEndedError
+from course_kit.grading.bench import GRAPH_STEP_S, SubmissionEndedError
 from course_kit.grading.checks import Evidence, Failed
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ def expect_node(bench: Bench, name: str, ensure: Callable[[], None]) -> Evidence
     expected = f"a node called {name}"
     try:
         ensure()
-        found = bench.wait_until(lambda: name in bench.tester.nodes(), _NODE_S)
+        found = bench.wait_until(lambda: name in bench.tester.nodes(), _NODE_S, step_s=GRAPH_STEP_S)
     except SubmissionEndedError as ended:
         raise Failed(Evidence("", expected, "a program that has ended"), ended.message, ended.diagnosis) from None
     if found:

@@ -116,10 +116,10 @@ def _row(name: str, text: str, *, code: bool) -> str:
 
 def _link(found: diagnosis.Diagnosis, base: Path) -> str:
     """A link to the lesson; JupyterLab opens it beside the notebook, at the heading."""
-    root = environment.checkout()
-    if root is None or not (root / found.notebook).is_file():
+    lesson = environment.lesson(found.notebook, base)
+    if lesson is None:
         return ""
-    way = Path(os.path.relpath(root / found.notebook, base)).as_posix()
+    way = Path(os.path.relpath(lesson, base)).as_posix()
     target = f"{quote(way)}#{quote(found.section.replace(' ', '-'))}"
     return f'<a href="{escaped(target)}">{escaped(found.notebook)}: {escaped(found.section)}</a>'
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import atexit
 import faulthandler
 import fcntl
+import gc
 import io
 import json
 import os
@@ -97,6 +98,7 @@ def main(program: Program, cell: Cell, inside: Streams) -> None:
     program = _with_files(program, Path(folder))
     if program.command:
         _execute(program)
+    gc.enable()
     faulthandler.register(STACKS_SIGNAL, file=evidence, all_threads=True)
     status = 1
     try:
@@ -171,8 +173,6 @@ def _run(program: Program, evidence: int) -> None:
 
 def _has_made_nodes() -> bool:
     """Whether the program has used ROS by itself: a node, or a context that was once initialised."""
-    import gc
-
     from rclpy.context import Context
     from rclpy.node import Node
 

@@ -115,7 +115,7 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
         return False
 
     try:
-        bench.wait_until(decided, silence.ANSWER_S, calmly=True)
+        bench.wait_until(decided, silence.ANSWER_S)
     except SubmissionEndedError as ended:
         evidence = Evidence(shown, expected, "no answer: the program ended")
         raise Failed(evidence, ended.message, ended.diagnosis) from None

@@ -229,3 +229,14 @@ def _too_large(path: Path) -> str:
     if path.suffix == ".py":
         return f"{path.name} is larger than {LARGEST // 1024} kB. Hand in the program alone."
     return f"{path.name} is larger than {LARGEST_NOTEBOOK // _MB} MB. Clear its outputs and save it again."
+
+
+def readable(name: str) -> str:
+    """A file's name or path as text, whatever bytes it is of and whatever the locale made of them.
+
+    A program with a name that is no text does not start: rclpy refuses it among the arguments.
+    """
+    try:
+        return os.fsencode(name).decode(errors="replace")
+    except UnicodeEncodeError:  # typed by somebody whose locale has no such letters
+        return name.encode(errors="replace").decode()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 import rclpy
 from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.context import Context
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -28,6 +29,10 @@ _KEPT = 1000  # messages of a topic; a program in a hurry sends more in a second
 DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
 _OF_EVERY_NODE = ("/rosout", "/parameter_events")
 NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an underscore are
+# What every node has unless it is switched off, costs at each turn of the executor, and nobody asks the grader for.
+_NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
+_NO_PUBLISHER_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)
+_NO_SUBSCRIPTION_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
 
 
 @dataclass(frozen=True)
@@ -97,7 +102,7 @@ class Tester:
             enable_rosout=False,
             start_parameter_services=False,
             # What nobody can call, nobody can call wrongly: an exception in a callback of ours would end the grading.
-            parameter_overrides=[Parameter("start_type_description_service", value=False)],
+            parameter_overrides=[_NO_TYPE_DESCRIPTIONS],
         )
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
@@ -138,7 +143,9 @@ class Tester:
     def publisher(self, interface: Any, topic: str) -> Publisher:
         """The publisher on a topic, with the default QoS profile of depth 10; made on first use and kept."""
         if topic not in self._publishers:
-            self._publishers[topic] = self.node.create_publisher(interface, topic, DEPTH)
+            self._publishers[topic] = self.node.create_publisher(
+                interface, topic, DEPTH, event_callbacks=_NO_PUBLISHER_EVENTS
+            )
         return self._publishers[topic]
 
     def publishers(self, topic: str) -> list[Endpoint]:

@@ -16,6 +16,7 @@ from rclpy.qos import (
 )
 
 from course_kit.grading import callbacks, endings, graph, silence
+from course_kit.grading.bench import GRAPH_STEP_S
 from course_kit.grading.checks import Evidence, Failed
 from course_kit.grading.steps import Turn, tell
 from course_kit.grading.tester import DEPTH
@@ -70,7 +71,7 @@ def expect_endpoints(bench: Bench, published: Sequence[Topic], subscribed: Seque
     evidence = Evidence("", expected, expected)
     ends = [(topic, True) for topic in published] + [(topic, False) for topic in subscribed]
     with callbacks.explained(bench, evidence):
-        bench.wait_until(lambda: all(_fitting(bench, *end) for end in ends), _GRAPH_S)
+        bench.wait_until(lambda: all(_fitting(bench, *end) for end in ends), _GRAPH_S, step_s=GRAPH_STEP_S)
     for topic, publishes in ends:
         _require(bench, topic, expected, publishes=publishes)
     return evidence
@@ -191,7 +192,7 @@ class Exchange:
                 sent += 1
             return all(heard.count for heard in self._heard)
 
-        if not self._bench.wait_until(connected, HEARD_S):
+        if not self._bench.wait_until(connected, HEARD_S, step_s=GRAPH_STEP_S):
             self._tell_sent([self._sent.interface()])
             raise self._silent([1] * len(self._heard), evidence, clock.fair())
         if sent > 1:  # whichever of them were lost: the answers to all others are to come before we go on

@@ -12,19 +12,19 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.grading import conditions, guard, limits, namespaces, processes
+from course_kit.grading import conditions, file_view, guard, limits, namespaces, processes
 from course_kit.grading.bench import PHASES
 from course_kit.grading.isolation import enter_network
 from course_kit.grading.launcher import LaunchError
 from course_kit.grading.life import Life
 from course_kit.grading.output import Output
-from course_kit.grading.runner import Program
 from course_kit.grading.sandbox import Sandbox
 from course_kit.grading.wire import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from course_kit.grading.file_view import FileView
     from course_kit.grading.job import Job
     from course_kit.grading.launcher import Launcher
 
@@ -42,17 +42,20 @@ class _BrokenOffError(Exception):
     """The grading cannot go on, by no fault of the submission; the text says why."""
 
 
-def broken_off(problem: str) -> dict[str, Any]:
-    """The outcome, as `Warden.run` gives it, of a grading that came to nothing by no fault of the submission."""
-    return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": True}
-
-
 class Warden:
     """The master of one grading."""
 
-    def __init__(self, job: Job, launcher: Launcher) -> None:
+    def __init__(self, job: Job, launcher: Launcher, view: FileView | None = None) -> None:
+        """Prepare a grading.
+
+        Args:
+            job: what is graded.
+            launcher: where submissions are started.
+            view: the files that a Python program sees, where they are known already: finding them takes a while.
+        """
         self._job = job
         self._launcher = launcher
+        self._view = view or file_view.of_a_program()
         self._profile: dict[str, str] = {}
         self._network: tuple[int, ...] = ()  # descriptors of the namespaces that the submission is to join
         self._began = time.monotonic()
@@ -167,6 +170,8 @@ class Warden:
             return self._launch(tuple(message["arguments"]), message["files"], message["variables"])
         if what == "stop":
             self._stop()
+        elif what == "running":  # asked fifty times a second
+            return {"running": self._life is not None and not self._life.over}
         elif what == "stacks":
             return {"stacks": self._stacks()}
         elif what == "finish":
@@ -179,18 +184,9 @@ class Warden:
         self._launches += 1
         domain, queued_s = self._domain()
         job = self._job
-        program = Program(
-            name=job.name,
-            source=job.source,
-            class_name=job.class_name,
-            arguments=arguments,
-            files=files,
-            command=job.command,
-            folder=job.folder,
-            variable=job.variable,
-        )
+        program = conditions.program(job, arguments, files)
         variables = {**variables, **self._profile, "ROS_DOMAIN_ID": str(domain)}
-        cell = conditions.of(job, variables)
+        cell = conditions.of(job, variables, self._view)
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain, "queued_s": queued_s}

@@ -25,9 +25,11 @@ _STOP_S = 5.0
 # Python 3.12 warns of forks beside other threads; those of the tracing library take no lock of ours.
 _FORKS_ARE_MEANT = "ignore:This process:DeprecationWarning"
 # What a program needs to run ROS; everything else, tokens among it, stays out of a submission's reach.
-_PASSED_ON = ("LANG", "LANGUAGE", "TZ", "PATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "HOME", "TMPDIR", "XDG_STATE_HOME")
+_PASSED_ON = ("TZ", "PATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "HOME", "TMPDIR", "XDG_STATE_HOME")
 _PASSED_ON_PREFIXES = (
+    "LANG",  # with the next two: names of files mean the same folders to a worker as to whoever asks it
     "LC_",
+    "LOCPATH",
     "PYTHON",
     "ROS",
     "_ROS",
@@ -47,6 +49,7 @@ _OTHER_GRAPHS = (
     "ROS_SUPER_CLIENT",
     "COURSE_KIT_DOMAIN_ID",
     "ROS_SECURITY_ENABLE",
+    "RCL_ASSERT_RMW_ID_MATCHES",
 )
 
 
@@ -151,15 +154,14 @@ def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
     if own_graph:
         for name in _OTHER_GRAPHS:
             variables.pop(name, None)
-        if variables.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps"):
-            # SYSTEM_DEFAULT has rmw_fastrtps leave the transports to the profile, which allows loopback only; with
-            # LOCALHOST it would bring back shared memory.
-            variables.update(
-                ROS_AUTOMATIC_DISCOVERY_RANGE="SYSTEM_DEFAULT",
-                FASTRTPS_DEFAULT_PROFILES_FILE=str(environment.LOOPBACK_PROFILE),
-            )
-        else:
-            variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+        # A grade does not depend on the user's middleware: the types of the exercises need Fast DDS. SYSTEM_DEFAULT
+        # has it leave the transports to the profile, which allows loopback only; LOCALHOST would bring back shared
+        # memory.
+        variables.update(
+            RMW_IMPLEMENTATION=environment.middleware.SUPPORTED,
+            ROS_AUTOMATIC_DISCOVERY_RANGE="SYSTEM_DEFAULT",
+            FASTRTPS_DEFAULT_PROFILES_FILE=str(environment.LOOPBACK_PROFILE),
+        )
     if whole:
         return variables
     return {

@@ -13,23 +13,39 @@ import signal
 import socket
 import sys
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import isolation, namespaces, probing, processes, scratch
+from course_kit.grading import file_view, isolation, namespaces, probing, processes, scratch
 from course_kit.grading import launcher as launchers
 from course_kit.grading.job import Job
 from course_kit.grading.launcher import Launcher, LaunchError
-from course_kit.grading.warden import Warden, broken_off
+from course_kit.grading.warden import Warden
 from course_kit.grading.wire import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence
 
+    from course_kit.grading.file_view import FileView
     from course_kit.grading.isolation import Isolation
 
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
 _FIRST_SERVED = -19  # nice value
+
+
+@dataclass(frozen=True)
+class _Common:
+    """What holds for all workers of this process.
+
+    Attributes:
+        isolation: what isolates submissions.
+        priority: the nice value they run at.
+        view: the files they see.
+    """
+
+    isolation: Isolation
+    priority: int
+    view: FileView
 
 
 def serve(channels: Sequence[Channel], exercises: Sequence[str]) -> None:
@@ -56,12 +72,13 @@ def serve(channels: Sequence[Channel], exercises: Sequence[str]) -> None:
     loaded = [grader for exercise in exercises if (grader := _load(exercise))]
     names.send(json.dumps(_interfaces(loaded)).encode())
     names.close()
+    common = _Common(found, usual, file_view.of_a_program())
     gc.freeze()  # keeps the forks from copying what they only look at
     if len(channels) == 1:
-        _work(channels[0], launchers[0], found, usual, keep=(starter,))
+        _work(channels[0], launchers[0], common, keep=(starter,))
         return
     lines = list(zip(channels, launchers, strict=True))
-    children = [_fork_worker(line, lines, found, usual) for line in lines]
+    children = [_fork_worker(line, lines, common) for line in lines]
     for channel, launcher in lines:
         channel.close()
         launcher.close()
@@ -101,9 +118,7 @@ def _interfaces(graders: Sequence[Any]) -> list[tuple[str, str]]:
     return sorted({(one.__module__, one.__name__) for grader in graders for one in grader.INTERFACES})
 
 
-def _fork_worker(
-    line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], found: Isolation, usual: int
-) -> int:
+def _fork_worker(line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], common: _Common) -> int:
     child = os.fork()
     if child:
         return child
@@ -117,7 +132,7 @@ def _fork_worker(
                 other[0].close()  # else nobody would notice the end of that worker
                 other[1].close()
         with suppress(ChannelClosedError):
-            _work(*line, found, usual)
+            _work(*line, common)
         status = 0
     except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the file of last words has it
         sys.excepthook(*sys.exc_info())
@@ -125,18 +140,18 @@ def _fork_worker(
         os._exit(status)
 
 
-def _work(channel: Channel, launcher: Launcher, found: Isolation, usual: int, keep: Container[int] = ()) -> None:
+def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container[int] = ()) -> None:
     """One worker: it ends with ChannelClosedError.
 
     Args:
         channel: brings jobs, takes outcomes.
         launcher: where its submissions are started.
-        found: what isolates them.
-        usual: the nice value they run at.
+        common: what holds for all workers.
         keep: children of this process that outlive a grading.
     """
     namespaces.set_name("grade worker")
     folder = scratch.make()
+    found = common.isolation
     user = isolation.guest(os.getpid()) if found.user else 0
     if user:
         folder.chmod(0o711)  # that user finds its own directory in it, and sees no other
@@ -145,11 +160,11 @@ def _work(channel: Channel, launcher: Launcher, found: Isolation, usual: int, ke
         channel.send({"isolation": found.to_mapping(), "process": os.getpid()})
         while True:
             job = Job.from_mapping(channel.receive()["job"])
-            job = replace(job, isolation=found, priority=usual, scratch=str(folder), user=user)
+            job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
             _load(job.exercise)
             for _ in range(_TRIES):
                 scratch.clear(folder)
-                outcome = _grade(job, channel, launcher, keep)
+                outcome = _grade(job, channel, launcher, common.view, keep)
                 if not outcome["again"]:
                     break
             channel.send(outcome)
@@ -163,14 +178,14 @@ def _load(exercise: str) -> Any:
     return None
 
 
-def _grade(job: Job, channel: Channel, launcher: Launcher, keep: Container[int]) -> dict[str, Any]:
+def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> dict[str, Any]:
     ours, theirs = Channel.pair()
     child = os.fork()
     if child == 0:
         status = 1
         try:
             ours.close()
-            theirs.send(_run(job, launcher))
+            theirs.send(_run(job, launcher, view))
             status = 0
         except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the worker reports it
             sys.excepthook(*sys.exc_info())
@@ -185,11 +200,16 @@ def _grade(job: Job, channel: Channel, launcher: Launcher, keep: Container[int])
         launcher.end()
 
 
-def _run(job: Job, launcher: Launcher) -> dict[str, Any]:
+def _run(job: Job, launcher: Launcher, view: FileView) -> dict[str, Any]:
     try:
-        return Warden(job, launcher).run()
+        return Warden(job, launcher, view).run()
     except (LaunchError, OSError) as problem:  # the machine has run out of something
-        return broken_off(f"the submission could not be run: {problem}")
+        return _broken_off(f"the submission could not be run: {problem}")
+
+
+def _broken_off(problem: str) -> dict[str, Any]:
+    """The outcome, as `Warden.run` gives it, of a grading that came to nothing by no fault of the submission."""
+    return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": True}
 
 
 def _outcome(warden: Channel, parent: Channel) -> dict[str, Any]:
@@ -202,7 +222,7 @@ def _outcome(warden: Channel, parent: Channel) -> dict[str, Any]:
     try:
         return warden.receive()
     except ChannelClosedError:
-        return broken_off("the process that supervises it was killed")
+        return _broken_off("the process that supervises it was killed")
 
 
 def main() -> None:

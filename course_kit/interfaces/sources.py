@@ -37,7 +37,7 @@ def saved_folder() -> str | None:
     `environment` takes 10 ms; so before it is there, the course's folder is taken at its word if it can be written.
     """
     loaded = sys.modules.get("course_kit.environment")
-    if not hasattr(loaded, "run_dir") and os.path.isdir(os.path.join(_ROOT, "notebooks")) and os.access(_ROOT, os.W_OK):  # noqa: PTH112, PTH118
+    if not hasattr(loaded, "run_dir") and _course_is_writable():
         return os.path.join(_ROOT, ".course", "interfaces")  # noqa: PTH118
     try:
         from course_kit import environment
@@ -45,6 +45,14 @@ def saved_folder() -> str | None:
         return os.path.join(environment.run_dir(), "interfaces")  # noqa: PTH118
     except (AttributeError, ImportError, OSError):  # the first two: environment is itself being imported
         return None
+
+
+def _course_is_writable() -> bool:
+    """Whether `environment.run_dir()` lies in the course's folder: what is there may be another user's."""
+    if not os.path.isdir(os.path.join(_ROOT, "notebooks")):  # noqa: PTH112, PTH118
+        return False
+    made = os.path.join(_ROOT, ".course")  # noqa: PTH118
+    return os.access(made if os.path.isdir(made) else _ROOT, os.W_OK | os.X_OK, effective_ids=True)  # noqa: PTH112
 
 
 def has_package(package: str) -> bool:

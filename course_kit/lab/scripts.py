@@ -124,6 +124,7 @@ class Scripts:
                 RCUTILS_CONSOLE_OUTPUT_FORMAT=LOG_FORMAT,
                 RCUTILS_COLORIZED_OUTPUT="0",
                 PYTHON_COLORS="0",  # kernels set FORCE_COLOR, and Python 3.13 would colour what it complains of
+                PYTHONIOENCODING="utf-8",  # as it is read here, whatever the locale
             ),
             start_new_session=True,
         )

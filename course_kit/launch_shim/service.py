@@ -205,8 +205,7 @@ def log_file() -> Iterator[IO[str]]:
     environment.apply()
     from pathlib import Path
 
-    home = os.environ.get("ROS_HOME") or str(Path.home() / ".ros")
-    folder = Path(os.environ.get("ROS_LOG_DIR") or f"{home}/log")
+    folder = Path(os.environ.get("ROS_LOG_DIR") or f"{os.environ['ROS_HOME']}/log")  # one of them is set by now
     folder.mkdir(parents=True, exist_ok=True)
     stamp = time.strftime("%Y-%m-%d-%H-%M-%S")
     with (folder / f"{stamp}-{platform.node()}-{os.getpid()}.launch.log").open("w", encoding="utf-8") as log:

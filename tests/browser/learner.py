@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import secrets
-import signal
-import socket
-import subprocess
 import time
-import urllib.request
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from playwright.sync_api import Locator, Page, expect, sync_playwright
 
 from course_kit import environment
 from course_kit.dev import browser
+from tests import jupyter_server
 from tests.course_copy import REPOSITORY, copy_with_notebooks
 
 if TYPE_CHECKING:
@@ -132,73 +127,32 @@ def whole(path: Path) -> dict[str, Any] | None:
 
 
 @contextmanager
-def learner(folder: Path, verb: str = "lab") -> Iterator[JupyterLab]:
+def learner(folder: Path, verb: str = "lab", **changes: str | None) -> Iterator[JupyterLab]:
     """A learner before a copy of the course in JupyterLab, so that tests side by side never see each other's files."""
     root = copy_with_notebooks(folder).root
-    with served(root, folder, verb) as (address, token), page() as opened:
+    with served(root, folder, verb, **changes) as (address, token), page() as opened:
         yield JupyterLab(opened, root, address, token)
 
 
 @contextmanager
-def served(root: Path, folder: Path, verb: str) -> Iterator[tuple[str, str]]:
+def served(root: Path, folder: Path, verb: str, **changes: str | None) -> Iterator[tuple[str, str]]:
     """Start `./course lab`, or `present`; yields its address and token, and ends it as closing the terminal does."""
     for name, values in SETTINGS.items():
         (folder / "settings" / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / "settings" / name).write_text(json.dumps(values))
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
-    token = secrets.token_hex(16)
-    as_root = ["--allow-root"] if os.geteuid() == 0 else []
-    with environment.exclusive_domain() as domain_id, (folder / "jupyter.log").open("w") as log:
-        process = subprocess.Popen(
-            [
-                root / "course",
-                verb,
-                "--no-browser",
-                f"--port={port}",
-                f"--IdentityProvider.token={token}",
-                *as_root,
-            ],
-            cwd=root,
-            env=environment.child_environment(
-                ROS_DOMAIN_ID=str(domain_id),
-                JUPYTERLAB_SETTINGS_DIR=str(folder / "settings"),
-                JUPYTERLAB_WORKSPACES_DIR=str(folder / "workspaces"),
-                JUPYTER_RUNTIME_DIR=str(folder / "runtime"),
-                XDG_STATE_HOME=str(folder / "state"),
-            ),
-            stdin=subprocess.DEVNULL,
-            stdout=log,
-            stderr=log,
-            start_new_session=True,
+    with environment.exclusive_domain() as domain_id:
+        variables = environment.child_environment(
+            PYTHONPATH=str(root),  # the environment knows the course by its first folder
+            ROS_DOMAIN_ID=str(domain_id),
+            JUPYTERLAB_SETTINGS_DIR=str(folder / "settings"),
+            JUPYTERLAB_WORKSPACES_DIR=str(folder / "workspaces"),
+            JUPYTER_RUNTIME_DIR=str(folder / "runtime"),
+            XDG_STATE_HOME=str(folder / "state"),
         )
-        try:
-            address = f"http://127.0.0.1:{port}"
-            wait_until_up(f"{address}/api/status?token={token}", process, folder / "jupyter.log")
-            yield address, token
-        finally:
-            if process.poll() is None:
-                os.killpg(process.pid, signal.SIGTERM)
-            process.wait(30)
-
-
-def wait_until_up(url: str, process: subprocess.Popen[bytes], log: Path) -> None:
-    """Ask for the status until it comes, or the server has ended."""
-    deadline = time.monotonic() + PATIENCE_MS / 1000
-    while not is_up(url):
-        with suppress(subprocess.TimeoutExpired):
-            process.wait(0.2)
-        assert process.returncode is None, f"JupyterLab ended:\n{log.read_text()}"
-        assert time.monotonic() < deadline, f"JupyterLab did not start:\n{log.read_text()}"
-
-
-def is_up(url: str) -> bool:
-    """Whether something answers there."""
-    try:
-        with urllib.request.urlopen(url, timeout=5):  # noqa: S310 - an http address of this machine
-            return True
-    except OSError:
-        return False
+        with jupyter_server.started(
+            [root / "course", verb, *jupyter_server.allow_root()], folder, root, {**variables, **changes}
+        ) as server:
+            yield server.address, server.token
 
 
 @contextmanager

@@ -294,6 +294,19 @@ def test_a_heap_of_files_is_its_students_problem(tmp_path: Path, monkeypatch: py
     assert len(found.left) < 60, "they are counted, not listed"
 
 
+def test_a_heap_of_links_is_told_in_a_few_words(tmp_path: Path) -> None:
+    root = lay_out(tmp_path / "in", IN_FOLDERS.values())
+    (root / "mallory/.git").mkdir(parents=True)
+    for number in range(500):
+        (root / f"mallory/{number:03}").symlink_to("../bob")
+    found = collect(root)
+    assert taken(found) == IN_FOLDERS
+    [(_, reason)] = found.dropped
+    assert reason.startswith("mallory/000: it is a link, which is not followed; ")
+    assert reason.endswith("; and 497 more")
+    assert len(found.left) < 60
+
+
 def test_whoever_hands_in_something_else_only_is_named(tmp_path: Path) -> None:
     root = lay_out(tmp_path / "in", [*IN_FOLDERS.values(), "dee/a.txt", "dee/b.txt", "eve/essay.pdf"])
     (root / "fay").mkdir()

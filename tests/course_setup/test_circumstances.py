@@ -108,7 +108,7 @@ def test_the_installer_gets_no_settings_for_other_installations(clone: Clone, tm
     )
     given = dict(line.split("=", 1) for line in Path(f"{clone.log}.variables").read_text().splitlines() if "=" in line)
     assert not given.keys() & {"PYTHONPATH", "VIRTUAL_ENV", "PIP_TARGET"}
-    assert given["PIP_USER"] == "0"
+    assert (given["PIP_USER"], given["LC_ALL"], given["PYTHONUTF8"]) == ("0", "C.UTF-8", "1")
     assert given["TMPDIR"].startswith(f"{clone.root}/.venvs/")
     assert not Path(given["TMPDIR"]).exists()
 

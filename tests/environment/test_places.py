@@ -19,5 +19,32 @@ def test_the_course_is_called_by_its_door_where_that_stands(tmp_path: Path, monk
     assert environment.command() == "./course"
     monkeypatch.chdir(tmp_path)
     assert environment.command() == "course-kit"
+    (tmp_path / "course").touch()
+    assert environment.command() == "course-kit"
+    (tmp_path / "course").unlink()
+    (tmp_path / "course").symlink_to(root / "course")  # as in a learner's own copy
+    assert environment.command() == "./course"
+    (tmp_path / "course").unlink()
     tmp_path.rmdir()
     assert environment.command() == "course-kit"
+
+
+def test_a_home_is_one_that_can_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert environment.home() == tmp_path
+    for none in ("/proc/nonexistent", "/proc/self", "relative"):
+        monkeypatch.setenv("HOME", none)
+        assert environment.home() is None
+
+
+def test_where_nobody_knows_the_home_the_state_is_among_the_temporary_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unknown(*_: object, **__: object) -> Path:
+        raise RuntimeError("could not determine the home directory")
+
+    monkeypatch.setattr("platformdirs.user_state_path", unknown)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setenv("HOME", "/nobody knows it")  # the folder is kept by this name
+    assert environment.state_dir().is_relative_to(tmp_path)
+    assert environment.usual_state_dir() is None

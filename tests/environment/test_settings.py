@@ -14,7 +14,7 @@ from course_kit.environment import places
 
 KIT_VARIABLES = (*environment.defaults(), "ROS_DOMAIN_ID", "COURSE_KIT_DOMAIN_ID", "ROS_LOG_DIR")
 DISCOVERY_GROUP = "239.255.0.1"  # of DDS; joined on the loopback interface only
-DUMP = "import json, os, rclpy; print(json.dumps(dict(os.environ)))"
+DUMP = "import json, os, rclpy; rclpy.init(); print(json.dumps(dict(os.environ)))"
 
 
 def in_fresh_process(program: str, **variables: str) -> subprocess.CompletedProcess[str]:
@@ -103,6 +103,13 @@ def test_without_a_usable_home_the_state_goes_elsewhere(tmp_path: Path, monkeypa
     assert state.is_relative_to(tmp_path)
 
 
+@pytest.mark.parametrize("name", ["ROS_LOG_DIR", "ROS_HOME"])
+def test_a_folder_for_logs_that_cannot_be_written_is_replaced(name: str, tmp_path: Path) -> None:
+    found = dumped(**{name: "/proc/nonexistent", "XDG_STATE_HOME": str(tmp_path)})
+    assert Path(found["ROS_LOG_DIR"]).is_relative_to(tmp_path)
+    assert "ROS_LOG_DIR" not in dumped(ROS_HOME=str(tmp_path))
+
+
 def test_old_log_files_are_cleared_away_and_the_newest_kept(tmp_path: Path) -> None:
     folder = tmp_path / "ros2-course-kit" / "log"
     folder.mkdir(parents=True)
@@ -164,6 +171,5 @@ def test_without_the_profile_of_the_course_the_range_itself_is_local(
         monkeypatch.delenv(name, raising=False)
     for name, value in other.items():
         monkeypatch.setenv(name, value)
-    settings = environment.apply()
-    assert settings.variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
-    assert settings.only_this_machine
+    assert environment.defaults()["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in environment.defaults()

@@ -11,6 +11,7 @@ from course_kit import environment
 from course_kit.grading import limits, warden
 from course_kit.grading.bench import Bench
 from course_kit.grading.job import Job
+from course_kit.grading.launcher import Launcher
 from course_kit.grading.wire import Channel
 
 if TYPE_CHECKING:
@@ -75,7 +76,12 @@ def problem_of(line: tuple[Channel, Channel], launches: int) -> str:
     for _ in range(launches):
         probe.send({"do": "launch", "arguments": [], "files": {}, "variables": {}})
     probe.send({"do": "done", "timings": {}, "problem": ""})
-    return StandInWarden(JOB)._serve(ours)
+    launcher, end = Launcher.pair()  # nobody is asked to start anything
+    try:
+        return StandInWarden(JOB, launcher)._serve(ours)
+    finally:
+        launcher.close()
+        end.close()
 
 
 def test_a_long_queue_leaves_the_whole_time_for_the_grading(

@@ -6,6 +6,7 @@ import json
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -15,6 +16,9 @@ from course_kit.grading.diagnosis import catalogue, complete
 from course_kit.grading.output import Output, printable
 from course_kit.grading.sequence import sequence_svg
 from course_kit.grading.steps import GRADER, NODE, Step
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 FAILED = CheckReport(
     "celsius_to_fahrenheit",
@@ -273,6 +277,17 @@ def test_link_leads_from_the_notebooks_folder_to_the_lesson() -> None:
     assert f'href="../../notebooks/01_services.ipynb#{section}"' in html
     assert catalogue()["service.no_return"].explanation.replace("'", "&#x27;") in html
     assert 'href="notebooks/01_services.ipynb#' in render_html(replace(REPORT, checks=(taught,)), root)
+
+
+def test_link_in_a_learners_copy_leads_to_the_lesson_in_it(tmp_path: Path) -> None:
+    """JupyterLab shows nothing outside of its folder, so a way to the course itself would be none."""
+    lesson = tmp_path / "notebooks" / "01_services.ipynb"
+    lesson.parent.mkdir()
+    lesson.touch()
+    (tmp_path / "exercises" / "temperature_service").mkdir(parents=True)
+    taught = replace(FAILED, diagnosis="service.no_return")
+    html = render_html(replace(REPORT, checks=(taught,)), tmp_path / "exercises" / "temperature_service")
+    assert 'href="../../notebooks/01_services.ipynb#' in html
 
 
 def test_isolation_is_told_in_both() -> None:

@@ -12,6 +12,8 @@ import pytest
 
 from course_kit import environment, interfaces
 from course_kit.interfaces import finder
+from tests.course_copy import copy_course
+from tests.unprivileged import as_somebody, give, reachable_folder
 
 REPOSITORY = Path(__file__).parents[2]
 
@@ -210,6 +212,25 @@ def test_the_short_way_to_the_saved_definitions_leads_to_the_same_folder() -> No
         print(short == str(environment.run_dir() / "interfaces") == sources.saved_folder())
     """
     assert run(program) == "True\n"
+
+
+def test_both_ways_lead_past_a_folder_that_is_another_users() -> None:
+    """A course that a group may write, in which somebody else was the first to define a type."""
+    program = (
+        "from course_kit.interfaces import sources; short = sources.saved_folder()\n"
+        "from course_kit import environment\n"
+        "print(short == str(environment.run_dir() / 'interfaces'), '.course' in short)"
+    )
+    with reachable_folder() as home:
+        course = copy_course(home)
+        (course.root / ".course").mkdir()
+        give(home)
+        (course.root / ".course").chmod(0o555)
+        printed = subprocess.run(
+            as_somebody(sys.executable, "-c", program), env=course.environ(HOME=str(home), XDG_STATE_HOME=str(home)),
+            cwd=home, capture_output=True, text=True, timeout=60, check=True,
+        )  # fmt: skip
+    assert printed.stdout == "True False\n"
 
 
 def test_looking_for_a_module_that_is_missing_loads_nothing() -> None:

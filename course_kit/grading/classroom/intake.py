@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 _NAMED, _CALLED_ALIKE, _BY_CONTENT, _ONLY_ONE = 4, 3, 2, 1  # how sure it is that a file is for an exercise
 _MOST_OPENED = 200  # files of one student into which is looked for what they are for
 _MOST_LISTED = 50  # files of one student that are listed one by one
+_MOST_TOLD = 3  # problems of one student in a sentence
 _NOT_FOUND = "nothing of it is for the exercises"
 
 
@@ -181,12 +182,12 @@ class _Choice:
             reasons.update((one.file.path, why) for one in candidates if not one.file.problem)
         taken = {entry.source for entry in entries}
         rest = [(file.path, reasons.get(file.path, "it is for none of the exercises")) for file in files]
-        self._leave(student, [one for one in rest if one[0] not in taken])
+        self._leave(student, [one for one in rest if one[0] not in taken], "they are for none of the exercises")
         handed_in = {entry.exercise for entry in entries}
         self.missing += [(student, exercise.id) for exercise in self._exercises if exercise.id not in handed_in]
         self.entries += entries
         if lost or (not entries and (files or problems)):
-            self.dropped.append((student, "; ".join(lost or problems) or _NOT_FOUND))
+            self.dropped.append((student, _together(lost or problems) or _NOT_FOUND))
 
     def _files(self, units: Sequence[Unit]) -> tuple[list[_File], list[str]]:
         """All files of a student, and what kept some from being found."""
@@ -194,7 +195,8 @@ class _Choice:
         problems: list[str] = []
         for unit in units:
             found = listing.look_through(self._listing, unit.item)
-            self.left += [*found.tools, *found.unseen]
+            self._leave(unit.student, list(found.tools), "the same")
+            self._leave(unit.student, list(found.unseen), "the same")
             problems += [f"{one_line(path)}: {reason}" for path, reason in found.unseen]
             files += [_File(item, unit, item.problem or _not_followed(item, unit)) for item in found.files]
             if not (found.files or found.tools or found.unseen):
@@ -203,10 +205,11 @@ class _Choice:
         unpacked = self._listing.fetch(file.item for file in wanted if not file.problem)
         return [replace(file, problem=file.problem or unpacked.get(file.path, "")) for file in files], problems
 
-    def _leave(self, student: str, rest: Left) -> None:
+    def _leave(self, student: str, rest: Left, others: str) -> None:
+        """List files of a student; of a heap the first ones, and the number of the others with a reason."""
         self.left += rest[:_MOST_LISTED]
         if len(rest) > _MOST_LISTED:
-            self.left.append((f"{len(rest) - _MOST_LISTED} more of {student}", "they are for none of the exercises"))
+            self.left.append((f"{len(rest) - _MOST_LISTED} more of {student}", others))
 
     def _candidates(self, files: list[_File], exercise: Exercise) -> Iterator[_Candidate]:
         programs = [file for file in files if file.item.is_program]
@@ -233,6 +236,11 @@ def _not_followed(item: Item, unit: Unit) -> str:
     if item is not unit.item or item.kind == listing.FILE:
         return ""
     return "it is a link, which is not followed" if item.kind == listing.LINK else "it is no ordinary file"
+
+
+def _together(problems: Sequence[str]) -> str:
+    more = len(problems) - _MOST_TOLD
+    return "; ".join(problems[:_MOST_TOLD]) + (f"; and {more} more" if more > 0 else "")
 
 
 def _unhad(files: Sequence[_File]) -> Mapping[str, str]:

@@ -1,0 +1,142 @@
+"""What `./course lab` does before JupyterLab starts: root, containers, and folders that cannot be written."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from course_kit import environment, jupyter, jupyter_folders
+from tests.course_copy import Course
+from tests.jupyter_server import allow_root, started
+
+NOWHERE = "/proc/nonexistent"
+OF_JUPYTER = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "IPYTHONDIR")
+
+
+def test_root_in_a_container_gets_what_jupyter_asks_for_and_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert jupyter.root_arguments([], 0, "/.dockerenv") == ["--allow-root"]
+    assert "root in a container (/.dockerenv)" in capsys.readouterr().err
+
+
+def test_root_elsewhere_is_refused_and_told_what_to_do() -> None:
+    with pytest.raises(jupyter.LabStartError, match="Log in as an ordinary user, or add --allow-root") as caught:
+        jupyter.root_arguments(["--port=8888"], 0, "")
+    assert "lab --allow-root" in str(caught.value)
+
+
+@pytest.mark.parametrize("own", ["--allow-root", "--ServerApp.allow_root=True", "--ServerApp.allow_root=False"])
+def test_who_decides_it_themselves_is_left_alone(own: str) -> None:
+    assert jupyter.root_arguments([own], 0, "") == []
+
+
+def test_nobody_else_is_asked() -> None:
+    assert jupyter.root_arguments([], 1000, "") == jupyter.root_arguments([], 1000, "/.dockerenv") == []
+
+
+def test_the_refusal_is_one_line_and_ends_with_2(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    monkeypatch.setattr(environment, "sign_of_container", lambda: "")  # as on a machine of its own
+    assert jupyter.serve(Path("/"), "", []) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("course-kit: JupyterLab does not run as root")
+    assert len(said.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("file", "content", "sign"),
+    [
+        (".dockerenv", "", "/.dockerenv"),
+        ("run/.containerenv", "", "/run/.containerenv"),
+        ("proc/1/environ", "PATH=/bin\0container=lxc\0", "/proc/1/environ"),
+        ("proc/1/cgroup", "12:pids:/docker/0a1b\n", "/proc/1/cgroup"),
+        ("proc/1/cgroup", "0::/init.scope\n", ""),
+        ("etc/hostname", "", ""),
+    ],
+)
+def test_a_container_is_known_by_its_signs(file: str, content: str, sign: str, tmp_path: Path) -> None:
+    (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / file).write_text(content)
+    assert environment.sign_of_container(tmp_path, {}) == sign
+
+
+def test_a_container_is_known_by_its_variables_too(tmp_path: Path) -> None:
+    assert environment.sign_of_container(tmp_path, {"container": "podman"}) == "the variable container"
+    assert environment.sign_of_container(tmp_path, {"container": ""}) == ""
+
+
+@pytest.fixture
+def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    for name in (*OF_JUPYTER, "JUPYTER_CONFIG_PATH", "JUPYTER_PATH", "XDG_DATA_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    return tmp_path / "state" / "ros2-course-kit"
+
+
+def test_with_a_home_nothing_is_replaced(state: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert state
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert jupyter_folders.replacements() == {}
+
+
+def test_without_one_each_folder_is_among_the_state(state: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", NOWHERE)
+    found = jupyter_folders.replacements()
+    assert set(found) == set(OF_JUPYTER)
+    assert all(Path(folder).is_relative_to(state) for folder in found.values())
+
+
+def test_one_folder_that_cannot_be_written_is_replaced_and_still_read(
+    state: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As `~/.jupyter` is, after a `sudo jupyter lab`; here a file is in its place, which stops root, too."""
+    home = tmp_path / "home"
+    (home / ".local" / "share").mkdir(parents=True)
+    (home / ".local" / "share" / "jupyter").touch()
+    monkeypatch.setenv("HOME", str(home))
+    assert set(jupyter_folders.replacements()) == {"JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR"}
+    monkeypatch.setenv("JUPYTER_DATA_DIR", "/proc/self")  # a folder that is there, and nobody can write
+    monkeypatch.setenv("JUPYTER_PATH", "/mine")
+    found = jupyter_folders.replacements()
+    assert found["JUPYTER_PATH"] == "/mine:/proc/self"
+    assert Path(found["JUPYTER_DATA_DIR"]).is_relative_to(state)
+
+
+def test_where_nobody_knows_the_home_there_is_one(state: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", unknown)
+    monkeypatch.setenv("HOME", NOWHERE)
+    assert jupyter_folders.replacements()["HOME"] == str(state)
+
+
+def test_jupyterlab_starts_without_a_home(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    environ = {name: value for name, value in course.environ().items() if not name.startswith(("JUPYTER", "XDG"))}
+    environ |= {"HOME": NOWHERE, "TMPDIR": str(tmp_path)}
+    with started([*course.command("lab"), *allow_root()], tmp_path, course.root, environ) as server:
+        kernel = server.post("kernels")["id"]
+        assert server.get(f"kernels/{kernel}")["name"] == "python3"
+        log = server.log.read_text()
+    assert f"Jupyter's folders in your home directory cannot be written; it keeps its files below {tmp_path}" in log
+    assert "Traceback" not in log
+
+
+def test_the_first_lines_of_other_commands_stand_without_a_home(tmp_path: Path) -> None:
+    """For a user whom the system does not know, HOME not set: the folders are nowhere."""
+    from tests.unprivileged import as_somebody
+
+    course = Course(tmp_path)
+    variables = course.environ(COURSE_KIT_PROGRESS="off")
+    environ = {name: value for name, value in variables.items() if name not in ("HOME", "XDG_STATE_HOME")}
+    for arguments, code in ((["list"], 0), (["hint", "move_robot"], 0), (["quiz"], 0), (["doctor"], 0)):
+        done = subprocess.run(
+            as_somebody("env", "-u", "ROS_LOG_DIR", *course.command(*arguments)), cwd=course.root, env=environ,
+            capture_output=True, text=True, timeout=100, check=False,
+        )  # fmt: skip
+        assert (done.returncode, done.stderr) == (code, ""), arguments
