@@ -29,6 +29,7 @@ GRAPH_STEP_S = 0.01  # the same for what a change of the graph makes true: rclpy
 _WATCH_S = 0.02  # how often it is asked whether the submission lives, while an answer is waited for
 PHASES = ("start", "discovery")  # where time goes beside checking: the program's making, and its way onto the graph
 _MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a very busy machine, twelve times as long
+_FINISH_S = 0.25  # how often it is asked whether the time is up, while a program's end is waited for
 _RPC_S = 30.0  # the warden answers in milliseconds; without it there is no grading
 
 
@@ -76,7 +77,7 @@ class Bench:
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
         self._warden = warden
         self._tester: Tester | None = None
-        self._spoiled = False
+        self._started = self._spoiled = False
         self.deadline_s = 0.0
         self.spent = dict.fromkeys(PHASES, 0.0)  # seconds
         self._clock: FairClock | None = None
@@ -124,24 +125,33 @@ class Bench:
             self.record.sent(f"start with {' '.join(arguments)}", "message")
         domain = None
         if self.job.mode != "attach":
-            changed = {**self._variables, **(variables or {})}
-            program = {"arguments": list(arguments), "files": dict(files or {}), "variables": changed}
-            answer = self._ask("launch", patience_s=limits.QUEUE_S, **program)
-            domain = int(answer["domain"])
-            self._queued_s += float(answer["queued_s"])
+            domain = self._start(arguments, files or {}, variables or {})
         self._tester = Tester(domain)
         self.spent["start"] += time.monotonic() - began
 
     def run_to_end(self) -> Life:
         """Start the submission and wait until it has ended; for exercises that ask for a value, not for a node.
 
-        What it has put into the job's variable is in the notes of the result, as `values.describe` puts it.
+        It is ended when the check's time is up. What it has put into the job's variable is in the notes of the result,
+        as `values.describe` puts it.
         """
-        self._ask("launch", patience_s=limits.QUEUE_S, arguments=[], files={}, variables=self._variables)
-        return _life(self._ask("finish", patience_s=self.job.limits.wall_s))
+        self._start((), {}, {})
+        while (life := _life(self._ask("finish", seconds=_FINISH_S))).running:
+            if self.time_is_up():
+                return _life(self._ask("time is up"))
+        return life
+
+    def _start(self, arguments: Sequence[str], files: Mapping[str, str], variables: Mapping[str, str]) -> int:
+        """Have the submission started; returns its ROS domain."""
+        program = {"arguments": list(arguments), "files": dict(files), "variables": {**self._variables, **variables}}
+        answer = self._ask("launch", patience_s=limits.QUEUE_S, **program)
+        self._started = True
+        self._queued_s += float(answer["queued_s"])
+        return int(answer["domain"])
 
     def close(self) -> None:
         """Take the grader's node off the graph."""
+        self._started = False
         if self._tester is not None:
             self._tester.close()
             self._tester = None
@@ -268,7 +278,7 @@ class Bench:
             raise SubmissionEndedError(self.life(), self.job)
 
     def _look(self, own_waiting: Callable[[], float] = scheduling.own_waiting) -> State:
-        if self._tester is not None:
+        if self._started:
             life = self.life(fresh=True)
             before = self._used_before
             self._used = Used(before.cpu_s + life.cpu_s, before.waited_s + life.waited_s)

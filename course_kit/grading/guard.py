@@ -116,7 +116,7 @@ class _Watch:
             return "processes"
         everything = processes.descendants(self._root)
         usage = processes.usage(everything)
-        self._waiting.look(everything, usage.tasks)
+        self._waiting.notice(everything, usage.tasks)
         if usage.tasks > self._limits.tasks:
             return "processes"
         allowed = self._limits.memory_mb * _MB

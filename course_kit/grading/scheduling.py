@@ -14,7 +14,7 @@ _PROC = "/proc"
 _TICKS = os.sysconf("SC_CLK_TCK")
 _NS = 1e9
 _OWN, _OF_CHILDREN = slice(11, 13), slice(13, 15)  # columns of /proc/PID/stat after the name: times of computing
-_UNSEEN = 8  # tasks that may come and go between two looks; a ROS 2 program starts its threads and keeps them
+_UNSEEN = 8  # tasks of a program with children that may come and go without being noticed
 
 
 class _Times(NamedTuple):
@@ -56,16 +56,31 @@ class Waiting:
         self._program, self._with_children = program, with_children
         self._threads: dict[str, _Times] = {}
         self._children: dict[int, float] = {}  # seconds of computing, also of those that have ended
-        self._unlisted = 0.0  # seconds of threads and children that have ended, as far as the kernel adds them up
+        self._ended = 0.0  # seconds of threads and children that have ended, as far as the kernel adds them up
+        self._elsewhere = 0.0  # the last two together, at the last look
         self._tasks, self._last_task = 0, 0
+        self._in_the_dark = False  # since the last look: nobody knows what some children have computed
 
-    def look(self, process_ids: Sequence[int], tasks: int) -> float:
-        """Look at the program, and return the seconds so far.
+    def notice(self, process_ids: Sequence[int], tasks: int) -> None:
+        """Take in what children have computed, as often as possible: of one that has ended nobody else may know.
 
         Args:
-            process_ids: it and everything it has started.
+            process_ids: the program and everything it has started.
             tasks: how many processes and threads that is.
         """
+        if self._with_children or (len(process_ids) == 1 and not self._children):
+            return
+        for child in process_ids:
+            if child != self._program:
+                computed = sum(_columns(child, _OWN)) / _TICKS
+                self._children[child] = max(computed, self._children.get(child, 0.0))
+        before, self._tasks = self._tasks, tasks
+        last, self._last_task = self._last_task, _last_task()
+        self._in_the_dark |= bool(last) and self._last_task - last - max(tasks - before, 0) > _UNSEEN
+
+    def look(self, process_ids: Sequence[int], tasks: int) -> float:
+        """Look at the program, and return the seconds so far; for the arguments see `notice`."""
+        self.notice(process_ids, tasks)
         before = self._threads
         watched = process_ids if self._with_children else [self._program]
         self._threads = {name: times for one in watched for name, times in _threads(one).items()}
@@ -73,33 +88,23 @@ class Waiting:
         for name, times in self._threads.items():
             earlier = before.get(name, _Times(0.0, 0.0))
             computed[name], waited[name] = times.computed - earlier.computed, times.waited - earlier.waited
-        everything = sum(computed.values()) + self._computed_elsewhere(
-            [one for one in process_ids if one not in watched]
-        )
+        everything = sum(computed.values()) + self._computed_elsewhere()
         longest = max((waited[name] - (everything - computed[name]) for name in waited), default=0.0)
-        if not self._has_hidden_tasks(tasks):
+        if not self._in_the_dark:
             self.seconds += max(longest, 0.0)
+        self._in_the_dark = False
         return self.seconds
 
-    def _computed_elsewhere(self, children: Sequence[int]) -> float:
+    def _computed_elsewhere(self) -> float:
         """Seconds that children, and threads and children that have ended, have computed since the last look."""
-        before = sum(self._children.values()) + self._unlisted
-        for child in children:
-            self._children[child] = sum(_columns(child, _OWN)) / _TICKS
         reaped = resource.getrusage(resource.RUSAGE_CHILDREN)
         ended = sum(_columns(self._program, _OF_CHILDREN)) / _TICKS + reaped.ru_utime + reaped.ru_stime
         if not self._with_children:
-            ended += max(
-                sum(_columns(self._program, _OWN)) / _TICKS - sum(one.computed for one in self._threads.values()), 0.0
-            )
-        self._unlisted = max(self._unlisted, ended)  # coarse as it is counted, it never falls
-        return sum(self._children.values()) + self._unlisted - before
-
-    def _has_hidden_tasks(self, tasks: int) -> bool:
-        """Whether the program starts so many tasks that end unseen that nobody knows what they have computed."""
-        before, self._tasks = self._tasks, tasks
-        last, self._last_task = self._last_task, _last_task()
-        return bool(last) and self._last_task - last - max(tasks - before, 0) > _UNSEEN
+            living = sum(one.computed for one in self._threads.values())
+            ended += max(sum(_columns(self._program, _OWN)) / _TICKS - living, 0.0)
+        self._ended = max(self._ended, ended)  # coarse as it is counted, it never falls
+        before, self._elsewhere = self._elsewhere, sum(self._children.values()) + self._ended
+        return self._elsewhere - before
 
 
 def _last_task() -> int:

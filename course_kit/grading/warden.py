@@ -168,14 +168,14 @@ class Warden:
             return None
         if what == "launch":
             return self._launch(tuple(message["arguments"]), message["files"], message["variables"])
-        if what == "stop":
-            self._stop()
+        if what == "time is up":
+            self._end_life("time")
         elif what == "running":  # asked fifty times a second
             return {"running": self._life is not None and not self._life.over}
         elif what == "stacks":
             return {"stacks": self._stacks()}
         elif what == "finish":
-            self._finish()
+            self._finish(message["seconds"])
         return self._facts(fresh=what == "facts")
 
     def _launch(self, arguments: tuple[str, ...], files: dict[str, str], variables: dict[str, str]) -> dict[str, Any]:
@@ -191,14 +191,10 @@ class Warden:
         self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain, "queued_s": queued_s}
 
-    def _finish(self) -> None:
-        """Wait until the submission has ended, or end it when its time is up."""
-        deadline = self._began + self._job.limits.wall_s
-        while self._life is not None and not self._life.over:
-            if time.monotonic() > deadline:
-                self._end_life("time")
-                return
-            self._pump(_QUIET_S, None)
+    def _finish(self, seconds: float) -> None:
+        """Wait until the submission has ended, at most for so many seconds, or end it when its time is up."""
+        self._pump_until(lambda life: life.over, min(seconds, self._began + self._job.limits.wall_s - time.monotonic()))
+        self._look_after_everything()
 
     def _domain(self) -> tuple[int, float]:
         """A ROS domain nobody else uses, and for how many seconds we have queued for it.

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import threading
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -25,6 +27,7 @@ from course_kit.grading.parameters import Remote, expect_served
 from course_kit.grading.services import Service, call, expect_offered
 from course_kit.grading.silence import ANSWER_S
 from course_kit.grading.topics import HEARD_S, Exchange, Topic, await_next, expect_endpoints
+from course_kit.grading.wire import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -127,6 +130,32 @@ def test_no_verb_waits_beyond_the_deadline(bench: Bench, verb: str) -> None:
     assert spent[0] < patience_s
     if told := re.search(r"within ([\d.]+) s", result.got):
         assert float(told[1]) < patience_s
+
+
+def test_a_program_that_is_run_for_its_value_is_ended_at_the_deadline() -> None:
+    """The supervisor is stood in for: its program would run for ever."""
+    ours, theirs = Channel.pair()
+    answers = {"launch": {"domain": 1, "queued_s": 0.0}, "time is up": {"running": False, "limit": "time"}}
+
+    def supervise() -> None:
+        with suppress(ChannelClosedError):
+            while True:
+                theirs.send(answers.get(theirs.receive()["do"], {"running": True}))
+
+    supervisor = threading.Thread(target=supervise)
+    supervisor.start()
+    lives = []
+
+    def one(bench: Bench) -> Evidence:
+        lives.append(bench.run_to_end())
+        return EVIDENCE
+
+    job = Job("pattern_choice", "run", "answer.py", 3, variable="answers")
+    (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], Bench(ours, job))
+    ours.close()
+    supervisor.join()
+    theirs.close()
+    assert (result.status, lives[0].limit) == ("passed", "time"), result.message
 
 
 def test_when_the_time_is_up_nothing_more_is_asked(bench: Bench) -> None:

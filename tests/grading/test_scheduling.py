@@ -99,16 +99,37 @@ def test_what_has_ended_has_computed_all_the_same(proc: MadeUpProc, ended: str) 
     assert waiting.look([PROGRAM], 1) == 0.0
 
 
-def test_where_tasks_come_and_go_unseen_nothing_counts(proc: MadeUpProc) -> None:
+def test_while_children_come_and_go_unseen_nothing_counts(proc: MadeUpProc) -> None:
     waiting = Waiting(PROGRAM, with_children=False)
     proc.threads(PROGRAM, main=(0.0, 1.0))
-    assert waiting.look([PROGRAM], 20) == pytest.approx(1.0)
-    proc.threads(PROGRAM, main=(0.0, 2.0))
+    proc.process(CHILD, 0.0)
+    assert waiting.look([PROGRAM, CHILD], 20) == pytest.approx(1.0)
     proc.started(150)  # fifty, and no more than before are there
+    waiting.notice([PROGRAM, CHILD], 20)
+    proc.threads(PROGRAM, main=(0.0, 2.0))
     assert waiting.look([PROGRAM], 20) == pytest.approx(1.0)
     proc.threads(PROGRAM, main=(0.0, 3.0))
     proc.started(180)
     assert waiting.look([PROGRAM], 50) == pytest.approx(2.0)  # thirty, and they are there
+
+
+def test_threads_may_come_and_go(proc: MadeUpProc) -> None:
+    waiting = Waiting(PROGRAM, with_children=False)
+    proc.threads(PROGRAM, main=(0.0, 1.0))
+    waiting.look([PROGRAM], 20)
+    proc.started(150)
+    proc.threads(PROGRAM, main=(0.0, 2.0))
+    assert waiting.look([PROGRAM], 20) == pytest.approx(2.0)
+
+
+def test_what_a_child_was_noticed_to_compute_counts_when_it_has_vanished(proc: MadeUpProc) -> None:
+    waiting = Waiting(PROGRAM, with_children=False)
+    proc.threads(PROGRAM, main=(0.0, 0.0))
+    waiting.look([PROGRAM], 1)
+    proc.process(CHILD, 2.0)
+    waiting.notice([PROGRAM, CHILD], 2)
+    proc.threads(PROGRAM, main=(0.0, 2.5))
+    assert waiting.look([PROGRAM], 1) == pytest.approx(0.5)
 
 
 def test_a_program_that_has_ended_waits_for_nothing(proc: MadeUpProc) -> None:
