@@ -64,7 +64,7 @@ def build_parser() -> argparse.ArgumentParser:
     doctor.set_defaults(run=_doctor)
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
-    dev.add_argument("tool", choices=("check", "otter"))
+    dev.add_argument("tool", choices=("check", "matrix", "notebooks", "otter"))
     dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
     dev.set_defaults(run=_dev)
     return parser
@@ -137,9 +137,9 @@ def _doctor(options: argparse.Namespace) -> int:
 
 
 def _dev(options: argparse.Namespace) -> int:
-    from course_kit.dev import check, otter
+    from course_kit.dev import check, matrix, notebooks, otter
 
-    main_of = {"check": check.main, "otter": otter.main}
+    main_of = {"check": check.main, "matrix": matrix.main, "notebooks": notebooks.main, "otter": otter.main}
     return main_of[options.tool](options.rest)
 
 

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -84,8 +84,8 @@ def _candidates() -> Iterator[Path]:
     pyenv = Path(os.environ.get("PYENV_ROOT", home / ".pyenv"))
     data = Path(os.environ.get("XDG_DATA_HOME", home / ".local/share"))
     fetched_by_uv = Path(os.environ.get("UV_PYTHON_INSTALL_DIR", data / "uv/python"))
-    for folder in (pyenv / "versions", fetched_by_uv):
-        yield from sorted(folder.glob("*/bin/python3"))
+    for versions in (pyenv / "versions", fetched_by_uv):
+        yield from sorted(versions.glob("*/bin/python3"))
 
 
 def _ask(path: Path) -> Interpreter | None:
@@ -94,7 +94,7 @@ def _ask(path: Path) -> Interpreter | None:
         done = subprocess.run(
             [str(path), "-I", "-c", _PROBE], capture_output=True, text=True, timeout=_PROBE_S, check=False
         )
-        said = json.loads(done.stdout) if done.returncode == 0 else {"fits": False}
+        said: dict[str, Any] = json.loads(done.stdout)
     except (OSError, ValueError, subprocess.TimeoutExpired):
         return None
     if not said["fits"]:
