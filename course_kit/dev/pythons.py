@@ -81,10 +81,11 @@ def _candidates() -> Iterator[Path]:
     for folder in os.get_exec_path():
         yield from (Path(folder, f"python{version}") for version in ("3", *wanted()))
     home = Path(os.environ.get("HOME", "/"))
-    pyenv = Path(os.environ.get("PYENV_ROOT", home / ".pyenv"))
     data = Path(os.environ.get("XDG_DATA_HOME", home / ".local/share"))
     fetched_by_uv = Path(os.environ.get("UV_PYTHON_INSTALL_DIR", data / "uv/python"))
-    for versions in (pyenv / "versions", fetched_by_uv):
+    shims = [Path(folder).parent for folder in os.get_exec_path() if Path(folder).name == "shims"]
+    pyenvs = [Path(os.environ.get("PYENV_ROOT", home / ".pyenv")), *shims]
+    for versions in (*(pyenv / "versions" for pyenv in pyenvs), fetched_by_uv):
         yield from sorted(versions.glob("*/bin/python3"))
 
 

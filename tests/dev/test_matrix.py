@@ -143,21 +143,30 @@ def test_a_python_that_is_asked_for_and_is_not_here_is_named(tried: Tried) -> No
     assert tried.log.read_text() == ""
 
 
+@pytest.mark.parametrize(
+    "variables",
+    [
+        {"PATH": "pyenv/shims"},
+        {"PATH": "nothing", "PYENV_ROOT": "pyenv"},
+        {"PATH": "pyenv/versions/mine/bin"},
+        {"PATH": "nothing", "UV_PYTHON_INSTALL_DIR": "pyenv/versions"},
+    ],
+)
 def test_pythons_are_found_wherever_they_are_and_those_that_do_not_start_are_not(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    variables: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    broken, empty = tmp_path / "shims", tmp_path / "nothing"
-    broken.mkdir()
+    broken, empty = tmp_path / "pyenv/shims", tmp_path / "nothing"
+    broken.mkdir(parents=True)
     for name in ("python3", "python3.10", "python3.13"):
         (broken / name).write_text("#!/bin/sh\necho 'pyenv: command not found' >&2\nexit 127\n")
         (broken / name).chmod(0o755)
     here = tmp_path / "pyenv/versions/mine/bin"
     here.mkdir(parents=True)
     (here / "python3").symlink_to(Path(sys.executable).resolve())
-    for name in ("HOME", "XDG_DATA_HOME", "UV_PYTHON_INSTALL_DIR"):
+    for name in ("HOME", "XDG_DATA_HOME", "UV_PYTHON_INSTALL_DIR", "PYENV_ROOT"):
         monkeypatch.setenv(name, str(empty))
-    monkeypatch.setenv("PATH", str(broken))
-    monkeypatch.setenv("PYENV_ROOT", str(tmp_path / "pyenv"))
+    for name, value in variables.items():
+        monkeypatch.setenv(name, str(tmp_path / value))
     monkeypatch.setattr(sys, "executable", str(empty / "python"))  # else this Python would be found by that
     [found] = pythons.find()
     assert found.version == sys.version_info[:3]
