@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-_GRACE_S = 20.0  # pytest stops its kernels, an installer its own children
+_GRACE_S = 60.0  # pytest ends its kernels, an installer its own children; on a busy machine that takes long
 
 
 @dataclass(frozen=True)
