@@ -76,7 +76,7 @@ def _say(text: str) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.grading import GradingError, advice_for_root, exercise, isolation_status
+    from course_kit.grading import GradingError, exercise, isolation_status
     from course_kit.grading.classroom.run import ClassRun, Plan
     from course_kit.grading.classroom.watching import Tally
 
@@ -85,8 +85,6 @@ def _run(options: argparse.Namespace) -> int:
         raise GradingError(f"{options.out} is a file. --out names the folder for the results.")
     if options.require_isolation:
         isolation_status().require()
-    if advice := advice_for_root():
-        print(f"course-kit: {advice}", file=sys.stderr)
     plan = Plan(
         source=options.submissions,
         out=options.out,
@@ -105,8 +103,10 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _finish(book: Gradebook, out: Path) -> int:
-    from course_kit.grading import exports
+    from course_kit.grading import advice_for_root, exports
 
+    if advice := advice_for_root():
+        print(f"course-kit: {advice}", file=sys.stderr)
     page = exports.write_all(book, out)
     if book.left:
         what = (

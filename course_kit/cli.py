@@ -65,7 +65,7 @@ def build_parser() -> argparse.ArgumentParser:
     doctor.set_defaults(run=_doctor)
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
-    dev.add_argument("tool", choices=("check", "matrix", "otter"))
+    dev.add_argument("tool", choices=("check", "matrix", "notebooks", "otter"))
     dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
     dev.set_defaults(run=_dev)
     return parser
@@ -149,9 +149,9 @@ def _doctor(options: argparse.Namespace) -> int:
 
 
 def _dev(options: argparse.Namespace) -> int:
-    from course_kit.dev import check, matrix, otter
+    from course_kit.dev import check, matrix, notebooks, otter
 
-    main_of = {"check": check.main, "matrix": matrix.main, "otter": otter.main}
+    main_of = {"check": check.main, "matrix": matrix.main, "notebooks": notebooks.main, "otter": otter.main}
     return main_of[options.tool](options.rest)
 
 
@@ -177,8 +177,6 @@ def _quiz(options: argparse.Namespace) -> int:
 def _grade(options: argparse.Namespace) -> int:
     from course_kit import grading, progress
 
-    if options.format == "text":
-        _tell(grading.advice_for_root())
     try:
         report = grading.grade(
             options.exercise,
@@ -194,6 +192,7 @@ def _grade(options: argparse.Namespace) -> int:
         streams.print_json(report.to_json())
     else:
         print(grading.render_text(report))
+        _tell(grading.advice_for_root())
     _tell(progress.record(report))
     return grading.exit_code(report)
 

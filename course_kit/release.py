@@ -99,7 +99,7 @@ def make(target: Path) -> Path:
 
 def contents(root: Path) -> list[str]:
     """The files of the student edition, as paths relative to the course's folder, sorted."""
-    return sorted(name for name in _own_files(root) if not _is_left_out(name))
+    return sorted(name for name in own_files(root) if not _is_left_out(name))
 
 
 def without_answers(notebook: Any) -> Any:
@@ -131,10 +131,16 @@ def _require_free(target: Path) -> None:
         raise ReleaseError(f"{target} exists and is not an empty folder. Remove it, or choose another name.")
 
 
-def _own_files(root: Path) -> Iterator[str]:
-    """What belongs to the course: what git knows, where this is a git repository; else all that nobody generated."""
+def own_files(root: Path, *, new: bool = False) -> Iterator[str]:
+    """What belongs to the course: what git knows, where this is a git repository; else all that nobody generated.
+
+    Args:
+        root: the course's folder.
+        new: also what git has not been told of yet, and would not ignore.
+    """
+    also = ["--cached", "--others", "--exclude-standard"] if new else []
     listed = (
-        subprocess.run(["git", "ls-files", "-z"], cwd=root, capture_output=True, check=False)
+        subprocess.run(["git", "ls-files", "-z", *also], cwd=root, capture_output=True, check=False)
         if _has_git(root)
         else None
     )

@@ -89,7 +89,7 @@ def test_the_command_after_an_exclamation_mark_meets_the_same_node(kernel: Kerne
     ],
 )
 def test_programs_of_the_kernels_own_python_come_first(kernel: Kernel, cell: str) -> None:
-    assert kernel.run(cell).stdout.split() == [f"{SCRIPTS}/ros2", f"{SCRIPTS}/python"]
+    assert kernel.run(cell).stdout.splitlines() == [f"{SCRIPTS}/ros2", f"{SCRIPTS}/python"]
 
 
 def test_a_notebook_that_nbclient_runs_has_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -212,7 +212,7 @@ def test_an_impossible_number_that_is_set_in_a_notebook_is_named(domain: int, tm
             START,
             "%%ros_script a\nprint(1)",
             "%ros2 run a a",
-            f"!{sys.executable} -m course_kit.ros2 node list",
+            f"!'{sys.executable}' -m course_kit.ros2 node list",
         ):
             shown = kernel.run(cell)
             assert IMPOSSIBLE in shown.stdout + shown.stderr + shown.error

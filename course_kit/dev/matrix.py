@@ -1,8 +1,8 @@
-"""`course-kit dev matrix`: the fast part of the suite on other Pythons, installed by pip and by uv.
+"""`course-kit dev matrix`: the course as a newcomer meets it, on each Python of this machine, by pip and by uv.
 
-For each combination it copies the course into a fresh folder with a space in its name, has `./course` set it up there,
-asks the doctor, grades the four solutions and runs every notebook with nbval. The table goes to
-artifacts/python_matrix.md.
+For each of them the course is copied into a temporary folder with a space in its name, `./course doctor` sets it up,
+the solutions are graded, and every notebook is run with its outputs compared. artifacts/python_matrix.md has the table.
+What this machine lacks is named and left out.
 """
 
 from __future__ import annotations
@@ -11,178 +11,206 @@ import argparse
 import json
 import os
 import shutil
-import signal
-import subprocess
 import sys
 import tempfile
-import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import environment
-from course_kit.dev import pythons
+from course_kit import environment, release
+from course_kit.dev import matrix_table, pythons
+from course_kit.dev.steps import Result, Runner, Step
+from course_kit.grading import exercise
+from course_kit.ros2 import real
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from course_kit.dev.pythons import Interpreter
 
+ENDS = "--ends"
 INSTALLERS = ("pip", "uv")
-TABLE = Path("artifacts/python_matrix.md")
-_STEP_S = 1200.0  # against hanging only
-_TAIL = 40  # lines of a failed step that are shown
-# Of the environment this runs in; what belongs to a user's set-up of pip, uv or a proxy is passed on.
-_NOT_PASSED_ON = ("VIRTUAL_ENV", "LD_LIBRARY_PATH", "RMW_IMPLEMENTATION")
-_NOT_PASSED_ON_PREFIXES = ("PYTHON", "ROS", "_ROS", "COURSE", "FAST", "PYTEST", "AMENT")
+FAST_TESTS = ("environment", "interfaces", "lab", "panels", "ros2")
+_TABLE = Path("artifacts/python_matrix.md")
+_NOT_INHERITED = (
+    "ROS",
+    "_ROS",
+    "RMW_",
+    "RCUTILS_",
+    "FAST",
+    "AMENT_",
+    "COLCON_",
+    "COURSE",
+    "PYTEST",
+    "PYTHON",
+    "VIRTUAL",
+)
+_SET_UP_S, _GRADE_S, _NOTEBOOKS_S, _TESTS_S = 1200.0, 300.0, 1200.0, 3600.0
 
 
-@dataclass
+@dataclass(frozen=True)
 class Combination:
-    """One Python with one installer, and how each step went: its seconds, or why it failed."""
+    """One Python with one installer, and what is tried on them besides set-up, doctor and gradings."""
 
     python: Interpreter
     installer: str
-    steps: dict[str, str] = field(default_factory=dict)
-    failed: bool = False
+    notebooks: bool = True
+    tests: bool = False
+
+    def __str__(self) -> str:
+        return f"Python {self.python}, {self.installer}"
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run the matrix; returns 0 when everything passed, 1 when something failed, 2 when it cannot be run."""
-    parser = argparse.ArgumentParser(prog="course-kit dev matrix", description=(__doc__ or "").split("\n", 1)[0])
-    parser.add_argument(
-        "--all", action="store_true", help="every Python, not the oldest and the newest beside this one"
-    )
-    options = parser.parse_args(arguments)
+    """Run the command; 0 when nothing has failed, 1 when something has, 2 when it cannot be run."""
+    options = _parser().parse_args(arguments)
     root = environment.checkout()
-    if root is None or not (root / "solutions").is_dir():
-        print("course-kit: the matrix needs the whole course, with its solutions.", file=sys.stderr)
+    if root is None:
+        print("course-kit: the matrix belongs to the course's folder; run this in a clone of it.", file=sys.stderr)
         return 2
     found = pythons.find()
-    chosen = found if options.all else _others(found)
-    if missing := [version for version in pythons.wanted() if version not in {one.minor for one in found}]:
-        print(f"Not on this machine, and so not run: Python {', '.join(missing)}.", flush=True)
-    combinations = [Combination(one, installer) for one in chosen for installer in _installers(one)]
-    with tempfile.TemporaryDirectory(prefix="course matrix ") as folder:
-        for one in combinations:
-            _run(one, root, Path(folder))
-    table = render(combinations)
-    (root / TABLE).parent.mkdir(exist_ok=True)
-    (root / TABLE).write_text(f"{table}\n", encoding="utf-8")
-    print(f"\n{table}\n", flush=True)
-    return int(any(one.failed for one in combinations))
+    here = [one.minor for one in found]
+    if absent := [version for version in options.python or () if version not in here]:
+        print(f"course-kit: there is no Python {', '.join(absent)} here; there is {', '.join(here)}.", file=sys.stderr)
+        return 2
+    uv = _find_uv()
+    chosen, notes = choose(found, options, has_uv=uv is not None)
+    for note in notes:
+        print(f"course: {note}", flush=True)
+    results: dict[Combination, list[Result]] = {}
+    with Runner() as runner:
+        for combination in chosen:
+            results[combination] = run(root, combination, runner, uv)
+    table = matrix_table.as_markdown({str(one): ran for one, ran in results.items()}, notes)
+    print(f"\n{table}", flush=True)
+    environment.write_atomically(root / _TABLE, table, durable=False)
+    return 1 if any(result.failed for ran in results.values() for result in ran) else 0
 
 
-def render(combinations: Sequence[Combination]) -> str:
-    """The table."""
-    steps = list(dict.fromkeys(step for one in combinations for step in one.steps))
-    lines = [f"| Python | installer | {' | '.join(steps)} |", f"|---|---|{'---|' * len(steps)}"]
-    for one in combinations:
-        cells = [one.steps.get(step, "not run") for step in steps]
-        lines.append(f"| {one.python} | {one.installer} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+def choose(
+    found: Sequence[Interpreter], options: argparse.Namespace, *, has_uv: bool
+) -> tuple[list[Combination], list[str]]:
+    """What is tried, and sentences about what is not."""
+    missing = [version for version in pythons.wanted() if version not in {one.minor for one in found}]
+    notes = [f"This machine has no Python {', '.join(missing)}."] if missing else []
+    if options.python:
+        found = [one for one in found if one.minor in options.python]
+    if options.ends:
+        return _ends(found, notes, has_uv=has_uv)
+    chosen: list[Combination] = []
+    for one in found:
+        for installer in options.installer or INSTALLERS:
+            combination = Combination(one, installer, tests=options.tests)
+            _add(combination, chosen, notes, has_uv=has_uv)
+    return chosen, notes
 
 
-def _others(found: Sequence[Interpreter]) -> list[Interpreter]:
-    """The oldest and the newest besides the one that everything else is tested on."""
+def _ends(found: Sequence[Interpreter], notes: list[str], *, has_uv: bool) -> tuple[list[Combination], list[str]]:
+    """The oldest and the newest besides this Python. Notebooks take longest: each end runs them by one installer."""
     others = [one for one in found if one.version[:2] != sys.version_info[:2]]
-    return list(dict.fromkeys([*others[:1], *others[-1:]]))
+    chosen: list[Combination] = []
+    for one, longer in zip(dict.fromkeys((*others[:1], *others[-1:])), ("uv", "pip"), strict=False):
+        for installer in INSTALLERS:
+            _add(Combination(one, installer, notebooks=installer == longer), chosen, notes, has_uv=has_uv)
+    if not others:
+        notes.append("It has no other Python than the one of this course, so there is nothing to compare.")
+    return chosen, notes
 
 
-def _installers(python: Interpreter) -> Iterator[str]:
-    if python.has_venv:
-        yield "pip"
-    if _uv():
-        yield "uv"
+def _add(combination: Combination, chosen: list[Combination], notes: list[str], *, has_uv: bool) -> None:
+    if combination.installer == "uv" and not has_uv:
+        notes.append(f"{combination} is left out: there is no uv. `./course test` installs it.")
+    elif combination.installer == "pip" and not combination.python.has_venv:
+        notes.append(f"{combination} is left out: this Python comes without venv.")
+    else:
+        chosen.append(combination)
 
 
-def _uv() -> str | None:
-    return shutil.which("uv", path=os.pathsep.join([str(Path(sys.prefix) / "bin"), os.environ.get("PATH", "")]))
+def run(root: Path, combination: Combination, runner: Runner, uv: str | None) -> list[Result]:
+    """Everything on one combination; where the set-up fails the rest is not run."""
+    print(f"\ncourse: {combination}", flush=True)
+    with tempfile.TemporaryDirectory(prefix="course matrix ", ignore_cleanup_errors=True) as folder:
+        course = Path(folder) / "my course"
+        copy(root, course)
+        environ = environ_of(combination, Path(folder), uv)
+        results = [runner.run(Step("set-up and doctor", ["./course", "doctor"], _SET_UP_S), course, environ)]
+        if not results[0].failed:
+            results += [runner.run(step, course, environ) for step in steps_of(combination, course)]
+        runner.end_all()  # a daemon of `ros2` may be left, and its folder goes away now
+        return results
 
 
-def _run(one: Combination, root: Path, folder: Path) -> None:
-    """All steps of a combination, up to the first that fails."""
-    course = folder / f"course {one.python.minor} {one.installer}"
-    tools = folder / f"tools of {one.installer}"
-    _copy(root, course)
-    environ = _environ(one, tools, folder)
-    steps: dict[str, Callable[[], list[list[str]]]] = {
-        "set-up, doctor": lambda: [["./course", "doctor"]],
-        "four gradings": lambda: [_grade(exercise) for exercise in _exercises(course)],
-        "nbval of all notebooks": lambda: [[".venv/bin/python", "-m", "course_kit.dev.suite", "--notebooks"]],
-    }
-    print(f"== Python {one.python} with {one.installer}", flush=True)
-    for name, commands in steps.items():
-        began = time.monotonic()
-        problem = next((text for command in commands() if (text := _fails(command, course, environ))), "")
-        one.steps[name] = "**failed**" if problem else f"{time.monotonic() - began:.0f} s"
-        print(f"   {name}: {one.steps[name].strip('*')}{problem}", flush=True)
-        if problem:
-            one.failed = True
-            return
-    shutil.rmtree(course)
+def steps_of(combination: Combination, course: Path) -> Iterator[Step]:
+    """What follows the set-up of a course."""
+    for name in exercise.ids(course / "exercises"):
+        solution = Path("solutions", name, f"{name}.py")
+        if (course / solution).is_file():  # the student edition has none
+            command = ["./course", "grade", name, str(solution), "--format", "json"]
+            yield Step(name, command, _GRADE_S, full_marks)
+    if combination.notebooks:
+        yield Step("notebooks", ["./course", "dev", "notebooks"], _NOTEBOOKS_S)
+    if combination.tests:
+        tests = [f"tests/{name}" for name in FAST_TESTS]
+        yield Step("tests", ["./course", "test", "-q", "-n", "2", "--dist", "loadfile", *tests], _TESTS_S)
 
 
-def _copy(root: Path, target: Path) -> None:
-    """The files of a checkout as they are now, without what is generated."""
-    listed = subprocess.run(
-        ["git", "-C", str(root), "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        capture_output=True,
-        check=True,
-    )
-    for name in map(os.fsdecode, listed.stdout.split(b"\0")):
-        if name and (root / name).is_file():
-            (target / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(root / name, target / name)
+def full_marks(output: str) -> str:
+    """What is wrong with a report of a right solution; nothing if it is as it has to be."""
+    try:
+        report = json.loads(output[output.index("{") :])
+        score, most = report["score"], report["max_score"]
+    except (ValueError, KeyError):
+        return "there is no report."
+    return "" if score == most else f"{score:g} of {most:g} points."
 
 
-def _environ(one: Combination, tools: Path, folder: Path) -> dict[str, str]:
-    """The environment of a terminal in which nothing of the course was started, with the installer in question."""
-    kept = {
-        name: value
-        for name, value in os.environ.items()
-        if name not in _NOT_PASSED_ON and not name.startswith(_NOT_PASSED_ON_PREFIXES)
-    }
-    own = str(Path(sys.prefix) / "bin")
-    path = [entry for entry in os.environ.get("PATH", "").split(os.pathsep) if entry and Path(entry) != Path(own)]
-    if one.installer == "uv":
-        tools.mkdir(exist_ok=True)
-        link = tools / "uv"
-        if not link.is_symlink():
-            link.symlink_to(_uv() or "")
-        path.insert(0, str(tools))
+def copy(root: Path, target: Path) -> None:
+    """Copy the course as it is now: what git knows or would be told of, without anything generated."""
+    for name in release.own_files(root, new=True):
+        path = target / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(root / name, path)
+
+
+def environ_of(combination: Combination, folder: Path, uv: str | None) -> dict[str, str]:
+    """The environment of somebody who has never seen the course, whose state goes into the temporary folder."""
+    environ = real.clean_environment({**os.environ})
+    environ = {name: value for name, value in environ.items() if not name.startswith(_NOT_INHERITED)}
+    ours = Path(sys.executable).parent
+    path = [one for one in environ.get("PATH", os.defpath).split(os.pathsep) if not one or Path(one) != ours]
     state = folder / "state"
-    changed = {"PATH": os.pathsep.join(path), "COURSE_PYTHON": one.python.path, "XDG_STATE_HOME": str(state)}
-    return {**kept, **changed, **({} if one.installer == "uv" else {"COURSE_NO_UV": "1"}), "COURSE_KIT_PROGRESS": "off"}
+    environ.update(
+        COURSE_PYTHON=combination.python.path,
+        COURSE_KIT_PROGRESS="off",
+        XDG_STATE_HOME=str(state),
+        IPYTHONDIR=str(state / "ipython"),
+        JUPYTER_RUNTIME_DIR=str(state / "jupyter"),
+    )
+    if combination.installer == "uv" and uv is not None:
+        tools = folder / "tools"
+        tools.mkdir()
+        (tools / "uv").symlink_to(uv)
+        path.insert(0, str(tools))
+    else:
+        environ["COURSE_NO_UV"] = "1"
+    environ["PATH"] = os.pathsep.join(path)
+    return environ
 
 
-def _exercises(course: Path) -> list[str]:
-    return sorted(path.parent.name for path in course.glob("exercises/*/exercise.toml"))
+def _find_uv() -> str | None:
+    return shutil.which("uv", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
 
 
-def _grade(exercise: str) -> list[str]:
-    return ["./course", "grade", exercise, f"solutions/{exercise}/{exercise}.py", "--format", "json"]
-
-
-def _fails(command: list[str], course: Path, environ: dict[str, str]) -> str:
-    """The end of what a command has printed, if it has failed; a grading below full marks has."""
-    with subprocess.Popen(
-        command,
-        cwd=course,
-        env=environ,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT if "json" not in command else None,
-        text=True,
-        start_new_session=True,
-    ) as process:
-        try:
-            printed, _ = process.communicate(timeout=_STEP_S)
-        except BaseException:  # Ctrl-C among them: nothing that was started may stay
-            os.killpg(process.pid, signal.SIGTERM)
-            raise
-    right = process.returncode == 0
-    if right and "json" in command:
-        report = json.loads(printed)
-        right = report["score"] == report["max_score"]
-    return "" if right else "\n" + "\n".join([" ".join(command), *printed.splitlines()[-_TAIL:]])
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="course-kit dev matrix",
+        description="Set the course up on each Python of this machine, by pip and by uv, grade the solutions and run "
+        "the notebooks.",
+    )
+    parser.add_argument("--python", action="append", metavar="VERSION", help="only this one, such as 3.12; repeatable")
+    parser.add_argument("--installer", action="append", choices=INSTALLERS, help="only this one")
+    parser.add_argument("--tests", action="store_true", help="the fast tests, too")
+    parser.add_argument(
+        ENDS, action="store_true", help="only the oldest and the newest Python besides this one, as CI does"
+    )
+    return parser

@@ -78,14 +78,15 @@ def find() -> list[Interpreter]:
 
 def _candidates() -> Iterator[Path]:
     yield Path(sys.executable)
-    for entry in os.get_exec_path():
-        yield from (Path(entry, f"python{version}") for version in ("3", *wanted()))
+    for folder in os.get_exec_path():
+        yield from (Path(folder, f"python{version}") for version in ("3", *wanted()))
     home = Path(os.environ.get("HOME", "/"))
-    pyenv = Path(os.environ.get("PYENV_ROOT", home / ".pyenv"))
     data = Path(os.environ.get("XDG_DATA_HOME", home / ".local/share"))
     fetched_by_uv = Path(os.environ.get("UV_PYTHON_INSTALL_DIR", data / "uv/python"))
-    for folder in (pyenv / "versions", fetched_by_uv):
-        yield from sorted(folder.glob("*/bin/python3"))
+    shims = [Path(folder).parent for folder in os.get_exec_path() if Path(folder).name == "shims"]
+    pyenvs = [Path(os.environ.get("PYENV_ROOT", home / ".pyenv")), *shims]
+    for versions in (*(pyenv / "versions" for pyenv in pyenvs), fetched_by_uv):
+        yield from sorted(versions.glob("*/bin/python3"))
 
 
 def _ask(path: Path) -> Interpreter | None:
@@ -94,7 +95,7 @@ def _ask(path: Path) -> Interpreter | None:
         done = subprocess.run(
             [str(path), "-I", "-c", _PROBE], capture_output=True, text=True, timeout=_PROBE_S, check=False
         )
-        said: dict[str, Any] = json.loads(done.stdout) if done.returncode == 0 else {"fits": False}
+        said: dict[str, Any] = json.loads(done.stdout)
     except (OSError, ValueError, subprocess.TimeoutExpired):
         return None
     if not said["fits"]:

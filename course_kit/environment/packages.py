@@ -12,7 +12,6 @@ from __future__ import annotations
 import base64
 import csv
 import hashlib
-import importlib.util
 import shlex
 import sys
 from importlib import metadata
@@ -37,9 +36,17 @@ def damaged() -> dict[str, str]:
 def remedy(requirement: str) -> str:
     """The command that installs a package of this Python again, and nothing else."""
     command = [sys.executable, "-m", "pip", "install", "--force-reinstall"]
-    if importlib.util.find_spec("pip") is None:  # environments made by uv have none
+    if not _has_pip():  # environments made by uv have none
         command = ["uv", "pip", "install", "--python", sys.executable, "--reinstall"]
     return shlex.join([*command, "--no-deps", requirement])
+
+
+def _has_pip() -> bool:
+    try:
+        metadata.distribution("pip")
+    except metadata.PackageNotFoundError:
+        return False
+    return True
 
 
 def _is_whole(distribution: metadata.Distribution) -> bool:

@@ -92,9 +92,12 @@ class Worker:
         self.ready()
         try:
             self._channel.send({"job": job.to_mapping()})
-            return self._channel.receive(limits.QUEUE_S + job.limits.wall_s + _GRACE_S)
+            outcome = self._channel.receive(limits.QUEUE_S + job.limits.wall_s + _GRACE_S)
         except (ChannelClosedError, TimeoutError) as problem:
             raise GradingError(f"The grader ended while it was at work. {self._last_words()}") from problem
+        if "results" not in outcome:  # its last words
+            raise GradingError(str(outcome.get("problem", "The grader ended while it was at work.")))
+        return outcome
 
     def close(self) -> None:
         """End the process and everything it has started; one of several ends with the last of them at the latest."""

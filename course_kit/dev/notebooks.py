@@ -1,0 +1,91 @@
+"""`course-kit dev notebooks`: nbval on every notebook of the course, each output compared.
+
+It needs nothing but what a learner has, none of the test tools.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+_AT_ONCE = 2  # notebooks wait for nodes more than they compute
+_TABLE = Path("artifacts/nbval_times.md")
+NBVAL = [
+    "-c",
+    "tests/nbval.ini",
+    "--rootdir=.",
+    "--nbval",
+    "--nbval-current-env",
+    "--nbval-cell-timeout=60",  # a cell that waits longer than this hangs; nbval's own default is 2,000 s
+    "--nbval-sanitize-with=tests/nbval_sanitize.cfg",
+    "-p",
+    "course_kit.dev.nbval_plugin",
+    "-p",
+    "no:cacheprovider",
+]
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the notebooks named on the command line, or all."""
+    root = environment.checkout()
+    if root is None:
+        print("course-kit: the notebooks belong to the course's folder; run this in a clone of it.", file=sys.stderr)
+        return 2
+    paths = [Path(name).resolve() for name in arguments]
+    os.chdir(root)
+    return run(
+        environment.child_environment(COURSE_KIT_PROGRESS="off"), [Path(os.path.relpath(path)) for path in paths]
+    )
+
+
+def run(environ: Mapping[str, str], paths: Sequence[Path] = ()) -> int:
+    """Run nbval, strict, over notebooks of the course: two at a time, each on a graph of its own.
+
+    Prints what each has printed when it is done, and how long each took; the table is kept in artifacts/.
+
+    Args:
+        environ: the environment of the notebooks, but for their ROS domain.
+        paths: which, relative to the course's folder, in which this process has to be; all when none is named.
+
+    Returns:
+        0 when every output was as it is stored.
+    """
+    found = Path("notebooks").rglob("*.ipynb")
+    paths = paths or sorted(path for path in found if ".ipynb_checkpoints" not in path.parts)
+    with ThreadPoolExecutor(_AT_ONCE) as threads:
+        ran = list(threads.map(lambda path: _run_one(path, environ), paths))
+    rows = [
+        f"| {path.as_posix()} | {seconds:.1f} s | {'passed' if code == 0 else 'FAILED'} |"
+        for path, (code, seconds) in zip(paths, ran, strict=True)
+    ]
+    table = "\n".join(["| notebook | nbval | |", "|---|---|---|", *rows])
+    print(f"\n{table}\n")
+    _TABLE.parent.mkdir(exist_ok=True)
+    _TABLE.write_text(f"{table}\n", encoding="utf-8")
+    return max((code for code, _ in ran), default=2)
+
+
+def _run_one(path: Path, environ: Mapping[str, str]) -> tuple[int, float]:
+    """Exit code and seconds of one notebook."""
+    began = time.monotonic()
+    with environment.exclusive_domain() as domain_id:
+        ran = subprocess.run(
+            [sys.executable, "-m", "pytest", *NBVAL, str(path)],
+            env={**environ, "ROS_DOMAIN_ID": str(domain_id)},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+    print(ran.stdout, flush=True)
+    return ran.returncode, time.monotonic() - began

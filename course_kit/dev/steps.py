@@ -1,0 +1,139 @@
+"""Runs commands one after the other, each with a deadline, and leaves nothing of them behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import tempfile
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import IO, TYPE_CHECKING
+
+from course_kit.grading import namespaces, processes
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
+    from types import TracebackType
+
+    from typing_extensions import Self
+
+_GRACE_S = 60.0  # pytest ends its kernels, an installer its own children; on a busy machine that takes long
+
+
+@dataclass(frozen=True)
+class Step:
+    """A command to be run.
+
+    Attributes:
+        name: what people call it.
+        command: the words of the command.
+        deadline_s: seconds after which it is ended and has failed.
+        check: tells what is wrong with what it has printed on stdout, or nothing.
+    """
+
+    name: str
+    command: Sequence[str]
+    deadline_s: float
+    check: Callable[[str], str] = lambda _: ""
+
+
+@dataclass(frozen=True)
+class Result:
+    """How a step went.
+
+    Attributes:
+        step: its name.
+        problem: why it failed; empty if it did not.
+        seconds: how long it took.
+    """
+
+    step: str
+    problem: str
+    seconds: float
+
+    @property
+    def failed(self) -> bool:
+        """Whether it did."""
+        return bool(self.problem)
+
+
+class Runner:
+    """Runs steps; at its end, also by Ctrl-C, none of their processes is left. Use it in a `with` statement.
+
+    It ends every process below this one, so nothing else may have been started from here.
+    """
+
+    def __enter__(self) -> Self:
+        namespaces.adopt_orphans()  # so that what a step has detached can be ended, too
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.end_all()
+
+    def run(self, step: Step, folder: Path, environ: Mapping[str, str]) -> Result:
+        """Run a step and say how it went; what it has printed is shown when it failed.
+
+        Args:
+            step: what to run.
+            folder: its working directory.
+            environ: its environment.
+        """
+        began = time.monotonic()
+        # Files, not pipes: those would stay open for as long as something it has detached lives.
+        with tempfile.TemporaryFile() as stdout, tempfile.TemporaryFile() as stderr:
+            problem = _ending(step, folder, environ, stdout, stderr)
+            output = _text(stdout)
+            problem = problem or step.check(output)
+            seconds = time.monotonic() - began
+            print(
+                f"course:   {step.name}: {f'FAILED: {problem}' if problem else 'passed'} ({seconds:.0f} s)", flush=True
+            )
+            if problem:
+                print(f"{output}\n{_text(stderr)}", flush=True)
+        return Result(step.name, problem, seconds)
+
+    def end_all(self) -> None:
+        """Kill whatever the steps so far have left running."""
+        processes.end_descendants()
+
+
+def _ending(step: Step, folder: Path, environ: Mapping[str, str], stdout: IO[bytes], stderr: IO[bytes]) -> str:
+    """Run it; why it has failed, or nothing."""
+    process = subprocess.Popen(
+        list(step.command),
+        cwd=folder,
+        env=dict(environ),
+        stdin=subprocess.DEVNULL,
+        stdout=stdout,
+        stderr=stderr,
+        start_new_session=True,  # a Ctrl-C is ours to pass on, once
+    )
+    try:
+        code = process.wait(step.deadline_s)
+    except subprocess.TimeoutExpired:
+        _stop(process)
+        return f"it had not ended after {step.deadline_s:g} s"
+    except BaseException:
+        _stop(process)
+        raise
+    return f"exit code {code}" if code else ""
+
+
+def _stop(process: subprocess.Popen[bytes]) -> None:
+    """Ctrl-C for the command and what it has started; then the end of all."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGINT)
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(_GRACE_S)
+    processes.end_descendants()
+    process.wait()
+
+
+def _text(file: IO[bytes]) -> str:
+    file.seek(0)
+    return file.read().decode("utf-8", errors="replace")
