@@ -56,6 +56,7 @@ class Waiting:
         self._program, self._with_children = program, with_children
         self._threads: dict[str, _Times] = {}
         self._children: dict[int, float] = {}  # seconds of computing, also of those that have ended
+        self._reaped = _reaped()  # of processes that are none of the program's
         self._ended = 0.0  # seconds of threads and children that have ended, as far as the kernel adds them up
         self._elsewhere = 0.0  # the last two together, at the last look
         self._tasks, self._last_task = 0, 0
@@ -97,14 +98,19 @@ class Waiting:
 
     def _computed_elsewhere(self) -> float:
         """Seconds that children, and threads and children that have ended, have computed since the last look."""
-        reaped = resource.getrusage(resource.RUSAGE_CHILDREN)
-        ended = sum(_columns(self._program, _OF_CHILDREN)) / _TICKS + reaped.ru_utime + reaped.ru_stime
+        ended = sum(_columns(self._program, _OF_CHILDREN)) / _TICKS + _reaped() - self._reaped
         if not self._with_children:
             living = sum(one.computed for one in self._threads.values())
             ended += max(sum(_columns(self._program, _OWN)) / _TICKS - living, 0.0)
         self._ended = max(self._ended, ended)  # coarse as it is counted, it never falls
         before, self._elsewhere = self._elsewhere, sum(self._children.values()) + self._ended
         return self._elsewhere - before
+
+
+def _reaped() -> float:
+    """Seconds that children of this process have computed, which have ended and were waited for."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def _last_task() -> int:
