@@ -128,7 +128,8 @@ def test_a_command_says_so_in_one_sentence(
     done = machine.run(*command)
     assert done.returncode == exit_code, done.stderr
     assert done.stderr.count(sentence) == 1
-    assert len(done.stderr.splitlines()) == 1
+    # Where these tests run as root in a container, starting JupyterLab says so first.
+    assert len([line for line in done.stderr.splitlines() if "you are root in a container" not in line]) == 1
     assert done.stdout == ""
 
 
