@@ -265,7 +265,7 @@ def test_a_class_goes_on_and_the_next_run_grades_what_got_no_domain(machine: Mac
 
     machine.take_all()
     first = machine.run("-c", COMMAND_WITHOUT_NAMESPACES, *words)
-    assert first.returncode == 1, first.stderr
+    assert first.returncode == 2, first.stderr
     assert states() == {"ada": ("error", 0.0), "bob": ("crashed", 0.0), "eve": ("error", 0.0)}
     machine.give_back()
     second = machine.run("-c", COMMAND_WITHOUT_NAMESPACES, *words, "--resume")
