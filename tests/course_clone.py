@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -53,6 +54,11 @@ case "$*" in
 esac
 """
 STAND_IN_CLI = "import os, sys; print('cli', os.environ['VIRTUAL_ENV'], *sys.argv[1:])\n"
+
+
+def hear_ctrl_c() -> None:
+    """Make a process sensitive to Ctrl-C, which shells switch off in what they start in the background."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 class Clone:
@@ -128,6 +134,7 @@ class Clone:
             stderr=subprocess.PIPE,
             text=True,
             start_new_session=True,
+            preexec_fn=hear_ctrl_c,  # noqa: PLW1509 - it only sets a signal
         )
         assert pipe.read_text() == "blocked\n"
         return started

@@ -12,6 +12,7 @@ import pytest
 
 from course_setup.lock import held, held_if_free
 from course_setup.problems import SetUpError
+from tests.course_clone import hear_ctrl_c
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -37,6 +38,7 @@ def another(clone: Clone) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=hear_ctrl_c,  # noqa: PLW1509 - it only sets a signal
     )
 
 
