@@ -49,11 +49,12 @@ class Learner:
 
 
 @pytest.fixture(scope="module")
-def course(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Course]:
-    made = copy_with_notebooks(tmp_path_factory.mktemp("shared"))
-    forbid_writing(made.root)
-    yield made
-    forbid_writing(made.root, forbid=False)
+def course() -> Iterator[Course]:
+    with reachable_folder() as folder:
+        made = copy_with_notebooks(folder)
+        forbid_writing(made.root)
+        yield made
+        forbid_writing(made.root, forbid=False)
 
 
 @pytest.fixture
