@@ -76,13 +76,16 @@ def _say(text: str) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.grading import GradingError, exercise, isolation_status
+    from course_kit.grading import GradingError, exercise, isolation_status, needs
     from course_kit.grading.classroom.run import ClassRun, Plan
     from course_kit.grading.classroom.watching import Tally
 
     chosen = {one: exercise.load(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
         raise GradingError(f"{options.out} is a file. --out names the folder for the results.")
+    if not options.scheduler:
+        for one in chosen.values():
+            needs.require(one.limits)
     if options.require_isolation:
         isolation_status().require()
     plan = Plan(

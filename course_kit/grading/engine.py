@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.grading import bounds, diagnosis, exercise, submission
+from course_kit.grading import bounds, diagnosis, exercise, needs, submission
 from course_kit.grading.errors import GradingError
 from course_kit.grading.isolation import Isolation
 from course_kit.grading.job import Job
@@ -55,14 +55,15 @@ def grade(  # noqa: PLR0913 - the options of one verb
         require_isolation: refuse to run a submission where it would not be fully isolated.
 
     Raises:
-        GradingError: usage, an unknown exercise, no ROS domain to look for a running node in, a broken installation or
-            a lack of isolation; the text is for the user.
+        GradingError: usage, an unknown exercise, no ROS domain to look for a running node in, a broken installation,
+            or a machine that lacks something, such as isolation; the text is for the user.
     """
     task = exercise.load(exercise_id, exercises)
     if sum((path is not None, attach, exec_command is not None)) != 1:
         raise GradingError("Name one thing to grade: a file, --attach for a running node, or --exec with a command.")
     if task.variable and path is None:
         raise GradingError(f"The exercise {task.id} is answered in a file, without a running node. Name the file.")
+    needs.require(task.limits)
     if seed is None:
         seed = secrets.randbits(31) if task.seed is None else task.seed
     if path is not None:

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
 QUEUE_S = 60.0  # for which a grading may wait for a ROS domain, where it needs one of the machine's
 _MB = 1024 * 1024
 # Stacks and arenas of the threads that ROS 2 starts: address space that is reserved and hardly touched.
-_RESERVED_MB = 512
+RESERVED_MB = 512
 _READER_MB = 1024
-_SPARE_TASKS = 32  # the kernel's own stop lies above the one that is reported
+SPARE_TASKS = 32  # the kernel's own stop lies above the one that is reported
 
 
 @dataclass(frozen=True)
@@ -68,11 +68,11 @@ def apply_to_this_process(limits: Limits, others: int) -> None:
         limits: what to hold it to.
         others: processes and threads that the kernel counts together with the submission's.
     """
-    data = (limits.memory_mb + _RESERVED_MB) * _MB
+    data = (limits.memory_mb + RESERVED_MB) * _MB
     # One second between the signal that ends the program (SIGXCPU) and the one nobody can catch.
     _lower(resource.RLIMIT_CPU, limits.cpu_s, limits.cpu_s + 1)
     _lower(resource.RLIMIT_DATA, data, data)
-    tasks = limits.tasks + _SPARE_TASKS + others
+    tasks = limits.tasks + SPARE_TASKS + others
     _lower(resource.RLIMIT_NPROC, tasks, tasks)
     _lower(resource.RLIMIT_FSIZE, limits.file_mb * _MB, limits.file_mb * _MB)
     _lower(resource.RLIMIT_NOFILE, limits.open_files, limits.open_files)

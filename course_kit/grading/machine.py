@@ -48,18 +48,22 @@ def processor_times() -> ProcessorTimes:
 @lru_cache(maxsize=1)
 def processor_share() -> float:
     """How much of one processor a single thread can get here: 1, or less in a container that is held to less."""
-    return min([1.0, *(limit for group in _own_groups() if (limit := _limit(group)) > 0.0)])
+    return min([1.0, *(limit for group in own_groups("cpu") if (limit := _limit(group)) > 0.0)])
 
 
-def _own_groups() -> list[Path]:
-    """The folders of the control groups this process is in, and of those around them, as far as they can be seen."""
+def own_groups(controller: str) -> list[Path]:
+    """The folders of the control groups this process is in, and of those around them, as far as they can be seen.
+
+    Args:
+        controller: what is controlled, "cpu"; of version 1 its hierarchy, of version 2 the only one.
+    """
     folders: list[Path] = []
     with suppress(OSError, ValueError):
         for line in _OWN_GROUPS.read_text(encoding="utf-8").splitlines():
             _, controllers, path = line.split(":", 2)
-            if controllers and "cpu" not in controllers.split(","):
+            if controllers and controller not in controllers.split(","):
                 continue
-            root = _CGROUPS / "cpu" if controllers else _CGROUPS
+            root = _CGROUPS / controller if controllers else _CGROUPS
             group = root / path.lstrip("/")
             folders += [folder for folder in (group, *group.parents) if folder.is_relative_to(root)]
     return folders

@@ -16,7 +16,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import file_view, isolation, namespaces, probing, processes, scratch
+from course_kit.grading import file_view, isolation, namespaces, needs, probing, processes, scratch
 from course_kit.grading import launcher as launchers
 from course_kit.grading.job import Job
 from course_kit.grading.launcher import Launcher, LaunchError
@@ -201,15 +201,17 @@ def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep:
 
 
 def _run(job: Job, launcher: Launcher, view: FileView) -> dict[str, Any]:
+    if problem := needs.lacking(job.limits, guest=job.user != 0, disk="" if job.isolation.files else job.scratch):
+        return _broken_off(problem, again=False)
     try:
         return Warden(job, launcher, view).run()
     except (LaunchError, OSError) as problem:  # the machine has run out of something
         return _broken_off(f"the submission could not be run: {problem}")
 
 
-def _broken_off(problem: str) -> dict[str, Any]:
+def _broken_off(problem: str, *, again: bool = True) -> dict[str, Any]:
     """The outcome, as `Warden.run` gives it, of a grading that came to nothing by no fault of the submission."""
-    return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": True}
+    return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": again}
 
 
 def _outcome(warden: Channel, parent: Channel) -> dict[str, Any]:
@@ -228,6 +230,7 @@ def _outcome(warden: Channel, parent: Channel) -> dict[str, Any]:
 def main() -> None:
     """The process; its arguments are the descriptors of its channels, comma-separated, and ids of exercises."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channel
+    needs.raise_soft_limits()
     descriptors, *exercises = sys.argv[1:]
     channels = [Channel(socket.socket(fileno=int(number))) for number in descriptors.split(",")]
     try:

@@ -13,9 +13,16 @@ _FILES = 8
 
 def apply() -> None:
     """Hold this process to them."""
-    resource.setrlimit(resource.RLIMIT_CPU, (CPU_S, CPU_S + 1))
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_MB << 20, MEMORY_MB << 20))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (ANSWER_BYTES, ANSWER_BYTES))
-    resource.setrlimit(resource.RLIMIT_NOFILE, (_FILES, _FILES))
-    resource.setrlimit(resource.RLIMIT_NPROC, (0, 0))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    _lower(resource.RLIMIT_CPU, CPU_S, CPU_S + 1)
+    _lower(resource.RLIMIT_AS, MEMORY_MB << 20, MEMORY_MB << 20)
+    _lower(resource.RLIMIT_FSIZE, ANSWER_BYTES, ANSWER_BYTES)
+    _lower(resource.RLIMIT_NOFILE, _FILES, _FILES)
+    _lower(resource.RLIMIT_NPROC, 0, 0)
+    _lower(resource.RLIMIT_CORE, 0, 0)
+
+
+def _lower(what: int, soft: int, hard: int) -> None:
+    _, highest = resource.getrlimit(what)
+    if highest != resource.RLIM_INFINITY:  # this machine may allow less, and nobody but root more
+        soft, hard = min(soft, highest), min(hard, highest)
+    resource.setrlimit(what, (soft, hard))

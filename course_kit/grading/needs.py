@@ -1,0 +1,146 @@
+"""What a grading needs of the machine. Where that is missing, nobody is to get a zero for it.
+
+A submission is promised so much of everything by its exercise (see `limits`). A machine on which it cannot have that
+is said before anything is graded, with what to do about it.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+from contextlib import suppress
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit.grading import limits, machine, processes
+from course_kit.grading.errors import GradingError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from course_kit.grading.limits import Limits
+
+_KB, _MB = 1024, 1024 * 1024
+_OWN_TASKS = 40  # processes and threads of the grader beside a submission
+_OWN_FILES = 256  # open files of a process of the grader
+_ADDRESSES_MB = 512  # address space that ROS 2 takes beside what is counted as a submission's memory
+_FEW = 4096  # who may have more tasks than that is not asked how many there are, which takes a look at each of them
+_USUAL_FILES = 1024
+_SHARED_MEMORY = "/dev/shm"  # noqa: S108 - only its free space is read
+_SHARED_KB = 64  # of shared memory, without which ROS 2 is killed when it is loaded
+_PROC = Path("/proc/self/stat")
+_AGAIN = ", then grade again."
+_RESOURCES = (
+    # What the kernel limits, its name for `ulimit`, and what it is.
+    (resource.RLIMIT_NOFILE, "-n", "have {} open files"),
+    (resource.RLIMIT_AS, "-v", "take {} kB of address space"),
+    (resource.RLIMIT_DATA, "-d", "take {} kB of memory"),
+    (resource.RLIMIT_CPU, "-t", "compute for {} s"),
+    (resource.RLIMIT_FSIZE, "-f", "write files of {} kB"),
+)
+
+
+def require(promised: Limits) -> None:
+    """See that this machine can grade.
+
+    Args:
+        promised: what a submission may use.
+
+    Raises:
+        GradingError: something is missing; the text says what, and what to do.
+    """
+    if problem := lacking(promised, guest=os.geteuid() == 0):
+        raise GradingError(problem)
+
+
+def lacking(promised: Limits, *, guest: bool, disk: str = "") -> str:
+    """What this machine lacks, and what to do about it, in one or two sentences; empty when it lacks nothing.
+
+    Args:
+        promised: what a submission may use.
+        guest: whether submissions run as a user who has nothing else running.
+        disk: the folder for what they write, where that is on a disk.
+    """
+    if not _PROC.exists():
+        return (
+            "/proc is missing here, and the grader counts and ends a submission's processes with it. Mount it "
+            f"(mount -t proc proc /proc){_AGAIN}"
+        )
+    return next(chain(_shortages(promised, guest=guest), _full_disk(disk, 2 * promised.file_mb)), "")
+
+
+def raise_soft_limits() -> None:
+    """Take for this process, and all it starts, what its user may have anyhow: many systems begin with little."""
+    for what, _, _ in (*_RESOURCES, (resource.RLIMIT_NPROC, "", "")):
+        soft, hard = resource.getrlimit(what)
+        wanted = min(_known(hard), max(_known(soft), _USUAL_FILES)) if what == resource.RLIMIT_NOFILE else hard
+        with suppress(ValueError, OSError):  # a limit that the kernel reports and does not take
+            resource.setrlimit(what, (wanted, hard))
+
+
+def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
+    data_kb = (promised.memory_mb + limits.RESERVED_MB) * _KB
+    needed = (
+        max(promised.open_files, _OWN_FILES),
+        data_kb + _ADDRESSES_MB * _KB,
+        data_kb,
+        promised.cpu_s + 1,
+        promised.file_mb * _KB,
+    )
+    for (what, option, told), least in zip(_RESOURCES, needed, strict=True):
+        allowed = _known(resource.getrlimit(what)[1]) // (_KB if "kB" in told else 1)
+        if allowed < least:
+            yield (
+                f"A process may {told.format(allowed)} here (ulimit {option}), and a submission is promised {least}. "
+                f"Allow more (ulimit {option} {least}, or in /etc/security/limits.conf){_AGAIN}"
+            )
+    tasks = promised.tasks + limits.SPARE_TASKS + _OWN_TASKS
+    yield from _too_few_tasks(tasks, guest=guest)
+    yield from _full_shared_memory()
+
+
+def _too_few_tasks(needed: int, *, guest: bool) -> Iterator[str]:
+    allowed, used = _known(resource.getrlimit(resource.RLIMIT_NPROC)[1]), 0
+    if not guest and allowed < _FEW:
+        used = processes.tasks_of_user(os.getuid())
+    if (guest or os.getuid() != 0) and allowed - used < needed:  # the kernel holds root to nothing
+        yield (
+            f"You may have {allowed} processes and threads here (ulimit -u), {used} are there, and a grading takes up "
+            f"to {needed}. End some or allow more (ulimit -u {used + needed}){_AGAIN}"
+        )
+    for group in machine.own_groups("pids"):
+        with suppress(OSError, ValueError):
+            allowed, used = (int((group / f"pids.{name}").read_text(encoding="ascii")) for name in ("max", "current"))
+            if allowed - used < needed:
+                yield (
+                    f"This container or service may have {allowed} processes and threads (pids.max), {used} are there, "
+                    f"and a grading takes up to {needed}. Allow more (docker run --pids-limit {used + needed}){_AGAIN}"
+                )
+
+
+def _full_disk(folder: str, least_mb: int) -> Iterator[str]:
+    if not folder:
+        return
+    with suppress(OSError):  # whoever writes there meets it, too, and tells it
+        found = os.statvfs(folder)
+        if found.f_bavail * found.f_frsize < least_mb * _MB or (found.f_files and not found.f_favail):
+            yield (
+                f"The disk with {folder} is full, and a submission may write {least_mb} MB there. Make room, or name a "
+                f"folder on another disk in TMPDIR{_AGAIN}"
+            )
+
+
+def _full_shared_memory() -> Iterator[str]:
+    with suppress(OSError):  # where there is none, ROS 2 does without
+        found = os.statvfs(_SHARED_MEMORY)
+        if found.f_blocks and found.f_bavail * found.f_frsize < _SHARED_KB * _KB:
+            yield (
+                f"{_SHARED_MEMORY} is full, and ROS 2 needs a little of it. Delete what nobody needs there, or give it "
+                f"more room (docker run --shm-size){_AGAIN}"
+            )
+
+
+def _known(limit: int) -> int:
+    """A limit as a number that can be compared."""
+    return 2**62 if limit == resource.RLIM_INFINITY else limit

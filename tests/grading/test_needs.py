@@ -1,0 +1,151 @@
+"""Machines that lack what a grading needs: no zero for anybody, one sentence that says what to do, exit code 2."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.grading import isolation, machine, needs, processes
+from course_kit.grading.limits import Limits
+from tests.grading.conftest import EXERCISE, ROOT
+from tests.refused import WITHOUT_NAMESPACES
+from tests.unprivileged import as_somebody, give, reachable_folder
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
+COMMAND = "import sys\nfrom course_kit.cli import main\nsys.exit(main(sys.argv[1:]))\n"
+LIMITED = """
+import resource, sys
+what, most = getattr(resource, sys.argv.pop(1)), int(sys.argv.pop(1))
+resource.setrlimit(what, (min(most, resource.getrlimit(what)[0]) if most >= 0 else -most, abs(most)))
+"""
+# In a mount namespace of its own; where that is refused it says so.
+ELSEWHERE = """
+import ctypes, os, sys
+from course_kit.grading import namespaces
+libc = ctypes.CDLL(None, use_errno=True)
+try:
+    namespaces.enter(namespaces.CLONE_NEWNS)
+except OSError:
+    sys.exit("REFUSED")
+flags = ctypes.c_ulong(0x4000 | 0x40000)
+assert libc.mount(None, b"/", None, flags, None) == 0
+assert libc.mount(b"tmpfs", sys.argv.pop(1).encode(), b"tmpfs", ctypes.c_ulong(0), sys.argv.pop(1).encode()) == 0
+"""
+FILLED = "open('/dev/shm/full', 'wb', buffering=0).write(bytes(8192))\n"
+
+pytestmark = pytest.mark.answers
+
+
+def grade(before: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """The command on a machine to which something was done before."""
+    return run([sys.executable, "-c", before + COMMAND, *arguments, "grade", EXERCISE, str(SOLUTION)])
+
+
+def run(command: list[str], **variables: str) -> subprocess.CompletedProcess[str]:
+    environ = {**os.environ, **variables}
+    return subprocess.run(command, env=environ, capture_output=True, text=True, timeout=110, check=False)
+
+
+def told(done: subprocess.CompletedProcess[str]) -> str:
+    """The one line that a command says when it cannot grade."""
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    assert done.stdout == ""
+    *advice, last = done.stderr.splitlines()
+    assert all("as root" in line for line in advice), done.stderr
+    assert last.startswith("course-kit: ")
+    assert last.endswith(", then grade again.")
+    return last
+
+
+@pytest.mark.parametrize(
+    ("what", "most", "said"),
+    [
+        ("RLIMIT_NOFILE", 150, "150 open files here (ulimit -n), and a submission is promised 256. Allow more ("),
+        ("RLIMIT_NOFILE", 40, "40 open files here (ulimit -n)"),
+        ("RLIMIT_AS", 900 << 20, "921600 kB of address space here (ulimit -v)"),
+        ("RLIMIT_DATA", 600 << 20, "614400 kB of memory here (ulimit -d)"),
+        ("RLIMIT_CPU", 15, "compute for 15 s here (ulimit -t), and a submission is promised 21"),
+        ("RLIMIT_FSIZE", 1 << 20, "write files of 1024 kB here (ulimit -f)"),
+    ],
+)
+def test_a_process_may_not_have_what_a_submission_is_promised(what: str, most: int, said: str) -> None:
+    assert said in told(grade(LIMITED, what, str(most)))
+
+
+def test_what_a_user_may_take_anyhow_is_taken() -> None:
+    """Some systems begin with few open files and allow more: -100 asks for 100 now, and for as many as there may be."""
+    little = "import resource\nresource.setrlimit(resource.RLIMIT_NOFILE, (100, 4096))\n"
+    done = grade(little)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "10 of 10 points" in done.stdout
+
+
+def test_an_ordinary_user_may_have_too_few_processes() -> None:
+    with reachable_folder() as home:
+        give(home)
+        user = 0 if os.geteuid() == 0 else processes.tasks_of_user(os.getuid())
+        few = ["RLIMIT_NPROC", str(user + 60)]
+        command = [sys.executable, "-c", LIMITED + COMMAND, *few, "grade", EXERCISE, str(SOLUTION)]
+        done = run(as_somebody(*command), HOME=str(home), TMPDIR=str(home), XDG_STATE_HOME=str(home))
+    said = told(done)
+    assert f"You may have {user + 60} processes and threads here (ulimit -u)" in said
+    assert "a grading takes up to 200" in said
+
+
+def test_a_class_is_not_begun_and_goes_on_later(tmp_path: Path) -> None:
+    (tmp_path / "work" / "ann").mkdir(parents=True)
+    (tmp_path / "work" / "ann" / f"{EXERCISE}.py").write_text(SOLUTION.read_text())
+    out = tmp_path / "out"
+    command = ["class", str(tmp_path / "work"), "--exercise", EXERCISE, "--out", str(out), "--workers", "1"]
+    few = run([sys.executable, "-c", LIMITED + COMMAND, "RLIMIT_NOFILE", "150", *command])
+    assert "150 open files" in told(few)
+    assert not list(out.glob("students/*/*"))
+    done = run([sys.executable, "-c", COMMAND, *command, "--resume"])
+    assert done.returncode == 0, done.stderr
+    assert '"score": 10.0' in (out / "students" / "ann" / f"{EXERCISE}.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("place", "then", "said"),
+    [("/proc", "", "/proc is missing here"), ("/dev/shm", FILLED, "/dev/shm is full")],  # noqa: S108
+)
+def test_a_file_system_that_is_missing_or_full(place: str, then: str, said: str) -> None:
+    done = grade(ELSEWHERE + then, place, "size=4k" if then else "size=1m")
+    if done.stderr.strip() == "REFUSED":
+        assert not isolation.status().files
+    else:
+        assert said in told(done)
+
+
+def test_a_full_disk_is_found_before_a_submission_meets_it(tmp_path: Path) -> None:
+    assert needs.lacking(Limits(), guest=True, disk=str(tmp_path)) == ""
+    said = needs.lacking(replace(Limits(), file_mb=1), guest=True, disk="/proc")  # which has room for nothing
+    assert said.startswith("The disk with /proc is full")
+
+
+@pytest.mark.parametrize(("most", "used", "lacks"), [("max", 50, False), ("600", 50, False), ("240", 50, True)])
+def test_a_container_may_have_too_few_processes(
+    most: str, used: int, lacks: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "own").write_text("0::/\n")
+    (tmp_path / "pids.max").write_text(f"{most}\n")
+    (tmp_path / "pids.current").write_text(f"{used}\n")
+    monkeypatch.setattr(machine, "_CGROUPS", tmp_path)
+    monkeypatch.setattr(machine, "_OWN_GROUPS", tmp_path / "own")
+    said = needs.lacking(Limits(), guest=True)
+    assert ("240 processes and threads (pids.max), 50 are there" in said) == lacks
+    assert bool(said) == lacks
+
+
+def test_without_namespaces_too_the_solution_is_graded_where_nothing_is_missing() -> None:
+    done = grade(WITHOUT_NAMESPACES)
+    assert done.returncode == 0, done.stdout + done.stderr
