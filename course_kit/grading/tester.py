@@ -1,4 +1,4 @@
-"""The grader's own node: a context, a node and an executor on one thread, in one ROS domain."""
+"""The grader's own node: a context, a node and what receives for it on one thread, in one ROS domain."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ import rclpy
 from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.context import Context
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
+
+from course_kit.grading.receiving import Receiver
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -84,8 +86,7 @@ class Tester:
             start_parameter_services=False,
             parameter_overrides=[_NO_TYPE_DESCRIPTIONS],
         )
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self.node)
+        self._receiver = Receiver(self._context)
         self._clients: dict[tuple[str, int], Client] = {}
         self._heard: dict[str, Heard] = {}
         self._publishers: dict[str, Publisher] = {}
@@ -96,23 +97,27 @@ class Tester:
         return int(self._context.get_domain_id())
 
     def spin_once(self, timeout_s: float) -> None:
-        """Run one callback, or wait for one at most `timeout_s` seconds."""
+        """Take in what has come, or wait for something at most `timeout_s` seconds."""
         if not self._context.ok():
             raise ExternalShutdownException
-        self._executor.spin_once(timeout_sec=timeout_s)
+        self._receiver.receive(timeout_s)
 
     def client(self, interface: Any, name: str, number: int = 0) -> Client:
         """The client `number` of a service; made on first use and kept, so that it is connected the next time."""
         key = (name, number)
         if key not in self._clients:
             self._clients[key] = self.node.create_client(interface, name)
+            self._receiver.add_client(self._clients[key])
         return self._clients[key]
 
     def hear(self, interface: Any, topic: str, qos: QoSProfile | int = DEPTH) -> Heard:
         """What comes on a topic, from the first use on; without `qos` with the default profile of depth 10."""
         if topic not in self._heard:
             self._heard[topic] = heard = Heard()
-            self.node.create_subscription(interface, topic, heard.take, qos, event_callbacks=_NO_SUBSCRIPTION_EVENTS)
+            made = self.node.create_subscription(
+                interface, topic, heard.take, qos, event_callbacks=_NO_SUBSCRIPTION_EVENTS
+            )
+            self._receiver.add_subscription(made, heard.take)
         return self._heard[topic]
 
     def publisher(self, interface: Any, topic: str) -> Publisher:
@@ -152,7 +157,6 @@ class Tester:
     def close(self) -> None:
         """Leave the graph. Safe to call twice."""
         if self._context.ok():
-            self._executor.shutdown(timeout_sec=0)
             self.node.destroy_node()
             self._context.try_shutdown()
 
