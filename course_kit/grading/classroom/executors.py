@@ -47,11 +47,11 @@ class Local:
         """Start the workers.
 
         Args:
-            workers: how many; when None as many as fit this machine, and more while its processors idle.
+            workers: how many at work; when None as many as fit this machine. While processors idle there are more.
             exercises: what they will grade, as far as it is known: its graders are loaded once for all of them.
         """
         usual = workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0))
-        self.slots = usual if workers else _MORE_WHEN_IDLE * usual
+        self.slots = _MORE_WHEN_IDLE * usual
         self._pool = Pool(self.slots, exercises)
         self._turns = Turns(self._pool.grade, usual, self.slots)
 

@@ -16,6 +16,7 @@ from course_kit.environment import write_atomically
 from course_kit.grading.classroom import handed, intake
 from course_kit.grading.classroom.gradebook import Gradebook
 from course_kit.grading.classroom.records import Records
+from course_kit.grading.classroom.turns import early
 from course_kit.grading.errors import GradingError
 from course_kit.grading.render_page import render_page
 
@@ -163,7 +164,7 @@ class ClassRun:
             else:
                 groups.setdefault(one.key, []).append(one)
         self._watcher.begin(len(self.intake.entries), self._done)
-        return sorted(groups.values(), key=lambda group: not group[0].may_last)
+        return early(groups.values(), lambda group: group[0].may_last)
 
     def _work_through(self, groups: list[list[Handed]], executor: Executor) -> None:
         waiting = iter(groups)
