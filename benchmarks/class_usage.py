@@ -97,10 +97,10 @@ class _Memory:
     def _watch(self) -> None:
         me = psutil.Process()
         while not self._end.wait(_SAMPLE_S):
-            self.most = max(self.most, sum(_bytes(child.pid) for child in me.children(recursive=True)))
+            self.most = max(self.most, sum(resident(child.pid) for child in me.children(recursive=True)))
 
 
-def _bytes(process_id: int) -> int:
+def resident(process_id: int) -> int:
     """A process's share of the memory: of a page that n processes have together, one n-th."""
     try:
         text = Path(f"/proc/{process_id}/smaps_rollup").read_text(encoding="ascii")
