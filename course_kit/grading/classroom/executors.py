@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from course_kit.grading.report import Report
 
 _WORKERS_PER_CORE = 2  # a grading waits for answers about as long as it computes
-_MORE_WHEN_IDLE = 2  # times as many, while submissions that are silent hold workers and leave processors idle
+_MORE_WHEN_IDLE = 3  # times as many, while submissions that are silent hold workers and leave processors idle
 _PLUGIN = "course-kit"
 _CONNECT_S = 10
 _RETRIES = 3  # a task whose machine died is done again elsewhere, so often

@@ -23,8 +23,9 @@ if TYPE_CHECKING:
 
 Thing = TypeVar("Thing")
 _LOOK_S = 0.25  # over which it is seen whether processors idle
-_IDLE, _BUSY = 0.3, 0.1  # share of the processors' time that was idle: above, one more; below, one less
+_IDLE, _BUSY = 0.2, 0.1  # share of the processors' time that was idle: above, one more; below, one less
 _URGENT_EVERY = 3
+_STARTED_S = 1.0  # after which the workers have started, so that what idles is not waiting for them
 _LENT_AFTER_S = 1.5  # a grading that takes longer mostly waits; its place is lent unless processors are busy
 
 
@@ -66,7 +67,7 @@ class Turns:
         self._begun: dict[int, float] = {}  # of what is under way, by thread: when it has begun
         self._allowed = usual
         self._idle_share = 0.0
-        self._looked: float | None = None  # not before a task is done: until then workers may still be starting
+        self._looked: float | None = None  # not at once: workers may still be starting
         self._ended = False
         self._threads = [threading.Thread(target=self._work, name=f"grading {place}") for place in range(most)]
         for thread in self._threads:
@@ -124,6 +125,8 @@ class Turns:
     def _limit(self) -> int:
         """How many may run now."""
         now = time.monotonic()
+        if self._looked is None and self._begun and now - min(self._begun.values()) > _STARTED_S:
+            self._look()
         if self._looked is not None and now - self._looked > _LOOK_S:
             self._look()
             if self._idle_share > _IDLE and len(self._begun) >= self._allowed:
