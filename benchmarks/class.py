@@ -1,10 +1,11 @@
-"""A whole class, ours and others': `python benchmarks/class.py [throughput] [growth] [rivals] [options]`.
+"""A whole class, ours and others': `python benchmarks/class.py [throughput] [growth] [right] [rivals] [options]`.
 
 `throughput`: N mixed submissions (right, wrong, crashing, one in 50 that never ends), all different, by
 `course-kit class` with everything it does; and the same without those that never end, to see what these cost the
-others. `growth`: the same for classes of 50 to 400. `rivals`: equal work in the same run for ours, nbgrader, Otter
-(where it is installed), nbconvert, a plain script each, and the floor, which is a fork from a warm process; see
-`class_work.py` for what they all do and `class_rivals.py` for how. Without a name: throughput and rivals.
+others. `growth`: the same for classes of 50 to 400. `right`: 24 right ones of each exercise with a node.
+`rivals`: equal work in the same run for ours, nbgrader, Otter (where it is installed), nbconvert, a plain script
+each, and the floor, which is a fork from a warm process; see `class_work.py` for what they all do and
+`class_rivals.py` for how. Without a name: throughput and rivals.
 Run it on a quiet machine. The whole takes about ten minutes on two cores.
 """
 
@@ -35,10 +36,12 @@ GROWTH = (50, 100, 200, 400)
 RIGHT = 12
 TWENTY = 20
 FEW = 6  # the last of the mixed ones: two right, two wrong, one crashes, one never ends
-RIGHT_AIM_S = 0.25  # ours, wall seconds for each of 12 right submissions, start-up included
-MIXED_AIM_S = 6.0  # ours, wall seconds for the 20 mixed ones with two workers
+RIGHT_AIM_S = 0.16  # ours, wall seconds for each of 12 right submissions, start-up included
+MIXED_AIM_S = 5.0  # ours, wall seconds for the 20 mixed ones with two workers
 TWO = 2
-PARTS = ("throughput", "growth", "rivals")
+EACH = 24  # of `right`
+EACH_AIMS_S = {"temperature_service": 0.16, "move_robot": 0.32, "robot_parameters": 0.32}
+PARTS = ("throughput", "growth", "right", "rivals")
 HEAD = f"{'wall s':>9} {'s each':>8} {'CPU s':>8} {'CPU each':>9} {'peak MB':>8}"
 
 
@@ -49,6 +52,8 @@ def main() -> None:
             throughput(QUICK if options.quick else options.size, options.workers)
         elif part == "growth":
             growth(GROWTH[:1] if options.quick else GROWTH, options.workers)
+        elif part == "right":
+            each(FEW if options.quick else EACH, options.workers)
         else:
             few = FEW if options.quick else None
             rivals(options.only or list(CONTESTANTS), right(RIGHT)[:few], mixed()[-(few or TWENTY) :])
@@ -85,6 +90,13 @@ def growth(sizes: Sequence[int], workers: int) -> None:
     print()
 
 
+def each(number: int, workers: int) -> None:
+    print(f"{number} right submissions of an exercise\n\n  {'':<36}{HEAD}", flush=True)
+    for exercise, aim_s in EACH_AIMS_S.items():
+        _ours(right(number, exercise), workers, f"{exercise}, aim {aim_s:g} s each")
+    print()
+
+
 def _ours(submissions: Sequence[Submission], workers: int, title: str) -> dict[str, float]:
     """Grade a class with ours, print the row, and return each student's seconds from the call to the verdict."""
     with tempfile.TemporaryDirectory() as folder:
@@ -95,14 +107,15 @@ def _ours(submissions: Sequence[Submission], workers: int, title: str) -> dict[s
         log = (ours.folder / "log").read_text(encoding="utf-8", errors="replace").strip().splitlines()
     _print_row(title, usage, len(submissions))
     print(f"    {log[-2] if len(log) > 1 else log}", flush=True)
-    wrong = [one.student for one in submissions if (one.kind == "right") != (_score(reports, one) == FULL)]
+    wrong = [one.student for one in submissions if (one.kind == "right") != _is_full(reports, one)]
     if wrong:
         print(f"    WRONG: {', '.join(wrong)} have another grade than they should")
     return {student: report["duration_s"] for student, report in reports.items()}
 
 
-def _score(reports: dict[str, dict[str, object]], one: Submission) -> object:
-    return reports.get(one.student, {}).get("score")
+def _is_full(reports: dict[str, dict[str, object]], one: Submission) -> bool:
+    report = reports.get(one.student, {"score": None, "max_score": FULL})
+    return report["score"] == report["max_score"]
 
 
 def _median(seconds: dict[str, float], submissions: Sequence[Submission]) -> float:

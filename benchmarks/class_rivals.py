@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import nbformat
-from class_submissions import EXERCISE
 from class_usage import Command, python
 from class_work import CLASS_NAME, LIMIT_S
 
@@ -121,14 +120,15 @@ class Ours(Contestant):
 
     def prepare(self, submissions: Sequence[Submission]) -> None:
         for one in submissions:
-            path = self.folder / "in" / one.student / f"{EXERCISE}.py"
+            path = self.folder / "in" / one.student / f"{one.exercise}.py"
             path.parent.mkdir(parents=True)
             path.write_text(one.text, encoding="utf-8")
 
     def commands(self, submissions: Sequence[Submission]) -> list[list[str]]:
-        del submissions
         more = ["--workers", str(self.workers)] if self.workers else []
-        words = ["class", str(self.folder / "in"), "--exercise", EXERCISE, "--out", str(self.folder / "out"), *more]
+        for exercise in sorted({one.exercise for one in submissions}):
+            more += ["--exercise", exercise]
+        words = ["class", str(self.folder / "in"), "--out", str(self.folder / "out"), *more]
         return [python("-m", "course_kit", *words, "--seed", "1")]
 
     def reports(self) -> dict[str, dict[str, Any]]:

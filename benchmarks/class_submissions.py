@@ -36,6 +36,7 @@ class Submission:
     student: str
     kind: str
     text: str
+    exercise: str = EXERCISE
 
     @property
     def loops(self) -> bool:
@@ -48,9 +49,9 @@ class Submission:
         return self.text.split('\nif __name__ == "__main__"', maxsplit=1)[0] + f"\n# handed in by {self.student}"
 
 
-def right(number: int) -> list[Submission]:
+def right(number: int, exercise: str = EXERCISE) -> list[Submission]:
     """So many correct ones."""
-    return _named(["right"] * number)
+    return _named(["right"] * number, exercise)
 
 
 def mixed() -> list[Submission]:
@@ -78,15 +79,15 @@ def _endless() -> Iterator[str]:
         yield "right" if place % 5 in (0, 2) else next(crashing) if place == 1 else next(wrong)
 
 
-def _named(kinds: list[str]) -> list[Submission]:
+def _named(kinds: list[str], exercise: str = EXERCISE) -> list[Submission]:
     students = [f"s{place:04}" for place in range(len(kinds))]
     return [
-        Submission(student, kind, f"{_text(kind)}\n# handed in by {student}\n")
+        Submission(student, kind, f"{_text(kind, exercise)}\n# handed in by {student}\n", exercise)
         for student, kind in zip(students, kinds, strict=True)
     ]
 
 
-def _text(kind: str) -> str:
+def _text(kind: str, exercise: str) -> str:
     folder = "solutions" if kind == "right" else "tests/broken"
-    name = EXERCISE if kind == "right" else kind
-    return (ROOT / folder / EXERCISE / f"{name}.py").read_text(encoding="utf-8")
+    name = exercise if kind == "right" else kind
+    return (ROOT / folder / exercise / f"{name}.py").read_text(encoding="utf-8")

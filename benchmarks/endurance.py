@@ -18,6 +18,7 @@ import tempfile
 import time
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import psutil
 from class_rivals import FULL, Ours
@@ -25,6 +26,11 @@ from class_submissions import large
 from class_usage import resident
 
 from course_kit import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from class_submissions import Submission
 
 SIZE = 10_000
 _SAMPLE_S = 2.0
@@ -61,7 +67,7 @@ def main() -> None:
         temporary = Path(folder) / "tmp"
         temporary.mkdir(mode=0o711)
         before = look(None, temporary)
-        samples, seconds = run(ours, temporary)
+        samples, seconds = run(ours, submissions, temporary)
         time.sleep(_SETTLE_S)  # the kernel is still taking away what the last ones had
         after = look(None, temporary)
         reports = ours.reports()
@@ -74,9 +80,9 @@ def main() -> None:
     show(samples, before, after)
 
 
-def run(ours: Ours, temporary: Path) -> tuple[list[Sample], float]:
+def run(ours: Ours, submissions: Sequence[Submission], temporary: Path) -> tuple[list[Sample], float]:
     """Grade the class and look at it meanwhile; returns the samples and the seconds it took."""
-    (command,) = ours.queue(())
+    (command,) = ours.queue(submissions)
     samples, began = [], time.monotonic()
     with command.log.open("ab") as log:
         process = subprocess.Popen(

@@ -41,7 +41,9 @@ def add_to(verbs: Any) -> None:
     parser.add_argument("--seeds", type=Path, metavar="CSV", help="two columns, student and seed, as for exercise 4")
     parser.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", type=_positive, metavar="N", help="gradings side by side on this machine")
+    where.add_argument(
+        "--workers", type=_positive, metavar="N", help="gradings side by side here, more while they only wait"
+    )
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://10.0.0.1:8786")
     parser.set_defaults(run=run)
 

@@ -111,10 +111,9 @@ class _Watch:
         return True
 
     def _exceeded(self) -> str:
-        # Process 1 sees none but its own; a program that forks without end outruns any closer look.
-        if self._root == 1 and processes.count() > self._limits.tasks + 1:
+        everything = self._everything()
+        if len(everything) > self._limits.tasks:  # a program that forks without end outruns any closer look
             return "processes"
-        everything = processes.descendants(self._root)
         usage = processes.usage(everything)
         self._waiting.notice(everything, usage.tasks)
         if usage.tasks > self._limits.tasks:
@@ -125,8 +124,12 @@ class _Watch:
             return "memory"
         return ""
 
+    def _everything(self) -> list[int]:
+        """All the program has started; process 1 of a PID namespace sees nothing else."""
+        return processes.all_but(1) if self._root == 1 else processes.descendants(self._root)
+
     def _usage(self) -> dict[str, Any]:
-        everything = processes.descendants(self._root)
+        everything = self._everything()
         usage = processes.usage(everything)
         waited_s = self._waiting.look(everything, usage.tasks)
         return {"cpu_s": usage.cpu_s, "waited_s": waited_s, "tasks": usage.tasks, "memory": usage.memory}

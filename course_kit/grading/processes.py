@@ -51,9 +51,10 @@ def descendants(root: int) -> list[int]:
     return found
 
 
-def count() -> int:
-    """How many processes /proc shows, this one included."""
-    return sum(name.isdecimal() for name in os.listdir("/proc"))  # noqa: PTH208 - hot
+def all_but(process_id: int) -> list[int]:
+    """All processes that /proc shows, without one: the quick way to all descendants of process 1 of a PID namespace."""
+    numbers = (int(name) for name in os.listdir("/proc") if name.isdecimal())  # noqa: PTH208 - hot
+    return [number for number in numbers if number != process_id]
 
 
 def this_process() -> int:

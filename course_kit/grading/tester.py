@@ -1,4 +1,4 @@
-"""The grader's own node: a context, a node and an executor on one thread, in one ROS domain."""
+"""The grader's own node: a context, a node and what receives for it on one thread, in one ROS domain."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ import rclpy
 from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.context import Context
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.receiving import Receiver
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -105,8 +106,7 @@ class Tester:
             # What nobody can call, nobody can call wrongly: an exception in a callback of ours would end the grading.
             parameter_overrides=[_NO_TYPE_DESCRIPTIONS],
         )
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self.node)
+        self._receiver = Receiver(self._context)
         self._clients: dict[tuple[str, int], Client] = {}
         self._heard: dict[str, Any] = {}
         self._publishers: dict[str, Publisher] = {}
@@ -117,7 +117,7 @@ class Tester:
         return int(self._context.get_domain_id())
 
     def spin_once(self, timeout_s: float) -> None:
-        """Run one callback, or wait for one at most `timeout_s` seconds.
+        """Take in what has come, or wait for something at most `timeout_s` seconds.
 
         Raises:
             Failed: what has come is too large to be taken in, with limit.memory.
@@ -125,7 +125,7 @@ class Tester:
         if not self._context.ok():
             raise ExternalShutdownException
         try:
-            self._executor.spin_once(timeout_sec=timeout_s)
+            self._receiver.receive(timeout_s)
         except (MemoryError, SystemError):  # the second, where an allocation in rclpy's own code has failed
             evidence = Evidence(got="messages too large for the grader's memory")
             message = "Your program sends messages so large, or so many large ones, that the grader cannot hold them."
@@ -136,6 +136,7 @@ class Tester:
         key = (name, number)
         if key not in self._clients:
             self._clients[key] = self.node.create_client(interface, name)
+            self._receiver.add_client(self._clients[key])
         return self._clients[key]
 
     def hear(self, interface: Any, topic: str) -> Heard:
@@ -146,7 +147,10 @@ class Tester:
         """What `make` has made on first use, and what has taken every message on a topic since."""
         if topic not in self._heard:
             self._heard[topic] = heard = make()
-            self.node.create_subscription(interface, topic, heard.take, qos)
+            made = self.node.create_subscription(
+                interface, topic, heard.take, qos, event_callbacks=_NO_SUBSCRIPTION_EVENTS
+            )
+            self._receiver.add_subscription(made, heard.take)
         listener: Listener = self._heard[topic]
         return listener
 
@@ -187,7 +191,6 @@ class Tester:
     def close(self) -> None:
         """Leave the graph. Safe to call twice."""
         if self._context.ok():
-            self._executor.shutdown(timeout_sec=0)
             self.node.destroy_node()
             self._context.try_shutdown()
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.grading.classroom import turns
-from course_kit.grading.classroom.turns import IdleShare, Turns
+from course_kit.grading.classroom.turns import IdleShare, Turns, early
 from course_kit.grading.machine import ProcessorTimes
 
 if TYPE_CHECKING:
@@ -86,6 +86,22 @@ def test_while_processors_idle_more_are_begun_up_to_the_most(
     silent.set()
     assert not wait(futures, PATIENCE_S).not_done
     assert grade.most == MOST
+
+
+def test_the_place_of_one_that_only_waits_is_lent(grade: StandInForGrading, made: Callable[[float], Turns]) -> None:
+    neither, silent = made(0.2), threading.Event()
+    submit(neither, "one that ends")[0].result(PATIENCE_S)
+    waiting = submit(neither, *[silent] * USUAL)
+    grade.wait_for(1 + USUAL)
+    assert submit(neither, "late")[0].result(PATIENCE_S) == "late"
+    assert not any(future.done() for future in waiting)
+    silent.set()
+
+
+def test_what_may_last_begins_early_and_not_all_at_once() -> None:
+    assert "".join(early("abXcdeXfX", str.isupper)) == "XabXcdXef"
+    assert "".join(early("aXYZ", str.isupper)) == "XaYZ"
+    assert early([], str.isupper) == []
 
 
 def test_what_waits_for_its_turn_can_be_cancelled(grade: StandInForGrading, made: Callable[[float], Turns]) -> None:

@@ -143,7 +143,7 @@ def cause_of(
             None,
             "ZeroDivisionError: float division by zero in line 7: line_7()",
         ),
-        ("MemoryError", "limit.memory", "512 MB"),
+        ("MemoryError", "limit.memory", "256 MB"),
     ],
 )
 def test_exceptions_in_execute_are_told_apart(error: str, code: str | None, fact: str) -> None:

@@ -24,7 +24,8 @@ COMMAND = "import sys\nfrom course_kit.cli import main\nsys.exit(main(sys.argv[1
 LIMITED = """
 import resource, sys
 what, most = getattr(resource, sys.argv.pop(1)), int(sys.argv.pop(1))
-resource.setrlimit(what, (min(most, resource.getrlimit(what)[0]) if most >= 0 else -most, abs(most)))
+soft = resource.getrlimit(what)[0]
+resource.setrlimit(what, (abs(most) if most < 0 or soft == resource.RLIM_INFINITY else min(most, soft), abs(most)))
 """
 # In a mount namespace of its own; where that is refused it says so.
 ELSEWHERE = """

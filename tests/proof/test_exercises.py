@@ -50,7 +50,7 @@ FACTS = [
     ("temperature_service", "service.deadlock", "self.client.call("),
     ("temperature_service", "field.type", "field 'value' must be a float"),
     ("temperature_service", "math.formula", "multiplication goes before subtraction"),
-    ("temperature_service", "limit.memory", "512 MB"),
+    ("temperature_service", "limit.memory", "256 MB"),
     ("robot_parameters", "field.type", "The field 'x' must be a float, and something else was put into it in line"),
     ("robot_parameters", "math.formula", "This is the speed divided by the diameter"),
     ("robot_parameters", "math.integer_division", "Digits were lost"),

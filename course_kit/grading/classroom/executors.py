@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from course_kit.grading.report import Report
 
 _WORKERS_PER_CORE = 2  # a grading waits for answers about as long as it computes
-_MORE_WHEN_IDLE = 2  # times as many, while submissions that are silent hold workers and leave processors idle
+_MORE_WHEN_IDLE = 3  # times as many, while submissions that are silent hold workers and leave processors idle
 _PLUGIN = "course-kit"
 _CONNECT_S = 10
 _RETRIES = 3  # a task whose machine died is done again elsewhere, so often
@@ -47,11 +47,11 @@ class Local:
         """Start the workers.
 
         Args:
-            workers: how many; when None as many as fit this machine, and more while its processors idle.
+            workers: how many at work; when None as many as fit this machine. While processors idle there are more.
             exercises: what they will grade, as far as it is known: its graders are loaded once for all of them.
         """
         usual = workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0))
-        self.slots = usual if workers else _MORE_WHEN_IDLE * usual
+        self.slots = _MORE_WHEN_IDLE * usual
         self._pool = Pool(self.slots, exercises)
         self._turns = Turns(self._pool.grade, usual, self.slots)
 

@@ -17,6 +17,7 @@ from course_kit.grading import engine
 from course_kit.grading.classroom import handed, intake
 from course_kit.grading.classroom.gradebook import Gradebook
 from course_kit.grading.classroom.records import Records
+from course_kit.grading.classroom.turns import early
 from course_kit.grading.errors import GradingError
 from course_kit.grading.output import one_line
 from course_kit.grading.reading import Reader, ReadingStoppedError
@@ -187,7 +188,7 @@ class ClassRun:
         except ReadingStoppedError:
             groups = {}
         self._watcher.begin(len(self.intake.entries), self._done)
-        return sorted(groups.values(), key=lambda group: not group[0].may_last)
+        return early(groups.values(), lambda group: group[0].may_last)
 
     def _read(self, entry: Entry, reader: Reader, known: Record | None) -> Handed:
         exercise = next(one for one in self._plan.exercises if one.id == entry.exercise)

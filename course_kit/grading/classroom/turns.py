@@ -1,7 +1,8 @@
 """Gradings take turns: so many side by side as keep the processors busy, and no more.
 
-A submission that is silent, or asleep, holds a worker for seconds and computes nothing. While processors idle for that
-reason, more gradings are begun than usual; on a busy machine it stays at the usual number.
+A submission that is silent, or asleep, or has got into a loop without end holds a worker for seconds, and keeps at most
+one processor busy. While processors idle, its place is lent to another, and more gradings are begun than usual. On a
+busy machine it stays at the usual number.
 """
 
 from __future__ import annotations
@@ -10,18 +11,38 @@ import threading
 import time
 from collections import deque
 from concurrent.futures import Future
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from course_kit.grading.machine import processor_times
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from course_kit.grading.classroom.pool import Task
     from course_kit.grading.report import Report
 
+Thing = TypeVar("Thing")
 _LOOK_S = 0.25  # over which it is seen whether processors idle
-_IDLE, _BUSY = 0.3, 0.1  # share of the processors' time that was idle: above, one more; below, one less
+_IDLE, _BUSY = 0.2, 0.1  # share of the processors' time that was idle: above, one more; below, one less
+_URGENT_EVERY = 3
+_STARTED_S = 1.0  # after which the workers have started, so that what idles is not waiting for them
+_LENT_AFTER_S = 1.5  # a grading that takes longer mostly waits; its place is lent unless processors are busy
+
+
+def early(things: Iterable[Thing], is_urgent: Callable[[Thing], bool]) -> list[Thing]:
+    """The things with the urgent ones early: every third, as long as there are any; otherwise in their order.
+
+    What may last begins early, so that nothing waits for it at the end. But a class's endless programs are also those
+    that take all the memory they may: these should not run side by side.
+    """
+    all_things = list(things)
+    urgent = deque(thing for thing in all_things if is_urgent(thing))
+    others = deque(thing for thing in all_things if not is_urgent(thing))
+    order: list[Thing] = []
+    while urgent or others:
+        turn = urgent if urgent and (len(order) % _URGENT_EVERY == 0 or not others) else others
+        order.append(turn.popleft())
+    return order
 
 
 class Turns:
@@ -43,9 +64,10 @@ class Turns:
         self._idle = idle or IdleShare()
         self._waiting: deque[tuple[Future[Report], Task]] = deque()
         self._changed = threading.Condition()
-        self._running = 0
+        self._begun: dict[int, float] = {}  # of what is under way, by thread: when it has begun
         self._allowed = usual
-        self._looked: float | None = None  # not before a task is done: until then workers may still be starting
+        self._idle_share = 0.0
+        self._looked: float | None = None  # not at once: workers may still be starting
         self._ended = False
         self._threads = [threading.Thread(target=self._work, name=f"grading {place}") for place in range(most)]
         for thread in self._threads:
@@ -87,32 +109,38 @@ class Turns:
     def _next(self) -> tuple[Future[Report], Task] | None:
         with self._changed:
             while not self._ended:
-                if self._waiting and self._running < self._limit():
-                    self._running += 1
+                if self._waiting and len(self._begun) < self._limit():
+                    self._begun[threading.get_ident()] = time.monotonic()
                     return self._waiting.popleft()
                 self._changed.wait(_LOOK_S if self._waiting else None)
             return None
 
     def _done(self) -> None:
         with self._changed:
-            self._running -= 1
+            del self._begun[threading.get_ident()]
             if self._looked is None:
                 self._look()
             self._changed.notify()
 
     def _limit(self) -> int:
         """How many may run now."""
-        if self._looked is not None and time.monotonic() - self._looked > _LOOK_S:
-            idle = self._look()
-            if idle > _IDLE and self._running >= self._allowed:
+        now = time.monotonic()
+        if self._looked is None and self._begun and now - min(self._begun.values()) > _STARTED_S:
+            self._look()
+        if self._looked is not None and now - self._looked > _LOOK_S:
+            self._look()
+            if self._idle_share > _IDLE and len(self._begun) >= self._allowed:
                 self._allowed = min(self._allowed + 1, self._most)
-            elif idle < _BUSY:
+            elif self._idle_share < _BUSY:
                 self._allowed = max(self._allowed - 1, self._usual)
-        return self._allowed
+        if self._idle_share < _BUSY:
+            return self._allowed
+        lent = sum(now - begun > _LENT_AFTER_S for begun in self._begun.values())
+        return min(self._allowed + lent, self._most)
 
-    def _look(self) -> float:
+    def _look(self) -> None:
         self._looked = time.monotonic()
-        return self._idle()
+        self._idle_share = self._idle()
 
 
 class IdleShare:

@@ -1,0 +1,98 @@
+"""What comes for the grader reaches whom it is for, and nobody is passed over."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import rclpy
+from example_interfaces.srv import AddTwoInts
+from rclpy.executors import SingleThreadedExecutor
+from std_msgs.msg import String
+
+from course_kit.grading import tester as graders
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+CLIENTS, CALLS = 10, 50
+STEPS_S = (0.004, 0.005, 0.006)  # no two in a row the same
+PATIENCE_S = 30.0  # against hanging only
+
+
+@pytest.fixture
+def peer(domain: int) -> Iterator[Any]:
+    """A node that answers when `turn` lets it."""
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=domain)
+    executor = SingleThreadedExecutor(context=context)
+    node = rclpy.create_node("peer", context=context)
+    executor.add_node(node)
+    yield node
+    executor.shutdown(timeout_sec=0)
+    node.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+@pytest.fixture
+def tester(domain: int) -> Iterator[graders.Tester]:
+    made = graders.Tester(domain)
+    yield made
+    made.close()
+
+
+def turn(peer: Any, tester: graders.Tester, done: Callable[[], bool]) -> None:
+    """Let both do their work until it is done."""
+    deadline, number = time.monotonic() + PATIENCE_S, 0
+    while not done():
+        assert time.monotonic() < deadline
+        tester.spin_once(STEPS_S[number % len(STEPS_S)])
+        number += 1
+        for _ in range(CLIENTS):
+            peer.executor.spin_once(timeout_sec=0)
+
+
+def add(request: Any, response: Any) -> Any:
+    response.sum = request.a + request.b
+    return response
+
+
+def test_each_of_many_clients_gets_its_own_responses(peer: Any, tester: graders.Tester) -> None:
+    peer.create_service(AddTwoInts, "/add", add)
+    clients = [tester.client(AddTwoInts, "/add", number) for number in range(CLIENTS)]
+    turn(peer, tester, lambda: all(client.service_is_ready() for client in clients))
+    for client in clients:  # from then on the server knows them, and loses nothing
+        known = client.call_async(AddTwoInts.Request())
+        turn(peer, tester, known.done)
+    waiting = list(range(CALLS))
+    flying: dict[int, Any] = {}
+    sums: dict[int, int] = {}
+
+    def all_answered() -> bool:
+        for number in [number for number, future in flying.items() if future.done()]:
+            sums[number] = flying.pop(number).result().sum
+        while waiting and len(flying) < CLIENTS:
+            number = waiting.pop(0)
+            flying[number] = clients[number % CLIENTS].call_async(AddTwoInts.Request(a=number, b=1000))
+        return not flying
+
+    turn(peer, tester, all_answered)
+    assert sums == {number: number + 1000 for number in range(CALLS)}
+
+
+def test_a_message_comes_with_its_times(peer: Any, tester: graders.Tester) -> None:
+    heard = tester.hear(String, "/chatter")
+    publisher = peer.create_publisher(String, "/chatter", 10)
+    turn(peer, tester, lambda: publisher.get_subscription_count() > 0 and bool(tester.publishers("/chatter")))
+    before = time.time()
+    publisher.publish(String(data="hello"))
+    turn(peer, tester, lambda: bool(heard.messages))
+    assert [message.data for message in heard.messages] == ["hello"]
+    assert before <= heard.times[0] <= time.time()
+
+
+def test_what_the_grader_has_beside_its_endpoints_is_not_on_the_graph(peer: Any, tester: graders.Tester) -> None:
+    turn(peer, tester, lambda: "/peer" in tester.nodes() and len(peer.get_node_names()) > 1)
+    grader = next(name for name in peer.get_node_names() if name != "peer")
+    assert peer.get_service_names_and_types_by_node(grader, "/") == []
