@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 _STOP_S = 5.0
+_DYING_S = 0.5
 # Python 3.12 warns of forks beside other threads; those of the tracing library take no lock of ours.
 _FORKS_ARE_MEANT = "ignore:This process:DeprecationWarning"
 # What a program needs to run ROS; everything else, tokens among it, stays out of a submission's reach.
@@ -110,11 +111,17 @@ class WarmProcess:
         """
         if not self._shared:
             return self._give_up_all()
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
         # As long as the warm process lives its forks are not reaped, and no other process gets their numbers.
         if worker is not None and self._process.poll() is None:
             with suppress(ProcessLookupError):
                 os.kill(worker, signal.SIGKILL)
         return "It hung, or another program has ended it."
+
+    def has_ended(self) -> bool:
+        """Whether it has gone, and all workers with it."""
+        return self._process.poll() is not None
 
     def last_words(self) -> str:
         """The last line it has printed; it prints nothing as long as all is well."""

@@ -77,6 +77,12 @@ class Channel:
         poll.register(self._socket, select.POLLIN)
         return bool(poll.poll(timeout * 1000))
 
+    def is_closed(self) -> bool:
+        """Whether nobody holds the other end any more."""
+        poll = select.poll()
+        poll.register(self._socket, 0)  # a hang-up is told without being asked for
+        return bool(poll.poll(0))
+
     def hang_up(self) -> None:
         """End the connection for everybody, also for a thread of ours that waits for a message, and close."""
         with suppress(OSError):  # the other end was faster

@@ -99,6 +99,10 @@ class Worker:
             raise GradingError(str(outcome.get("problem", "The grader ended while it was at work.")))
         return outcome
 
+    def has_ended(self) -> bool:
+        """Whether its process has gone, for one that is not at work."""
+        return self._process.has_ended() or self._channel.is_closed()
+
     def close(self) -> None:
         """End the process and everything it has started; one of several ends with the last of them at the latest."""
         first, self._closing = not self._closing, True

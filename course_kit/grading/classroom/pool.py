@@ -81,6 +81,8 @@ class Pool:
 
     def _take(self) -> Worker:
         with self._lock:
+            while self._idle and self._idle[-1].has_ended():  # with the process they share; costs nobody a try
+                self._idle.pop().close()
             worker = self._idle.pop() if self._idle else Worker()
             self._busy.add(worker)
             return worker
