@@ -15,7 +15,7 @@ import sys
 def main() -> int:
     """Run the command line; returns its exit code."""
     _leave_out_the_working_directory()
-    from course_kit.cli import main as command_line
+    from course_kit.cli.main import main as command_line
 
     return command_line()
 

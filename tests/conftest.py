@@ -14,7 +14,7 @@ from course_kit.dev import browser
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 environment.heed_interrupts()  # tests press Ctrl-C, wherever they were started from
 environment.apply()  # before any test module imports rclpy

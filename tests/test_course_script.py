@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.cli import build_parser
+from course_kit.cli.main import build_parser
 from tests.course_clone import BASE_PYTHON, Clone
 
 if TYPE_CHECKING:

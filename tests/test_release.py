@@ -13,7 +13,8 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from course_kit import environment, release
+from course_kit import environment
+from course_kit.authoring import release
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 HELPER = "course_kit/interfaces/native/_helper.so"  # built by the set-up, in the student edition as here
@@ -118,7 +119,7 @@ def test_without_git_what_was_generated_stays_out(tmp_path: Path, monkeypatch: p
         ".venvs/wheels-1/x.py",
         "course_kit/__pycache__/c.pyc",
         "student.zip",
-        "student/course_kit/cli.py",
+        "student/course_kit/cli/main.py",
         "solutions/s.py",
     ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import workspace
+from course_kit.learner import workspace
 from tests.course_copy import TEMPERATURE, Course, copy_with_notebooks
 from tests.jupyter_server import allow_root, started
 from tests.unprivileged import as_somebody, forbid_writing, give, reachable_folder

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import psutil
 import pytest
 
-from course_kit import watch
 from course_kit.grading import CheckReport, GradingError, Report
+from course_kit.learner import watch
 from tests.background import IN_BACKGROUND
 from tests.course_copy import SOLUTION, TEMPERATURE, Course, starter
 

@@ -17,11 +17,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import environment, release
+from course_kit import environment
+from course_kit.authoring import release
 from course_kit.dev import matrix_table, pythons
 from course_kit.dev.steps import Result, Runner, Step
 from course_kit.grading import exercise
-from course_kit.ros2 import real
+from course_kit.ros2cli import delegation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -174,7 +175,7 @@ def copy(root: Path, target: Path) -> None:
 
 def environ_of(combination: Combination, folder: Path, uv: str | None) -> dict[str, str]:
     """The environment of somebody who has never seen the course, whose state goes into the temporary folder."""
-    environ = real.clean_environment({**os.environ})
+    environ = delegation.clean_environment({**os.environ})
     environ = {name: value for name, value in environ.items() if not name.startswith(_NOT_INHERITED)}
     ours = Path(sys.executable).parent
     path = [one for one in environ.get("PATH", os.defpath).split(os.pathsep) if not one or Path(one) != ours]

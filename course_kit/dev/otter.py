@@ -22,13 +22,14 @@ from typing import TYPE_CHECKING, Any
 
 import nbformat
 
-from course_kit import environment, grading, otter
-from course_kit.dev import sets
+from course_kit import environment, grading
+from course_kit.authoring import corpus
+from course_kit.integrations import otter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.dev.sets import Sets
+    from course_kit.authoring.corpus import Sets
 
 _SEED = 1
 _LITTLE = 0.3  # of the points; with more a program is right in part
@@ -56,7 +57,7 @@ def main(arguments: Sequence[str]) -> int:
         print(needs, file=sys.stderr)
         return 2
     try:
-        chosen = [sets.load(name, root) for name in options.exercises or sets.all_exercises(root)]
+        chosen = [corpus.load(name, root) for name in options.exercises or corpus.all_exercises(root)]
     except grading.GradingError as problem:
         print(f"course-kit: {problem}", file=sys.stderr)
         return 2

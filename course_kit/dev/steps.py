@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING
 
-from course_kit.grading import namespaces, processes
+from course_kit.grading.sandbox import namespaces, processes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

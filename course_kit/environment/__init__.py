@@ -17,7 +17,8 @@ from course_kit.environment.domains import Lease, NoDomainError, exclusive_domai
 from course_kit.environment.errors import DomainError, SettingsError
 from course_kit.environment.files import write_atomically, write_new
 from course_kit.environment.interrupts import heed_interrupts
-from course_kit.environment.places import (
+from course_kit.environment.paths import (
+    PACKAGE,
     checkout,
     command,
     home,
@@ -32,6 +33,7 @@ from course_kit.environment.search_path import put_scripts_first, scripts_folder
 __all__ = [
     "FAST_DISCOVERY_PROFILE",
     "LOOPBACK_PROFILE",
+    "PACKAGE",
     "PRIVATE_NETWORK_PROFILE",
     "DomainError",
     "NoDomainError",

@@ -39,7 +39,8 @@ def found(told: dict[str, Any], variable: str) -> Found:
     """The answers, as they are told.
 
     Args:
-        told: of a program's text by `course_kit.reader.literals`, of one that was run by `course_kit.grading.values`.
+        told: of a program's text by `course_kit.reader.literals`, of one that was run by
+            `course_kit.grading.sandbox.values`.
         variable: the name they are assigned to.
     """
     names = tuple(name for name in told.get("set_names", ()) if name != variable)

@@ -10,15 +10,15 @@ from course_interfaces.action import MoveRobot
 from geometry_msgs.msg import Point
 
 from course_kit.graders._moves import ARENA, ORIGIN, TOLERANCE, Place, in_the_arena, place_of, target_from
-from course_kit.grading import goal_endings
-from course_kit.grading.actions import Action, ensure_ready, start_again
-from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.goals import SUCCEEDED, Ended, Goal
+from course_kit.grading.checks.actions import Action, ensure_ready, start_again
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.goals import SUCCEEDED, Ended, Goal
+from course_kit.grading.diagnosis import goals
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import Bench
 
 ACTION = Action("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
 SHORTEST_M, LONGEST_M = 1.2, 1.8  # metres; moves that are long enough for the rules about feedback
@@ -166,9 +166,9 @@ def arrive(bench: Bench, goal: Goal, length: float, within_s: float | None = Non
     """
     ended = goal.wait_for_end(allowed_s(length) if within_s is None else within_s, REACHED)
     life = goal.life()
-    cause = goal_endings.of_exception(life, bench.job)
+    cause = goals.of_exception(life, bench.job)
     if ended.status != SUCCEEDED:
-        cause = goal_endings.of_status(ended.name, life, bench.job)
+        cause = goals.of_status(ended.name, life, bench.job)
     if cause is not None:
         diagnosis, message = cause
         raise Failed(Evidence(goal.shown, REACHED, told(ended)), message, diagnosis)

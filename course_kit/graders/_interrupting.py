@@ -19,13 +19,13 @@ from course_kit.graders._driving import (
     told,
 )
 from course_kit.graders._moves import BESIDE, Place, beside, farthest_corner, place_of, target_from
-from course_kit.grading import goal_endings, silence
-from course_kit.grading.bench import SubmissionEndedError
-from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.goals import CANCELED, SUCCEEDED, Ended, Goal
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.goals import CANCELED, SUCCEEDED, Ended, Goal
+from course_kit.grading.diagnosis import goals, hangs
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import Bench
 
 _PROMPT_S = 1.0  # within which a cancel request is answered
 _FIRST_M, _SECOND_M = 3.0, 1.0  # metres; the ways of two goals at a time
@@ -82,7 +82,7 @@ def _get_under_way(bench: Bench, goal: Goal, begin: Place) -> None:
     try:
         bench.wait_until(under_way, allowed_s(way))
     except SubmissionEndedError as ended:
-        diagnosis, message = goal_endings.of_program(ended.life, bench.job)
+        diagnosis, message = goals.of_program(ended.life, bench.job)
         evidence = Evidence(goal.shown, "the robot to drive", "a program that has ended")
         raise Failed(evidence, message, diagnosis) from None
 
@@ -95,7 +95,7 @@ def _both_accepted(bench: Bench, first: Goal, second: Goal, waited_s: float, evi
     if interleaved():
         message = "Feedback of both goals came in turns: one robot is being driven to two targets."
         return Failed(evidence, message, "action.concurrent_goals")
-    bench.wait_until(lambda: bool(second.statuses), silence.LOOK_S)
+    bench.wait_until(lambda: bool(second.statuses), hangs.LOOK_S)
     over = first.over_at
     if over is None or over > second.began_at:
         return Failed(evidence, "Your server accepted a second goal while the first was running.")
@@ -115,10 +115,10 @@ def _have_it_accepted(bench: Bench, goal: Goal, length: float, expected: str) ->
         bench.wait_until(answer.done, allowed_s(length))
     except SubmissionEndedError as ended:
         evidence = Evidence(goal.shown, expected, "no answer: the program ended")
-        diagnosis, message = goal_endings.of_program(ended.life, bench.job)
+        diagnosis, message = goals.of_program(ended.life, bench.job)
         raise Failed(evidence, message, diagnosis) from None
     if not answer.done():
-        raise silence.unanswered(bench, goal.shown, expected, clock.fair())
+        raise hangs.unanswered(bench, goal.shown, expected, clock.fair())
     waited_s, late = clock.wall(), clock.past(_PROMPT_S)
     if goal.is_cancelled_by(answer.result()):
         if late:
@@ -148,9 +148,9 @@ def _require_canceled(bench: Bench, goal: Goal, ended: Ended, evidence: Evidence
         message = "Your server agreed to cancel the goal, and the robot drove on to its target."
         raise HastyError(evidence, message, "action.cancel_ignored")
     life = goal.life()
-    cause = goal_endings.of_exception(life, bench.job)
+    cause = goals.of_exception(life, bench.job)
     if ended.status != CANCELED:
-        cause = goal_endings.of_status(ended.name, life, bench.job)
+        cause = goals.of_status(ended.name, life, bench.job)
     if cause is not None:
         diagnosis, message = cause
         raise Failed(evidence, message, diagnosis)

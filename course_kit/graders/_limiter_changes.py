@@ -29,11 +29,11 @@ from course_kit.graders._limiter_node import (
     rest,
 )
 from course_kit.graders._limiter_status import expect_status
-from course_kit.grading.checks import Evidence, Failed, check
-from course_kit.grading.parameters import shown
+from course_kit.grading.checks.check import Evidence, Failed, check
+from course_kit.grading.checks.parameters import shown
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import Bench
 
 
 @check(points=1.0, depends_on=["limits"])

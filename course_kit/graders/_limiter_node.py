@@ -11,10 +11,10 @@ from std_msgs.msg import Float64, String
 
 from course_kit.graders import _limiter
 from course_kit.graders._limiter import TYPES, Reaction, Settings, same_reaction
-from course_kit.grading.callbacks import INVALID_RESULT
-from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.parameters import Outcome, Remote, ensure_served, shown
-from course_kit.grading.topics import Exchange, Topic
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.parameters import Outcome, Remote, ensure_served, shown
+from course_kit.grading.checks.topics import Exchange, Topic
+from course_kit.grading.diagnosis.exceptions import INVALID_RESULT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-    from course_kit.grading.bench import Bench
-    from course_kit.grading.tester import Heard
+    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.grader_node import Heard
 
 NODE = "/velocity_limiter"
 COMMAND = Topic("/cmd_vel_in", Twist, "geometry_msgs/msg/Twist")

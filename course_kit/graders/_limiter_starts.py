@@ -9,13 +9,13 @@ from course_kit.graders._limiter import BEYOND, TYPES, Settings, command, parame
 from course_kit.graders._limiter import shown as shown_command
 from course_kit.graders._limiter_node import BOTH, NODE, VELOCITY, Limiter, endpoints, fits
 from course_kit.graders._limiter_status import expect_status
-from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.parameters import expect_served, shown
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.parameters import expect_served, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import Bench
 
 _FILE = "parameters.yaml"
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds

@@ -6,13 +6,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.graders._limiter import Settings, read_status, status_fits, status_line
-from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.silence import told
-from course_kit.grading.topics import await_next
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.topics import await_next
+from course_kit.grading.diagnosis.hangs import told
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench
-    from course_kit.grading.tester import Heard
+    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.grader_node import Heard
 
 _SILENT_S = 2.0  # four periods
 _PERIOD_S = (0.42, 0.6)  # 2 Hz, on a machine that is now and then busy

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from course_kit.graders._driving import LONGEST_M, SHORTEST_M, HastyError, drive_on
 from course_kit.graders._moves import BESIDE, ENOUGH, NEARLY_DONE, ORIGIN, beside, is_spread, jump, place_of
-from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.checks.check import Evidence, Failed
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import Bench
 
 
 def feedback_of_a_move(bench: Bench) -> Evidence:

@@ -41,14 +41,14 @@ from course_kit.graders._moves import (
     telling_target,
 )
 from course_kit.graders._watching import feedback_of_a_move, progress_of_a_move
-from course_kit.grading.actions import ensure_ready, expect_action
-from course_kit.grading.checks import Check, Evidence, Failed, check
-from course_kit.grading.offers import expect_node
+from course_kit.grading.checks.actions import ensure_ready, expect_action
+from course_kit.grading.checks.check import Check, Evidence, Failed, check
+from course_kit.grading.checks.discovery import expect_node
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import Bench
 
 INTERFACES = (ACTION.interface,)
 VARIABLES = FAST

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 from course_kit import quiz
 from course_kit.graders import _answers
-from course_kit.grading import endings
-from course_kit.grading.checks import Check, Evidence, Failed
+from course_kit.grading.checks.check import Check, Evidence, Failed
+from course_kit.grading.diagnosis import exits
 
 if TYPE_CHECKING:
     from course_kit.graders._answers import Found
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import Bench
     from course_kit.grading.job import Job
     from course_kit.quiz import Half, Result, Scenario
 
@@ -124,7 +124,7 @@ def _run(bench: Bench) -> Found:
         found = _answers.found(life.notes, job.variable)
         if found.is_set or not life.notes.get("ended_itself"):
             return found
-    code, message = endings.of_start(life, job)
+    code, message = exits.of_start(life, job)
     raise Failed(Evidence("", _SHAPE, "a program that did not come to its end"), message, code)
 
 

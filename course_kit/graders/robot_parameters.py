@@ -28,14 +28,14 @@ from course_kit.graders._limiter_node import (
     rest,
 )
 from course_kit.graders._limiter_status import expect_rate, expect_status
-from course_kit.grading.checks import Check, Evidence, Failed, check
-from course_kit.grading.parameters import INTERFACES as PARAMETER_SERVICES
-from course_kit.grading.parameters import NOT_SET, expect_served
-from course_kit.grading.parameters import shown as shown_values
-from course_kit.grading.topics import expect_endpoints
+from course_kit.grading.checks.check import Check, Evidence, Failed, check
+from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
+from course_kit.grading.checks.parameters import NOT_SET, expect_served
+from course_kit.grading.checks.parameters import shown as shown_values
+from course_kit.grading.checks.topics import expect_endpoints
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import Bench
 
 INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
 _BURST = 5  # commands at once; a default queue holds ten

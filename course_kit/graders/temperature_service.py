@@ -21,14 +21,14 @@ from course_kit.graders._temperature import (
     fits,
     right_value,
 )
-from course_kit.grading.checks import Check, Evidence, Failed, check
-from course_kit.grading.load import Load, call_many
-from course_kit.grading.services import Answer, Service, call, expect_node, expect_offered
+from course_kit.grading.checks.check import Check, Evidence, Failed, check
+from course_kit.grading.checks.load_test import Load, call_many
+from course_kit.grading.checks.services import Answer, Service, call, expect_node, expect_offered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import Bench
 
 INTERFACES = (ConvertTemperature,)
 NODE = "/temperature_service"

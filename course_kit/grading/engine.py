@@ -11,14 +11,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.grading import bounds, diagnosis, exercise, needs, submission
+from course_kit.grading import bounds, exercise, needs, submission
+from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.isolation import Isolation
+from course_kit.grading.exchange_log import Step
 from course_kit.grading.job import Job
 from course_kit.grading.reading import Reader
 from course_kit.grading.report import CheckReport, Report
-from course_kit.grading.steps import Step
-from course_kit.grading.worker import Worker
+from course_kit.grading.sandbox.isolation import Isolation
+from course_kit.grading.workers.worker import Worker
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -160,7 +161,7 @@ def _domain() -> int:
 
 
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
-    job = Job(task.id, "attach", "", seed, class_name=task.class_name, variable=task.variable, limits=task.limits)
+    job = Job(task.grader, "attach", "", seed, class_name=task.class_name, variable=task.variable, limits=task.limits)
     if text is not None:
         return replace(
             job,
@@ -237,7 +238,7 @@ def _no_grade(problem: str, checks: Sequence[CheckReport]) -> str:
 
 def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
     failed = result["status"] == "failed"
-    message = diagnosis.complete(result["message"], result["diagnosis"]) if failed else result["message"]
+    message = catalogue.complete(result["message"], result["diagnosis"]) if failed else result["message"]
     hints = _hints(task, result["id"], result["diagnosis"]) if failed else ()
     return CheckReport(
         id=result["id"],
@@ -259,5 +260,5 @@ def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
 
 def _hints(task: Exercise, check: str, code: str | None) -> tuple[str, ...]:
     """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check."""
-    of_cause = (task.ladder(code) or (diagnosis.catalogue()[code].hint,)) if code else ()
+    of_cause = (task.ladder(code) or (catalogue.catalogue()[code].hint,)) if code else ()
     return tuple(dict.fromkeys((*of_cause, *task.ladder(check))))

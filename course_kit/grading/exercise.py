@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 FORMAT_VERSION = 1
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
-_TEXTS = ("id", "title", "starter", "notebook")
+_TEXTS = ("id", "title", "starter", "notebook", "grader")
 
 
 @dataclass(frozen=True)
@@ -40,13 +40,14 @@ class Exercise:
 
     Attributes:
         folder: where it lies.
-        id: its name, the folder's and the grader module's.
+        id: its name, which is the folder's.
         title: for people.
         order: its place in the course.
         points: full marks.
         pass_mark: the points from which it is passed.
         starter: the file name of the starter program.
         notebook: the file name of its notebook.
+        grader: the module with its checks.
         class_name: the Node class a submission defines.
         variable: what a submission sets instead, in exercises without ROS.
         seed: what the checks draw from when nobody gives a seed; drawn itself when None.
@@ -62,6 +63,7 @@ class Exercise:
     pass_mark: float
     starter: str
     notebook: str
+    grader: str
     class_name: str
     variable: str
     seed: int | None

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
-from course_kit.grading.isolation import Isolation
 from course_kit.grading.limits import Limits
+from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.submission import Facts
 
 
@@ -15,7 +15,7 @@ class Job:
     """One grading.
 
     Attributes:
-        exercise: the exercise's id, which is also the name of its grader module.
+        grader: the module with the exercise's checks.
         mode: "run" for source text, "exec" for a command, "attach" for what is already on the graph.
         name: the submission's file name as it appears in tracebacks.
         source: Python text.
@@ -36,7 +36,7 @@ class Job:
         hidden: folders to keep out of the submission's sight, wherever they lie.
     """
 
-    exercise: str
+    grader: str
     mode: str
     name: str
     seed: int

@@ -13,8 +13,9 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.grading import limits, machine, processes
+from course_kit.grading import limits, machine
 from course_kit.grading.errors import GradingError
+from course_kit.grading.sandbox import processes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

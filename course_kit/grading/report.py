@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.output import encodable
 
 if TYPE_CHECKING:
-    from course_kit.grading.steps import Step
+    from course_kit.grading.exchange_log import Step
 
 FORMAT_VERSION = 1
 _DIGITS = 6

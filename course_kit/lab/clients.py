@@ -23,8 +23,8 @@ from course_kit.lab.messages import type_name
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.spinner import Spinner
-    from course_kit.lab.tapping import Tapping
+    from course_kit.lab.recording.hooks import Tapping
+    from course_kit.lab.runtime.executor_thread import Spinner
 
 HIDDEN_NAME = "_lab_"  # and the process's number, so that two notebooks do not share it
 _POLL = 0.005  # seconds

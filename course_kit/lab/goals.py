@@ -14,7 +14,7 @@ from course_kit.lab.errors import ActionNotFoundError, FieldError, LabError, NoA
 from course_kit.lab.goal_client import Pursuit
 from course_kit.lab.goal_waits import Awaited, Wait, gone, is_there
 from course_kit.lab.messages import build, is_action_type, type_name
-from course_kit.lab.snapshot import snapshot
+from course_kit.lab.recording.snapshot import snapshot
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable

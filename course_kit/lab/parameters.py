@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from course_kit.lab import graph
 from course_kit.lab.errors import LabError, NodeNotFoundError, ParameterNotFoundError, ServiceNotFoundError
-from course_kit.lab.hearing import Hearing
+from course_kit.lab.parameter_events import Hearing
 from course_kit.lab.parameter_values import (
     Descriptors,
     Outcome,
@@ -27,7 +27,7 @@ from course_kit.lab.parameter_values import (
 if TYPE_CHECKING:
     from collections.abc import Generator
 
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 T = TypeVar("T")
 _TIMEOUT = 5.0  # seconds for each answer
@@ -210,7 +210,8 @@ def _declared(node: str, name: str, known: list[str]) -> str:
 
 
 async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
-    from course_kit.lab import call, current
+    from course_kit.lab.api import call
+    from course_kit.lab.singleton import current
 
     try:
         question = next(steps)
@@ -226,7 +227,8 @@ async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
 
 
 def _ask_blocking(node: str, steps: Steps[T], timeout: float) -> T:
-    from course_kit.lab import call_blocking, current
+    from course_kit.lab.api import call_blocking
+    from course_kit.lab.singleton import current
 
     try:
         question = next(steps)

@@ -10,7 +10,7 @@ import traitlets
 
 from course_kit import lab
 from course_kit.lab import overview
-from course_kit.lab.describe import display_name
+from course_kit.lab.runtime.describe import display_name
 from course_kit.panels.base import RATE, Panel, of_files
 
 if TYPE_CHECKING:

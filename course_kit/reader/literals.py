@@ -1,7 +1,7 @@
 """What a program sets a variable to, where that can be told from its text, without running it.
 
 Learners write a plain dictionary, which is read as a literal. It is told as texts, in the words of `repr`, as the
-sandbox tells it of a program that has to be run for it (`course_kit.grading.values`).
+sandbox tells it of a program that has to be run for it (`course_kit.grading.sandbox.values`).
 """
 
 from __future__ import annotations

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit.classroom import archive, intake, layouts, listing
+from course_kit.classroom.listing import FILE, FOLDER, Item
 from course_kit.grading import GradingError, exercise
-from course_kit.grading.classroom import archive, intake, layouts, listing
-from course_kit.grading.classroom.listing import FILE, FOLDER, Item
 from course_kit.grading.output import one_line
 
 if TYPE_CHECKING:

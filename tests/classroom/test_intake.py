@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit.classroom import archive, intake
 from course_kit.grading import GradingError, exercise
-from course_kit.grading.classroom import archive, intake
 
 if TYPE_CHECKING:
     from pathlib import Path

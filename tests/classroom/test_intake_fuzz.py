@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from course_kit.classroom import intake
 from course_kit.grading import GradingError, exercise
-from course_kit.grading.classroom import intake
 from tests.classroom.hostile_inboxes import Inbox, Maker
 
 if TYPE_CHECKING:

@@ -14,15 +14,16 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading import GradingError, exercise, exports
-from course_kit.grading.classroom.records import Entry, Record, Records, safe_name
-from course_kit.grading.classroom.run import ClassRun, Plan
-from course_kit.grading.classroom.watching import Tally
+from course_kit.classroom import exports
+from course_kit.classroom.progress import Tally
+from course_kit.classroom.records import Entry, Record, Records, safe_name
+from course_kit.classroom.run import ClassRun, Plan
+from course_kit.grading import GradingError, exercise
 from course_kit.grading.report import CheckReport, Report
 
 if TYPE_CHECKING:
-    from course_kit.grading.classroom.gradebook import Gradebook
-    from course_kit.grading.classroom.pool import Task
+    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.grading.workers.pool import Task
 
 SERVICE = exercise.load("temperature_service")
 CHOICE = exercise.load("pattern_choice")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.namespaces import drop_privileges
+from course_kit.grading.sandbox.namespaces import drop_privileges
 from course_setup import problems
 from tests.course_clone import STAND_IN_UV, Clone
 

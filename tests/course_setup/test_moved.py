@@ -97,7 +97,7 @@ def test_moved_and_edited_it_installs_and_keeps_the_environment(clone: Clone) ->
 def test_letters_beyond_ascii_need_no_utf_8_locale(tmp_path: Path, locale: dict[str, str]) -> None:
     clone = Clone(tmp_path, "Übung")
     prints = "import course_kit, os, sys; os.write(1, os.fsencode(course_kit.__file__)); print(' ✓', sys.argv[1:])\n"
-    (clone.root / "course_kit/cli.py").write_text(prints)
+    (clone.root / "course_kit/cli/main.py").write_text(prints)
     done = subprocess.run(
         [clone.root / "course", "grade", "lösung.py"],
         cwd=tmp_path,

@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import exports
-from course_kit.grading.classroom.records import safe_name
-from course_kit.grading.exports import texts
-from course_kit.grading.exports.formats import canvas as canvas_format
+from course_kit.classroom import exports
+from course_kit.classroom.exports import texts
+from course_kit.classroom.exports.formats import canvas as canvas_format
+from course_kit.classroom.records import safe_name
 from tests.exports import books, rules
 from tests.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, good, not_graded, unreadable
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.grading.classroom.gradebook import Gradebook
+    from course_kit.classroom.gradebook import Gradebook
 
 EMPTY = book()
 ONE = book(good("jane"))

@@ -9,9 +9,9 @@ from urllib.parse import unquote
 
 import pytest
 
-from course_kit.grading import exports
-from course_kit.grading.classroom.records import Records, safe_name
-from course_kit.grading.exports import counts, markup, page, texts
+from course_kit.classroom import exports
+from course_kit.classroom.exports import counts, markup, page, texts
+from course_kit.classroom.records import Records, safe_name
 from tests.exports import books
 from tests.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, check, good, not_graded, record, unreadable
 

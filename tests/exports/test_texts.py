@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_kit.grading.exports import texts
+from course_kit.classroom.exports import texts
 from tests.exports.books import HOSTILE
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")

@@ -16,9 +16,10 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from course_kit.grading import isolation, launcher, mounts, namespaces, probing, processes, seccomp
 from course_kit.grading.job import Job
-from course_kit.grading.warden import Warden
+from course_kit.grading.sandbox import isolation, launcher, mounts, namespaces, processes, seccomp
+from course_kit.grading.sandbox.supervisor import Warden
+from course_kit.grading.workers import grader_process
 from tests.grading.conftest import EXERCISE, ROOT
 
 USER, USER_ALONE, AS_ROOT, ROOT_ALONE = "user", "user without namespaces", "root", "root without namespaces"
@@ -52,7 +53,7 @@ def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
 def main() -> None:
     """Read programs, a JSON object by name, and print the outcome of each, and what isolated them."""
     mode, exercise = sys.argv[1:]
-    probing.warm_up()
+    grader_process.warm_up()
     os.environ.update(ROS_LOG_DIR=tempfile.gettempdir(), HOME="/nonexistent")
     if mode in OF_USER and os.getuid() == 0:
         open_the_way(sys.base_prefix)
@@ -73,7 +74,15 @@ def main() -> None:
     print(json.dumps({"isolation": found.to_mapping()}), flush=True)
     for name, source in programs.items():
         user = isolation.guest(os.getpid()) if found.user else 0
-        job = Job(exercise, "run", "answer.py", seed, source=source, class_name="TemperatureService", isolation=found)
+        job = Job(
+            f"course_kit.graders.{exercise}",
+            "run",
+            "answer.py",
+            seed,
+            source=source,
+            class_name="TemperatureService",
+            isolation=found,
+        )
         job = Job.from_mapping({**job.to_mapping(), "user": user})
         sys.stdout.flush()
         if os.fork() == 0:

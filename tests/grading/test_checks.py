@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from course_kit.grading.checks import Check, Evidence, Failed, check, in_order, run_all
-from course_kit.grading.steps import Record
+from course_kit.grading.checks.check import Check, Evidence, Failed, check, in_order, run_all
+from course_kit.grading.exchange_log import Record
 
 
 class FakeBench:

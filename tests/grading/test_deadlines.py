@@ -15,19 +15,19 @@ from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
 
 from course_kit import environment
-from course_kit.grading.actions import Action, expect_action, start_again
-from course_kit.grading.bench import Bench
-from course_kit.grading.checks import Check, Evidence, run_all
-from course_kit.grading.goals import Goal
+from course_kit.grading.checks.actions import Action, expect_action, start_again
+from course_kit.grading.checks.check import Check, Evidence, run_all
+from course_kit.grading.checks.context import Bench
+from course_kit.grading.checks.discovery import expect_node
+from course_kit.grading.checks.goals import Goal
+from course_kit.grading.checks.load_test import Load, call_many
+from course_kit.grading.checks.parameters import Remote, expect_served
+from course_kit.grading.checks.services import Service, call, expect_offered
+from course_kit.grading.checks.topics import HEARD_S, Exchange, Topic, await_next, expect_endpoints
+from course_kit.grading.diagnosis.hangs import ANSWER_S
 from course_kit.grading.job import Job
 from course_kit.grading.limits import Limits
-from course_kit.grading.load import Load, call_many
-from course_kit.grading.offers import expect_node
-from course_kit.grading.parameters import Remote, expect_served
-from course_kit.grading.services import Service, call, expect_offered
-from course_kit.grading.silence import ANSWER_S
-from course_kit.grading.topics import HEARD_S, Exchange, Topic, await_next, expect_endpoints
-from course_kit.grading.wire import Channel, ChannelClosedError
+from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -69,7 +69,7 @@ threading.Event().wait()
 def bench(domain: int) -> Iterator[Bench]:
     """A bench on whose graph is the silent node."""
     environ = environment.child_environment(ROS_DOMAIN_ID=str(domain))
-    job = Job("temperature_service", "attach", "", 3, limits=Limits(start_s=START_S))
+    job = Job("course_kit.graders.temperature_service", "attach", "", 3, limits=Limits(start_s=START_S))
     with subprocess.Popen([sys.executable, "-c", SILENT], env=environ) as program:
         made = Bench(None, job)  # type: ignore[arg-type]  # nobody starts anything
         made.launch()
@@ -150,7 +150,7 @@ def test_a_program_that_is_run_for_its_value_is_ended_at_the_deadline() -> None:
         lives.append(bench.run_to_end())
         return EVIDENCE
 
-    job = Job("pattern_choice", "run", "answer.py", 3, variable="answers")
+    job = Job("course_kit.graders.pattern_choice", "run", "answer.py", 3, variable="answers")
     (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], Bench(ours, job))
     ours.close()
     supervisor.join()

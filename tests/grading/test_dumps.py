@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.life import Life
+from course_kit.grading.diagnosis.tracebacks import activity
 from course_kit.grading.output import Output
-from course_kit.grading.sandbox import Streams
-from course_kit.grading.traces import activity
+from course_kit.grading.sandbox.output_collector import Life
+from course_kit.grading.sandbox.sandbox import Streams
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading import engine, exercise, processes
-from course_kit.grading.checks import Result
+from course_kit.grading import engine, exercise
+from course_kit.grading.checks.check import Result
+from course_kit.grading.sandbox import processes
 from tests.grading.conftest import EXERCISE, ROOT
 
 if TYPE_CHECKING:
@@ -195,7 +196,9 @@ def test_grader_that_cannot_be_loaded_is_named(tmp_path: Path, solution: str) ->
     folder = tmp_path / "exercises" / "no_grader"
     folder.mkdir(parents=True)
     text = (ROOT / "exercises" / EXERCISE / "exercise.toml").read_text()
-    (folder / "exercise.toml").write_text(text.replace(EXERCISE, "no_grader", 1))
+    (folder / "exercise.toml").write_text(
+        text.replace(EXERCISE, "no_grader", 1).replace(f"graders.{EXERCISE}", "graders.no_grader")
+    )
     report = grading.grade("no_grader", tmp_path / "a.py", exercises=tmp_path / "exercises")
     assert report.status == "error"
     assert "course_kit.graders.no_grader" in report.problem

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading import isolation, processes
+from course_kit.grading.sandbox import isolation, processes
 from tests.grading.hostile_table import Table
 
 if TYPE_CHECKING:
@@ -83,8 +83,8 @@ except OSError:
     pass
 """,
     "patches_rclpy": """
-import rclpy.client, course_kit.grading.checks, course_kit.grading.report
-course_kit.grading.checks.run_all = lambda *_: []
+import rclpy.client, course_kit.grading.checks.check, course_kit.grading.report
+course_kit.grading.checks.check.run_all = lambda *_: []
 course_kit.grading.report.Report.score = 10.0
 rclpy.client.Client.service_is_ready = lambda self: True
 """,

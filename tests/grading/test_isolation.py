@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from course_kit import grading
-from course_kit.grading import isolation
+from course_kit.grading.sandbox import isolation
 from tests.grading import attack_modes
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.refused import COMMAND_WITHOUT_NAMESPACES, WITHOUT_NAMESPACES

@@ -8,7 +8,7 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from course_kit.grading import diagnosis
+from course_kit.grading.diagnosis import catalogue
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 BROKEN = {path.stem for path in (REPOSITORY / "tests/broken/temperature_service").glob("*.py")}
@@ -19,11 +19,11 @@ def headings(path: Path) -> set[str]:
     return set(re.findall(r"^#+ +(.+?) *$", text, re.MULTILINE))
 
 
-@pytest.mark.parametrize("code", sorted(diagnosis.catalogue()))
+@pytest.mark.parametrize("code", sorted(catalogue.catalogue()))
 def test_a_link_into_a_notebook_that_exists_names_one_of_its_headings(code: str) -> None:
-    found = diagnosis.catalogue()[code]
+    found = catalogue.catalogue()[code]
     notebook = REPOSITORY / found.notebook
-    message = diagnosis.complete("It failed.", code)
+    message = catalogue.complete("It failed.", code)
     assert message.startswith(f"It failed. {found.explanation}")
     assert (found.link in message) == notebook.is_file()
     if notebook.is_file():
@@ -31,6 +31,6 @@ def test_a_link_into_a_notebook_that_exists_names_one_of_its_headings(code: str)
 
 
 def test_whatever_exercise_1_diagnoses_is_taught_somewhere() -> None:
-    codes = BROKEN & set(diagnosis.catalogue())
+    codes = BROKEN & set(catalogue.catalogue())
     assert len(codes) > 20
-    assert all((REPOSITORY / diagnosis.catalogue()[code].notebook).is_file() for code in codes)
+    assert all((REPOSITORY / catalogue.catalogue()[code].notebook).is_file() for code in codes)

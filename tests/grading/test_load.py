@@ -13,7 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future
 
 from course_kit import environment
-from course_kit.grading.load import Exchange, Lateness
+from course_kit.grading.checks.load_test import Exchange, Lateness
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

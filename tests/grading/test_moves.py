@@ -22,9 +22,9 @@ from course_kit.graders._moves import (
     target_from,
     telling_target,
 )
-from course_kit.grading import goal_endings
-from course_kit.grading.actions import Told
-from course_kit.grading.bench import Life
+from course_kit.grading.checks.actions import Told
+from course_kit.grading.checks.context import Life
+from course_kit.grading.diagnosis import goals
 from course_kit.grading.job import Job
 
 coordinates = st.floats(0.0, ARENA)
@@ -122,8 +122,8 @@ def cause_of(
     status: str, error: str = "", *, mode: str = "run", stderr: str = "", function: str = "_execute_goal"
 ) -> Any:
     text = TRACE.format(error=error, function=function) if error else stderr
-    job = Job("move_robot", mode, "answer.py", 1, source=SOURCE)
-    return goal_endings.of_status(status, Life(running=True, stderr=text), job)
+    job = Job("course_kit.graders.move_robot", mode, "answer.py", 1, source=SOURCE)
+    return goals.of_status(status, Life(running=True, stderr=text), job)
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import isolation, machine, needs, processes
+from course_kit.grading import machine, needs
 from course_kit.grading.limits import Limits
+from course_kit.grading.sandbox import isolation, processes
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.refused import WITHOUT_NAMESPACES
 from tests.unprivileged import as_somebody, give, reachable_folder
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
-COMMAND = "import sys\nfrom course_kit.cli import main\nsys.exit(main(sys.argv[1:]))\n"
+COMMAND = "import sys\nfrom course_kit.cli.main import main\nsys.exit(main(sys.argv[1:]))\n"
 LIMITED = """
 import resource, sys
 what, most = getattr(resource, sys.argv.pop(1)), int(sys.argv.pop(1))
@@ -30,7 +31,7 @@ resource.setrlimit(what, (abs(most) if most < 0 or soft == resource.RLIM_INFINIT
 # In a mount namespace of its own; where that is refused it says so.
 ELSEWHERE = """
 import ctypes, os, sys
-from course_kit.grading import namespaces
+from course_kit.grading.sandbox import namespaces
 libc = ctypes.CDLL(None, use_errno=True)
 try:
     namespaces.enter(namespaces.CLONE_NEWNS)

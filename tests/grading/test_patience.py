@@ -9,8 +9,9 @@ from typing import Any
 
 import pytest
 
-from course_kit.grading import load, patience, processes, scheduling
-from course_kit.grading.patience import FairClock, Recent, State, Used
+from course_kit.grading.checks import fair_clock, load_test
+from course_kit.grading.checks.fair_clock import FairClock, Recent, State, Used
+from course_kit.grading.sandbox import processes, scheduling
 
 
 class Time:
@@ -26,8 +27,8 @@ class Time:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Time:
     made = Time()
-    monkeypatch.setattr(patience, "time", made)
-    monkeypatch.setattr(load, "time", made)
+    monkeypatch.setattr(fair_clock, "time", made)
+    monkeypatch.setattr(load_test, "time", made)
     return made
 
 
@@ -128,7 +129,7 @@ def test_only_what_others_have_taken_is_not_counted(
 
 def test_time_in_which_nothing_came_is_not_lost(clock: Time, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scheduling, "own_waiting", lambda **_: 7.0)
-    late = load.Lateness()
+    late = load_test.Lateness()
     clock.now += 3.0  # the grader waits long for a processor, and nothing has come
     late.look(found=False)
     assert late.seconds() == 0.0
@@ -153,7 +154,7 @@ def test_everything_below_is_ended_and_what_is_kept_lives() -> None:
 
 
 def family() -> bytes:
-    from course_kit.grading import namespaces
+    from course_kit.grading.sandbox import namespaces
 
     namespaces.adopt_orphans()
     kept = sleeper(0)

@@ -8,16 +8,17 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import environment
-from course_kit.grading import limits, warden
-from course_kit.grading.bench import Bench
+from course_kit.grading import limits
+from course_kit.grading.checks.context import Bench
 from course_kit.grading.job import Job
-from course_kit.grading.launcher import Launcher
-from course_kit.grading.wire import Channel
+from course_kit.grading.sandbox import supervisor
+from course_kit.grading.sandbox.launcher import Launcher
+from course_kit.grading.workers.ipc import Channel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-JOB = Job("temperature_service", "run", "answer.py", seed=1, limits=limits.Limits(wall_s=1.0))
+JOB = Job("course_kit.graders.temperature_service", "run", "answer.py", seed=1, limits=limits.Limits(wall_s=1.0))
 
 
 class StandInClock:
@@ -30,7 +31,7 @@ class StandInClock:
         return self.now
 
 
-class StandInWarden(warden.Warden):
+class StandInWarden(supervisor.Warden):
     """Queues for a domain, and then starts nothing in it."""
 
     def _launch(self, *_: Any) -> dict[str, Any]:
@@ -57,7 +58,7 @@ class StandInQueue:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> StandInClock:
     ours = StandInClock()
-    monkeypatch.setattr(warden, "time", ours)
+    monkeypatch.setattr(supervisor, "time", ours)
     return ours
 
 
@@ -88,7 +89,7 @@ def test_a_long_queue_leaves_the_whole_time_for_the_grading(
     clock: StandInClock, line: tuple[Channel, Channel], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     waits_s = 0.9 * limits.QUEUE_S
-    assert waits_s > JOB.limits.wall_s + warden._PROBE_GRACE_S
+    assert waits_s > JOB.limits.wall_s + supervisor._PROBE_GRACE_S
     monkeypatch.setattr(environment, "exclusive_domain", StandInQueue(clock, waits_s))
     assert problem_of(line, 1) == ""
     assert line[1].receive(10.0) == {"domain": 7, "queued_s": waits_s}

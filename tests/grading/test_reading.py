@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import endings
-from course_kit.grading.bench import Life
+from course_kit.grading.checks.context import Life
+from course_kit.grading.diagnosis import exits
+from course_kit.grading.diagnosis.tracebacks import activity, last_exception
 from course_kit.grading.job import Job
 from course_kit.grading.output import KEPT, Output
-from course_kit.grading.traces import activity, last_exception
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,7 +31,7 @@ Traceback (most recent call last):
 ZeroDivisionError: division by zero
 [INFO] the end
 """
-JOB = Job("temperature_service", "run", "answer.py", 1, source="a = 1\nb = 2\nreturn 1 / 0\n")
+JOB = Job("course_kit.graders.temperature_service", "run", "answer.py", 1, source="a = 1\nb = 2\nreturn 1 / 0\n")
 SPINS = """Thread 0x00007f1 (most recent call first):
   File "/usr/lib/threading.py", line 5 in wait
 Current thread 0x00007f2 (most recent call first):
@@ -137,7 +137,7 @@ def test_nothing_spins() -> None:
     ],
 )
 def test_why_a_start_failed(life: Life, code: str) -> None:
-    assert endings.of_start(life, JOB)[0] == code
+    assert exits.of_start(life, JOB)[0] == code
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_why_a_start_failed(life: Life, code: str) -> None:
     ],
 )
 def test_why_a_call_failed(life: Life, code: str | None) -> None:
-    assert endings.of_call(life, JOB)[0] == code
+    assert exits.of_call(life, JOB)[0] == code
 
 
 @pytest.mark.parametrize(
@@ -169,13 +169,20 @@ def test_why_a_call_failed(life: Life, code: str | None) -> None:
 )
 def test_nearest_import(problem: str, nearest: str) -> None:
     life = Life(running=False, stderr=f"Traceback (most recent call last):\n{problem}\n")
-    assert f"nearest name there is: {nearest}." in endings.of_start(life, JOB)[1]
+    assert f"nearest name there is: {nearest}." in exits.of_start(life, JOB)[1]
 
 
 def test_source_line_in_a_notebook() -> None:
-    job = Job("temperature_service", "run", "answer.py", 1, source="a = 1\nb = 2\n", places=((2, 1), (5, 1)))
-    assert endings.source_line(job, 2) == "cell 5, line 2: b = 2"
-    assert endings.source_line(JOB, 99) == "line 99"
+    job = Job(
+        "course_kit.graders.temperature_service",
+        "run",
+        "answer.py",
+        1,
+        source="a = 1\nb = 2\n",
+        places=((2, 1), (5, 1)),
+    )
+    assert exits.source_line(job, 2) == "cell 5, line 2: b = 2"
+    assert exits.source_line(JOB, 99) == "line 99"
 
 
 @pytest.mark.parametrize("size", [0, 1, KEPT, 2 * KEPT])
@@ -220,5 +227,5 @@ def test_a_module_that_a_traceback_names_is_not_run(
     stderr = f"Traceback (most recent call last):\nImportError: cannot import name 'x' from '{module}' (y)\n"
     if top == "course_kit":
         monkeypatch.delitem(sys.modules, module, raising=False)
-    assert endings.of_start(Life(running=False, exit_code=1, stderr=stderr), JOB)[0] == "start.import"
+    assert exits.of_start(Life(running=False, exit_code=1, stderr=stderr), JOB)[0] == "start.import"
     assert not (tmp_path / "trace").exists()

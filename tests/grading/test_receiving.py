@@ -11,7 +11,7 @@ from example_interfaces.srv import AddTwoInts
 from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import String
 
-from course_kit.grading import tester as graders
+from course_kit.grading.checks import grader_node as graders
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

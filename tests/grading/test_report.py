@@ -12,10 +12,10 @@ import pytest
 
 from course_kit import environment
 from course_kit.grading import CheckReport, Report, exit_code, render_html, render_text
-from course_kit.grading.diagnosis import catalogue, complete
+from course_kit.grading.diagnosis.catalogue import catalogue, complete
+from course_kit.grading.exchange_log import GRADER, NODE, Step
 from course_kit.grading.output import Output, printable
-from course_kit.grading.sequence import sequence_svg
-from course_kit.grading.steps import GRADER, NODE, Step
+from course_kit.grading.render.sequence import sequence_svg
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import processes, scheduling
-from course_kit.grading.scheduling import Waiting
+from course_kit.grading.sandbox import processes, scheduling
+from course_kit.grading.sandbox.scheduling import Waiting
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:

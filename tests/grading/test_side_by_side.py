@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading.worker import side_by_side
+from course_kit.grading.workers.worker import side_by_side
 from tests.grading.conftest import EXERCISE, ROOT
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
 
 from course_kit import grading
-from course_kit.grading.checks import Evidence
-from course_kit.grading.steps import GRADER, NODE, Record, Step, tell
+from course_kit.grading.checks.check import Evidence
+from course_kit.grading.exchange_log import GRADER, NODE, Record, Step, tell
 from tests.grading.conftest import ROOT
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from course_kit.lab.messages import build
 from tests.lab.nodes import Faulty, Switch, Talker
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 pytestmark = pytest.mark.usefixtures("own_lab")
 

@@ -20,7 +20,7 @@ from course_kit import lab
 from tests.lab.action_nodes import Fibonaccis, Stubborn, Waiting
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
     from tests.lab.kernel import Kernel
 
 pytestmark = pytest.mark.usefixtures("own_lab")

@@ -13,7 +13,7 @@ from tests.lab.action_nodes import Fibonaccis
 from tests.lab.nodes import Switch
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 pytestmark = pytest.mark.usefixtures("own_lab")
 

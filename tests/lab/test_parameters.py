@@ -19,11 +19,12 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float64, String
 
-from course_kit import lab, trace
+from course_kit import lab
 from course_kit.lab.parameter_values import Descriptor, Range
+from course_kit.lab.recording import attaching
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 pytestmark = pytest.mark.usefixtures("own_lab")
 NAMES = ["name", "speed", "gears", "frame", "tags", "late"]
@@ -223,7 +224,7 @@ def test_descriptors_hold_what_the_node_says() -> None:
 
 
 def test_a_diagram_shows_a_parameter_by_its_value(own_lab: Lab) -> None:
-    trace.attach(own_lab)
+    attaching.attach(own_lab)
     lab.start(Robot)
     lab.set_parameters_blocking("/robot", speed=2.0)
     asked = "lab -> robot  /robot/set_parameters request: parameters=[{name='speed', value=2.0}]"

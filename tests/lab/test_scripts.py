@@ -10,7 +10,8 @@ import psutil
 import pytest
 from example_interfaces.srv import AddTwoInts
 
-from course_kit import lab, trace
+from course_kit import lab
+from course_kit.lab.recording import attaching
 from tests.lab.nodes import Switch
 from tests.waiting import wait_until
 
@@ -183,7 +184,7 @@ def test_scripts_die_with_the_kernel(how: signal.Signals, fresh_kernel: Kernel) 
 
 @pytest.mark.usefixtures("own_lab")
 def test_scripts_from_a_program(capsys: pytest.CaptureFixture[str]) -> None:
-    trace.attach()
+    attaching.attach()
     lab.script("server", SERVER)
     assert lab.call_blocking("/add_two_ints", AddTwoInts, a=20, b=22).sum == 42
     assert repr(lab.script("client", CLIENT, 1, 2)) == "client has ended."

@@ -17,8 +17,8 @@ from course_kit.lab import overview
 from course_kit.panels.graph_view import GraphView, drawn, in_lines, news
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
     from course_kit.lab.overview import Overview
+    from course_kit.lab.runtime.core import Lab
 
 pytestmark = pytest.mark.usefixtures("live_lab")
 

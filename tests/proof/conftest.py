@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from course_kit import environment
-from course_kit.dev import check, sets
+from course_kit.authoring import check, corpus
 
 ROOT = environment.checkout() or Path()
-EXERCISES = sets.all_exercises(ROOT)
+EXERCISES = corpus.all_exercises(ROOT)
 
 
 class Proofs:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
-from course_kit.dev import rules, sets
-from course_kit.grading.diagnosis import catalogue
+from course_kit.authoring import corpus, rules
+from course_kit.grading.diagnosis.catalogue import catalogue
 from tests.proof.conftest import EXERCISES, ROOT
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def test_everything_holds(exercise: str, proofs: Proofs) -> None:
 
 
 def names(exercise: str) -> set[str]:
-    return {one.name for one in sets.load(exercise, ROOT).of("broken")}
+    return {one.name for one in corpus.load(exercise, ROOT).of("broken")}
 
 
 def test_every_code_has_a_broken_submission() -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 HERE = Path(__file__).resolve().parent
 GOLDEN = HERE / "golden"
 SEED = HERE.parent / "seed"
-OURS = [sys.executable, "-m", "course_kit.ros2"]
+OURS = [sys.executable, "-m", "course_kit.ros2cli"]
 PATIENCE = 60.0
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.ros2.cli import run
+from course_kit.ros2cli.cli import run
 from tests.background import IN_BACKGROUND
 
 from .commands import OURS, interrupt, lines_until

@@ -113,9 +113,9 @@ def test_children_that_ignore_everything_are_killed_and_so_are_theirs(ros2: Ros2
     (ros2.folder / "stubborn.py").write_text(STUBBORN)
     file = write(ros2.folder, "Node(package='here', executable='stubborn', output='screen')")
     code = (
-        "import signal; from course_kit.launch_shim import service, process; "
+        "import signal; from course_kit.launch import service, process; "
         "service.STEPS = process.STEPS = tuple((number, 0.3) for number, _ in process.STEPS); "
-        f"from course_kit.ros2.cli import run; run(['launch', {file!r}])"
+        f"from course_kit.ros2cli.cli import run; run(['launch', {file!r}])"
     )
     launch = ros2.begin(sys.executable, "-c", code)
     pids = [int(word) for word in lines_until(launch, "pids")[-1].split()[-2:]]

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import psutil
 import pytest
 
-from course_kit import lab, trace
-from course_kit.magics import MagicError, ros_launch, ros_script, ros_stop
+from course_kit import lab
+from course_kit.integrations.magics import MagicError, ros_launch, ros_script, ros_stop
+from course_kit.lab.recording import attaching
 from tests.waiting import wait_until
 
 from .commands import SEED, is_alive
@@ -16,7 +17,7 @@ from .commands import SEED, is_alive
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 LAUNCH = (SEED / "parameter_node.launch.py").read_text()
 ARGUMENT = """
@@ -40,7 +41,7 @@ def folder_of_the_chapter(own_lab: Lab, tmp_path: Path, monkeypatch: pytest.Monk
 def test_the_chapters_launch_file_runs_in_the_background_until_it_is_stopped(
     own_lab: Lab, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    trace.attach(own_lab)
+    attaching.attach(own_lab)
     ros_launch("parameter_node", LAUNCH)
     shown = capfd.readouterr().out.splitlines()
     assert shown[0].startswith("[INFO] [parameter_node-1]: process started with pid [")

@@ -10,8 +10,8 @@ from std_msgs.msg import ByteMultiArray, Float32, Header, Int8, String, UInt8, U
 from std_srvs.srv import SetBool
 from test_msgs.msg import Arrays, BoundedSequences
 
-from course_kit.ros2 import values
-from course_kit.ros2.errors import CommandError
+from course_kit.ros2cli import values
+from course_kit.ros2cli.errors import CommandError
 
 
 @pytest.mark.parametrize(

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from course_kit.lab.events import Event, Taps
-from course_kit.trace.arrows import NOBODY, UNSEEN, Arrow, arrows_of
-from course_kit.trace.recording import DRAWN, KEPT, Recording
+from course_kit.lab.recording.arrows import NOBODY, UNSEEN, Arrow, arrows_of
+from course_kit.lab.recording.events import Event, Taps
+from course_kit.lab.recording.recording import DRAWN, KEPT, Recording
 
 
 class Story:

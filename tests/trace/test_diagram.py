@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
-from course_kit.lab.snapshot import CHARACTERS, ELEMENTS, snapshot
-from course_kit.trace.arrows import Arrow
-from course_kit.trace.diagram import MERMAID, WIDTH, Diagram
-from course_kit.trace.wording import in_words
+from course_kit.lab.recording.arrows import Arrow
+from course_kit.lab.recording.diagram import MERMAID, WIDTH, Diagram
+from course_kit.lab.recording.snapshot import CHARACTERS, ELEMENTS, snapshot
+from course_kit.lab.recording.wording import in_words
 
 CALL = [
     Arrow("lab", "/adder", "/add", "request", "a=1, b=2"),

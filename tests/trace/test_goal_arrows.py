@@ -4,10 +4,10 @@ from typing import Any
 
 import pytest
 
-from course_kit.lab.events import Event
-from course_kit.trace.arrows import UNSEEN, Arrow, arrows_of
-from course_kit.trace.diagram import Diagram
-from course_kit.trace.goal_arrows import RUN
+from course_kit.lab.recording.arrows import UNSEEN, Arrow, arrows_of
+from course_kit.lab.recording.diagram import Diagram
+from course_kit.lab.recording.events import Event
+from course_kit.lab.recording.goal_arrows import RUN
 
 Step = tuple[str, Any]
 YES, NO = {"accepted": True}, {"accepted": False}

@@ -1,0 +1,165 @@
+"""What graders ask of an action server before they send it goals: is it there, and does the grader hear it.
+
+An action is three services and two topics below its name (design article "Actions" of ROS 2). The grader uses these
+themselves, not rclpy's ActionClient: that one drops feedback which arrives after the result, and hides the rest.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile
+
+from course_kit.grading.bounds import bounded
+from course_kit.grading.checks import discovery, retry
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.context import SubmissionEndedError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rclpy.client import Client
+
+    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.grader_node import Listener
+
+_MOST_FEEDBACK = 10_000  # messages about one goal that are kept
+_MOST_CHANGES = 20  # of the status of one goal
+_FEEDBACK = QoSProfile(depth=1000)
+_STATUS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
+
+
+@dataclass(frozen=True)
+class Action:
+    """An action as the exercise names it.
+
+    Attributes:
+        name: its full name.
+        interface: its class.
+        type: the interface's name, `package/action/Name`.
+    """
+
+    name: str
+    interface: Any
+    type: str
+
+    @property
+    def wanted(self) -> discovery.Wanted:
+        """What is to be on the graph."""
+        return discovery.Wanted("action", self.name, self.type)
+
+
+@dataclass(frozen=True)
+class Told:
+    """Feedback, and when it was received, in seconds of the system's clock."""
+
+    feedback: Any
+    came_s: float
+
+
+class Feedback:
+    """What has come as feedback about goals that are followed; of one without end the beginning and the last."""
+
+    def __init__(self) -> None:
+        self.count = 0  # about whatever goal
+        self._of_goals: dict[bytes, list[Told]] = {}
+
+    def of(self, goal: bytes) -> list[Told]:
+        """All about a goal, oldest first, from the first question for it on."""
+        return self._of_goals.setdefault(goal, [])
+
+    def take(self, message: Any, info: Any) -> None:
+        """Keep one message; `info` is rclpy's."""
+        self.count += 1
+        all_told = self._of_goals.get(bytes(message.goal_id.uuid))
+        if all_told is not None:
+            del all_told[_MOST_FEEDBACK - 1 :]
+            all_told.append(Told(bounded(message.feedback), info["received_timestamp"] / 1e9))
+
+
+class Statuses:
+    """How the statuses of goals that are followed have changed."""
+
+    def __init__(self) -> None:
+        self._of_goals: dict[bytes, list[tuple[float, int]]] = {}
+
+    def of(self, goal: bytes) -> list[tuple[float, int]]:
+        """Each change, with its time on the system's clock, from the first question for the goal on."""
+        return self._of_goals.setdefault(goal, [])
+
+    def take(self, message: Any, info: Any) -> None:
+        """Keep what one message has of news; `info` is rclpy's."""
+        for entry in bounded(message).status_list:
+            changes = self._of_goals.get(bytes(entry.goal_info.goal_id.uuid))
+            if changes is not None and len(changes) < _MOST_CHANGES and entry.status not in [one for _, one in changes]:
+                changes.append((info["received_timestamp"] / 1e9, entry.status))
+
+
+class Line:
+    """The grader's connections with an action; made on first use, and the same as long as the grader's node."""
+
+    def __init__(self, bench: Bench, action: Action) -> None:
+        parts, self._tester, self._name = action.interface.Impl, bench.tester, action.name
+        self.goals = self._client(parts.SendGoalService, "send_goal")
+        self.cancels = self._client(parts.CancelGoalService, "cancel_goal")
+        self.results = self._client(parts.GetResultService, "get_result")  # the last: see `_get_known`
+        self.feedback = self._listen(Feedback, parts.FeedbackMessage, "feedback", _FEEDBACK)
+        self.statuses = self._listen(Statuses, parts.GoalStatusMessage, "status", _STATUS)
+
+    def ready(self) -> bool:
+        """Whether a goal can be sent and everything about it will be heard."""
+        return all(client.service_is_ready() for client in (self.goals, self.results, self.cancels)) and all(
+            self._tester.node.count_publishers(f"{self._name}/_action/{topic}") for topic in ("feedback", "status")
+        )
+
+    def _client(self, interface: Any, part: str) -> Client:
+        return self._tester.client(interface, f"{self._name}/_action/{part}")
+
+    def _listen(self, make: Callable[[], Listener], interface: Any, part: str, qos: QoSProfile) -> Listener:
+        return self._tester.hear_with(make, interface, f"{self._name}/_action/{part}", qos)
+
+
+def expect_action(bench: Bench, action: Action) -> Evidence:
+    """The action is on the graph, with its type, and its program is there to be sent goals.
+
+    Raises:
+        Failed: it is not; with start.*, name.action, type.interface or limit.*.
+    """
+    expected = f"the action {action.name} of type {action.type}"
+    line = Line(bench, action)
+    discovery.await_offer(bench, action.wanted, line.ready, bench.tester.actions)
+    try:
+        _get_known(bench, action)
+    except SubmissionEndedError as ended:
+        if ended.diagnosis == "start.exit":
+            evidence = Evidence("", expected, "a program that has ended")
+            raise Failed(evidence, ended.message, ended.diagnosis) from None
+    return Evidence("", expected, expected)
+
+
+def ensure_ready(bench: Bench, action: Action) -> None:
+    """Have a running submission that offers the action: one that has died or hangs is started again.
+
+    Raises:
+        Failed: it does not come up a second time.
+    """
+    if bench.spoiled:
+        start_again(bench, action)
+
+
+def start_again(bench: Bench, action: Action, variables: Mapping[str, str] | None = None) -> None:
+    """Start the submission anew, with other environment variables if wanted.
+
+    Raises:
+        Failed: it does not come up a second time.
+    """
+    discovery.start_again(bench, action.wanted, lambda: Line(bench, action).ready(), variables)
+    with suppress(SubmissionEndedError):  # whoever needs it will notice
+        _get_known(bench, action)
+
+
+def _get_known(bench: Bench, action: Action) -> None:
+    """Ask for the result of a goal that does not exist; whether that is answered does not matter."""
+    retry.get_known(bench, Line(bench, action).results, action.interface.Impl.GetResultService.Request())

@@ -1,0 +1,181 @@
+"""Why a submission ended: from its exit, its limits and its own last words to a code of the catalogue."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import pkgutil
+import re
+import signal
+import sys
+from typing import TYPE_CHECKING
+
+from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
+from course_kit.grading.submission import where
+
+if TYPE_CHECKING:
+    from course_kit.grading.checks.context import Life
+    from course_kit.grading.job import Job
+
+_FIELD = re.compile(r"'(?P<field>\w+)' field must be (?:a sub message )?of type '(?P<type>[\w.]+)'")
+_NO_MODULE = re.compile(r"No module named '(?P<module>[\w.]+)'")
+_NO_NAME = re.compile(r"cannot import name '(?P<name>\w+)' from '(?P<module>[\w.]+)'")
+_TOO_MANY = ("can't start new thread", "[Errno 11] Resource temporarily unavailable")
+# Packages of the course that may exist as text only, and so are not among the installed modules.
+_INTERFACE_PACKAGES = ("course_interfaces", "example_interfaces")
+# What is imported to see what is in it. What a traceback names is the submission's choice, and importing is running.
+_HARMLESS = re.compile(r"rclpy(?:\.\w+)*|course_kit\.robot|\w+_(?:msgs|srvs|interfaces)\.(?:msg|srv|action)")
+_LONGEST_LINE = 200  # characters of a learner's line that are repeated
+_LONGEST_NAME = 80  # comparing names takes the product of their lengths
+
+Cause = tuple["str | None", str]
+"""A diagnosis, or None when the cause is not established, and what happened in one or two sentences."""
+
+
+def source_line(job: Job, line: int) -> str:
+    """The learner's own line and where it stands, `line 12: return response`; notebooks: `cell 3, line 2: ...`."""
+    lines = job.source.split("\n")
+    text = lines[line - 1].strip()[:_LONGEST_LINE] if 0 < line <= len(lines) else ""
+    place = where(job.places, line)
+    return f"{place}: {text}" if text else place
+
+
+def of_limit(life: Life, job: Job) -> Cause | None:
+    """The limit that ended the submission, if one did."""
+    limits = job.limits
+    raised = last_exception(life.stderr, job.name)
+    limit = life.limit
+    if limit is None and raised is not None:
+        if raised.type == "MemoryError":
+            limit = "memory"
+        elif any(text in raised.text for text in _TOO_MANY):
+            limit = "processes"
+    if limit is None and "std::bad_alloc" in life.stderr:
+        limit = "memory"
+    computed = limits.cpu_s if life.signal == signal.SIGXCPU else life.cpu_s  # what is dead is not counted any more
+    told = {
+        "time": f"Your program was stopped: it had computed for {computed:.0f} s (the limits are {limits.cpu_s} s of "
+        f"computing and {limits.wall_s:g} s in all).",
+        "memory": f"Your program wanted more than the {limits.memory_mb} MB of memory it may use.",
+        "output": f"Your program was stopped: it had printed more than {limits.output_kb} kB.",
+        "processes": f"Your program started more than the {limits.tasks} processes and threads it may have at a time.",
+    }
+    return (f"limit.{limit}", told[limit]) if limit else None
+
+
+def of_start(life: Life, job: Job) -> Cause:
+    """Why a submission ended before it could be asked anything."""
+    if cause := of_limit(life, job):
+        return cause
+    if life.notes.get("functions") is not None:
+        return "start.nothing", _no_class(life, job)
+    raised = last_exception(life.stderr, job.name)
+    if raised is None:
+        return exited(life)
+    where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
+    if raised.type in ("ModuleNotFoundError", "ImportError"):
+        return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
+    return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
+
+
+def exited(life: Life) -> Cause:
+    """How it ended, when nothing tells why."""
+    how = f"by signal {_signal_name(life.signal)}" if life.signal else f"with exit code {life.exit_code}"
+    return "start.exit", f"Your program ended {how} before it could answer anything."
+
+
+def of_call(life: Life, job: Job) -> Cause:
+    """Why a submission ended while it was to answer a call."""
+    return of_limit(life, job) or _of_callback(life, job) or exited(life)
+
+
+def _of_callback(life: Life, job: Job) -> Cause | None:
+    returned = life.notes.get("returned")
+    if returned == "None":
+        return (
+            "service.no_return",
+            "Your callback ran and returned None; rclpy had nothing to send and your node ended.",
+        )
+    if returned is not None:
+        text = f"Your callback returned an object of type {returned}; rclpy refused to send it and your node ended."
+        return "service.wrong_return", text
+    if life.signal:
+        return None, f"Your program ended by signal {_signal_name(life.signal)} while it was to answer."
+    if life.notes.get("exit_in_callback"):
+        return "service.exception", "Your callback ended the whole program (SystemExit). The client got no answer."
+    return of_logged(life.stderr, job)
+
+
+def of_logged(stderr: str, job: Job) -> Cause | None:
+    """What a program that lives on has told about an exception in its callback."""
+    raised = last_exception(stderr, job.name)
+    return _of_exception(raised, job) if raised is not None else None
+
+
+def _of_exception(raised: Raised, job: Job) -> Cause:
+    where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
+    if raised.frames and raised.frames[-1].function == "send_response" and raised.type == "TypeError":
+        return (
+            "service.wrong_return",
+            "Your callback did not return the response it was given; rclpy refused to send it.",
+        )
+    if cause := of_field(raised, job):
+        return cause
+    return "service.exception", f"Your callback raised {raised.describe()}{where}. The client got no answer."
+
+
+def of_field(raised: Raised, job: Job) -> Cause | None:
+    """The field of a message that refused its value, if that is what was raised."""
+    match = _FIELD.search(raised.text)
+    if match is None:
+        return None
+    where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
+    text = f"The field '{match['field']}' must be a {match['type']}, and something else was put into it{where}."
+    return "field.type", text
+
+
+def _no_class(life: Life, job: Job) -> str:
+    nodes, classes, functions = (life.notes.get(key) or [] for key in ("node_classes", "classes", "functions"))
+    if nodes:
+        found = f"several Node classes ({', '.join(map(str, nodes))}), none of them called {job.class_name}"
+    elif classes:
+        found = f"the class {', '.join(map(str, classes))}, which is no rclpy Node"
+    elif functions:
+        found = f"the function {', '.join(map(str, functions))}, and nothing that calls it"
+    else:
+        found = "no class at all"
+    return f"Your program ran to its end without making a node. It defines {found}."
+
+
+def _nearest(raised: Raised) -> str:
+    if match := _NO_MODULE.search(raised.text):
+        wanted = match["module"].partition(".")[0]
+        known = {module.name for module in pkgutil.iter_modules()} | set(sys.stdlib_module_names)
+        known.update(_INTERFACE_PACKAGES)
+        if wanted in known:  # the package is right, something in it is not
+            return f"There is a package {wanted}, but not that part of it."
+    elif match := _NO_NAME.search(raised.text):
+        wanted, known = match["name"], _names_in(match["module"])
+    else:
+        return ""
+    close = difflib.get_close_matches(wanted[:_LONGEST_NAME], sorted(known), n=3)
+    alike = [name for name in close if name[0] == wanted[0]] or close  # slips rarely change the first letter
+    return f"The nearest name there is: {alike[0]}." if alike else ""
+
+
+def _names_in(module: str) -> set[str]:
+    """What can be imported from a module; nothing where importing it here would not do."""
+    loaded = sys.modules.get(module)
+    try:
+        if loaded is None and _HARMLESS.fullmatch(module):
+            loaded = importlib.import_module(module)
+    except Exception:  # noqa: BLE001 - there is none of this name, or it is not whole
+        return set()
+    return set(dir(loaded)) if loaded is not None else set()
+
+
+def _signal_name(number: int | None) -> str:
+    try:
+        return signal.Signals(number or 0).name
+    except ValueError:
+        return str(number)

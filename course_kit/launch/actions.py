@@ -1,0 +1,152 @@
+"""The actions of a launch file; each does its part when it is reached ("Launch" among the ROS 2 tutorials)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from course_kit.launch.description import LaunchDescription, PythonLaunchDescriptionSource, load
+from course_kit.launch.errors import LaunchError, refuse
+from course_kit.launch.substitutions import Text, as_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from course_kit.launch.context import LaunchContext
+
+
+class Runner(Protocol):
+    """What actions need of whoever runs them."""
+
+    def start(self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]) -> None:
+        """Start a process; the temporary files are removed when all is over."""
+
+    def later(self, seconds: float, actions: list[Any], context: LaunchContext) -> None:
+        """Run actions after a while."""
+
+    def say(self, text: str) -> None:
+        """Print a line of launch's own."""
+
+
+class Action:
+    """Something a launch file does."""
+
+    def execute(self, context: LaunchContext, runner: Runner) -> None:
+        """Do it."""
+        raise NotImplementedError(type(self).__name__)
+
+
+class DeclareLaunchArgument(Action):
+    """An argument of the launch file, given as name:=value.
+
+    Args:
+        name: its name.
+        default_value: used when it is not given; without one it must be.
+        description: what it is for, for --show-args.
+        choices: the values it may have.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        default_value: Any = None,
+        description: str | None = None,
+        choices: list[str] | None = None,
+        **more: Any,
+    ) -> None:
+        refuse("DeclareLaunchArgument", more)
+        self.name, self.default_value, self.choices = name, default_value, choices
+        self.description = description or "no description given"
+
+    def execute(self, context: LaunchContext, runner: Runner) -> None:
+        """Give the argument its default, unless it has a value."""
+        del runner
+        values = context.launch_configurations
+        if self.name not in values:
+            if self.default_value is None:
+                raise LaunchError(f"The launch argument '{self.name}' is required: add {self.name}:=value.")
+            values[self.name] = as_text(self.default_value, context)
+        if self.choices and values[self.name] not in self.choices:
+            raise LaunchError(f"{self.name}:={values[self.name]} is none of {', '.join(self.choices)}.")
+
+
+class IncludeLaunchDescription(Action):
+    """Another launch file as a part of this one.
+
+    Args:
+        launch_description_source: the file, as a PythonLaunchDescriptionSource or as a path.
+        launch_arguments: pairs of names and values, such as `{"name": "value"}.items()`.
+    """
+
+    def __init__(
+        self,
+        launch_description_source: PythonLaunchDescriptionSource | Text,
+        *,
+        launch_arguments: Iterable[tuple[Text, Text]] | None = None,
+        **more: Any,
+    ) -> None:
+        refuse("IncludeLaunchDescription", more)
+        if not isinstance(launch_description_source, PythonLaunchDescriptionSource):
+            launch_description_source = PythonLaunchDescriptionSource(launch_description_source)
+        self.source, self._arguments = launch_description_source, list(launch_arguments or [])
+
+    def execute(self, context: LaunchContext, runner: Runner) -> None:
+        """Run the other file's actions, with the arguments in force from here on."""
+        for name, value in self._arguments:
+            context.launch_configurations[as_text(name, context)] = as_text(value, context)
+        path = self.source.path(context)
+        execute_all(load(path).entities, context.inside(path), runner)
+
+
+class TimerAction(Action):
+    """Actions that come later.
+
+    Args:
+        period: seconds from the moment the timer is reached.
+        actions: what is done then.
+    """
+
+    def __init__(self, *, period: Any, actions: Iterable[Any], **more: Any) -> None:
+        refuse("TimerAction", more)
+        self._period, self.actions = period, list(actions)
+
+    def execute(self, context: LaunchContext, runner: Runner) -> None:
+        """Start the timer."""
+        text = as_text(self._period, context)
+        try:
+            seconds = float(text)
+        except ValueError:
+            raise LaunchError(f"TimerAction(period={text!r}): a period is a number of seconds.") from None
+        runner.later(seconds, self.actions, context)
+
+
+class LogInfo(Action):
+    """A line on the screen.
+
+    Args:
+        msg: the text, also as substitutions.
+    """
+
+    def __init__(self, *, msg: Text, **more: Any) -> None:
+        refuse("LogInfo", more)
+        self._message = msg
+
+    def execute(self, context: LaunchContext, runner: Runner) -> None:
+        """Print the line."""
+        runner.say(f"[INFO] [launch.user]: {as_text(self._message, context)}")
+
+
+def execute_all(entities: Iterable[Any], context: LaunchContext, runner: Runner) -> None:
+    """Run actions in order.
+
+    Raises:
+        LaunchError: one of them is no action of the subset, or cannot be done.
+    """
+    for entity in entities:
+        if isinstance(entity, LaunchDescription):
+            execute_all(entity.entities, context, runner)
+        elif isinstance(entity, Action):
+            entity.execute(context, runner)
+        else:
+            raise LaunchError(f"{entity!r} is no action of the course kit's subset of launch.")
