@@ -57,8 +57,8 @@ def test_it_works_through_a_link_and_from_another_folder(clone: Clone, tmp_path:
 
 def test_a_file_in_the_folder_one_is_in_takes_the_place_of_no_module(clone: Clone, tmp_path: Path) -> None:
     (tmp_path / "runpy.py").write_text("raise SystemExit('not meant')\n")
-    (tmp_path / "course_kit").mkdir()
-    (tmp_path / "course_kit" / "cli.py").write_text("raise SystemExit('another course')\n")
+    (tmp_path / "course_kit" / "cli").mkdir(parents=True)
+    (tmp_path / "course_kit" / "cli" / "main.py").write_text("raise SystemExit('another course')\n")
     for _ in range(2):
         done = clone.course("doctor", cwd=tmp_path)
         assert done.stdout == f"cli {clone.environment} doctor\n", done.stderr

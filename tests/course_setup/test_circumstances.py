@@ -80,7 +80,7 @@ def test_pythonhome_is_left_aside(clone: Clone) -> None:
 
 
 def test_packages_from_elsewhere_are_left_aside_unless_ros_brings_them(clone: Clone, tmp_path: Path) -> None:
-    (clone.root / "course_kit" / "cli.py").write_text("import graphlib; print(graphlib.__file__)\n")
+    (clone.root / "course_kit" / "cli" / "main.py").write_text("import graphlib; print(graphlib.__file__)\n")
     (tmp_path / "graphlib.py").touch()
     for _ in range(2):
         done = clone.course("doctor", PYTHONPATH=str(tmp_path))

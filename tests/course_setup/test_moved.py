@@ -71,7 +71,7 @@ def test_a_copy_has_nothing_to_do_with_the_original(clone: Clone, tmp_path: Path
     original = clone.root
     shutil.copytree(original, tmp_path / "a copy", symlinks=True)
     clone.root = tmp_path / "a copy"
-    (original / "course_kit" / "cli.py").write_text("print('the original')\n")
+    (original / "course_kit" / "cli" / "main.py").write_text("print('the original')\n")
     assert clone.course("doctor", cwd=tmp_path).stdout == f"cli {clone.environment} doctor\n"
     assert clone.calls() == ["venv", "pip"]
     assert clone.environment.is_relative_to(tmp_path / "a copy")
