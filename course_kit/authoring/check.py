@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
-    from course_kit.authoring.corpus import Sets, Submission
+    from course_kit.authoring.corpus import Corpus, Sample
     from course_kit.authoring.rules import Fault
 
-    Progress = Callable[[int, int, "Submission", Report], None]
+    Progress = Callable[[int, int, "Sample", Report], None]
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Run:
     """
 
     seed: int
-    reports: dict[Submission, Report]
+    reports: dict[Sample, Report]
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Outcome:
         partial: not all exercises were looked at.
     """
 
-    sets: tuple[Sets, ...]
+    sets: tuple[Corpus, ...]
     runs: tuple[Run, ...]
     faults: tuple[Fault, ...]
     busy: int
@@ -99,7 +99,7 @@ def check(  # noqa: PLR0913 - the options of one verb
     return Outcome(chosen, runs, tuple(found), busy, time.monotonic() - began, partial=bool(exercises))
 
 
-def _grade(pool: gradings.Gradings, chosen: Sequence[Sets], runs: Sequence[Run], progress: Progress | None) -> None:
+def _grade(pool: gradings.Gradings, chosen: Sequence[Corpus], runs: Sequence[Run], progress: Progress | None) -> None:
     begun = {}
     for run in runs:
         for one in chosen:
@@ -116,7 +116,7 @@ def _grade(pool: gradings.Gradings, chosen: Sequence[Sets], runs: Sequence[Run],
             progress(number, len(begun), submission, report)
 
 
-def _not_graded(submission: Submission, problem: str) -> Report:
+def _not_graded(submission: Sample, problem: str) -> Report:
     return Report(
         exercise=submission.exercise,
         title="",
@@ -130,13 +130,13 @@ def _not_graded(submission: Submission, problem: str) -> Report:
     )
 
 
-def _longest_first(one: Sets) -> list[Submission]:
+def _longest_first(one: Corpus) -> list[Sample]:
     """Right programs go through all checks, and limits are reached slowly: what begins late is waited for alone."""
     slow = ("starter", "solution", "variant")
     return sorted(one.submissions, key=lambda each: each.kind not in slow and not each.name.startswith("limit."))
 
 
-def _of_exercise(run: Run, one: Sets) -> dict[Submission, Report]:
+def _of_exercise(run: Run, one: Corpus) -> dict[Sample, Report]:
     return {submission: run.reports[submission] for submission in one.submissions}
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.authoring.check import Outcome, Run
-    from course_kit.authoring.corpus import Sets, Submission
+    from course_kit.authoring.corpus import Corpus, Sample
     from course_kit.grading import Report
 
 FORMAT_VERSION = 1
@@ -28,15 +28,15 @@ _COLUMNS = {
 }
 
 
-def progress(stream: TextIO) -> Callable[[int, int, Submission, Report], None]:
+def progress(stream: TextIO) -> Callable[[int, int, Sample, Report], None]:
     """Something to call after each grading; keeps one line up to date on a terminal, else writes some.
 
     A verdict that differs from an earlier one of the same submission is told at once: the end may be an hour away.
     """
     terminal = stream.isatty()
-    before: dict[Submission, Report] = {}
+    before: dict[Sample, Report] = {}
 
-    def show(done: int, total: int, submission: Submission, report: Report) -> None:
+    def show(done: int, total: int, submission: Sample, report: Report) -> None:
         what = f"{submission.exercise} {submission.kind} {submission.name}: {report.score:g} points"
         line = f"[{done:>{len(str(total))}}/{total}] {what}, {report.duration_s:.1f} s"
         earlier = before.setdefault(submission, report)
@@ -111,7 +111,7 @@ def _heading(name: str) -> str:
     return "same again" if name == "stable" else name
 
 
-def _cell(found: Outcome, one: Sets, name: str) -> str:
+def _cell(found: Outcome, one: Corpus, name: str) -> str:
     wrong = [fault for fault in found.faults if (fault.exercise, fault.rule) == (one.task.id, name)]
     if name == "stable":
         count = len(found.runs)

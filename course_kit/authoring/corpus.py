@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Submission:
+class Sample:
     """One program, and what it is there for.
 
     Attributes:
@@ -63,13 +63,13 @@ class Submission:
 
 
 @dataclass(frozen=True)
-class Sets:
+class Corpus:
     """All submissions of one exercise."""
 
     task: Exercise
-    submissions: tuple[Submission, ...]
+    submissions: tuple[Sample, ...]
 
-    def of(self, kind: str) -> tuple[Submission, ...]:
+    def of(self, kind: str) -> tuple[Sample, ...]:
         """Those of one kind."""
         return tuple(one for one in self.submissions if one.kind == kind)
 
@@ -81,7 +81,7 @@ def all_exercises(root: Path) -> list[str]:
     return sorted(ids, key=lambda name: (exercise.load(name, folder).order, name))
 
 
-def load(exercise_id: str, root: Path) -> Sets:
+def load(exercise_id: str, root: Path) -> Corpus:
     """The sets of one exercise of the checkout `root`.
 
     Raises:
@@ -89,21 +89,21 @@ def load(exercise_id: str, root: Path) -> Sets:
     """
     task = exercise.load(exercise_id, root / "exercises")
     tests = root / "tests"
-    found = [Submission(task.id, "starter", name, task.folder / name) for name in (task.starter, task.notebook)]
+    found = [Sample(task.id, "starter", name, task.folder / name) for name in (task.starter, task.notebook)]
     solution = root / "solutions" / task.id / f"{task.id}.py"
     if solution.is_file():
-        found.append(Submission(task.id, "solution", solution.name, solution))
+        found.append(Sample(task.id, "solution", solution.name, solution))
     for kind, folder in (("variant", tests / "grading" / "correct"), ("broken", tests / "broken")):
         paths = sorted((folder / task.id).glob("*.py"))
-        found += [Submission(task.id, kind, path.stem, path) for path in paths]
+        found += [Sample(task.id, kind, path.stem, path) for path in paths]
     found += _slips(task.id, tests, solution)
     for one in found:
         if one.changes:
             one.text()
-    return Sets(task, tuple(found))
+    return Corpus(task, tuple(found))
 
 
-def _slips(exercise_id: str, tests: Path, solution: Path) -> list[Submission]:
+def _slips(exercise_id: str, tests: Path, solution: Path) -> list[Sample]:
     path = tests / "slips" / f"{exercise_id}.toml"
     if not path.is_file():
         return []
@@ -115,9 +115,9 @@ def _slips(exercise_id: str, tests: Path, solution: Path) -> list[Submission]:
         raise GradingError(f"{path} cannot be used: {what}.") from problem
 
 
-def _slip(exercise_id: str, name: str, entry: dict[str, Any], tests: Path, solution: Path) -> Submission:
+def _slip(exercise_id: str, name: str, entry: dict[str, Any], tests: Path, solution: Path) -> Sample:
     base = tests / "grading" / "correct" / exercise_id / f"{entry['base']}.py" if "base" in entry else solution
-    return Submission(
+    return Sample(
         exercise_id,
         "slip",
         name,

@@ -77,7 +77,7 @@ def _say(text: str) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.classroom.progress import Tally
+    from course_kit.classroom.progress import Progress
     from course_kit.classroom.run import ClassRun, Plan
     from course_kit.grading import GradingError, exercise, isolation_status, needs
 
@@ -98,7 +98,7 @@ def _run(options: argparse.Namespace) -> int:
         layout=options.layout,
         resume=options.resume,
     )
-    tally = Tally(sys.stderr)
+    tally = Progress(sys.stderr)
     with _interrupts() as stops:
         grading = ClassRun(plan, tally, stops)
         book = grading.grade(lambda: _executor(options, [one.grader for one in chosen.values()]))

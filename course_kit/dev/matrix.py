@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.authoring import release
 from course_kit.dev import matrix_table, pythons
-from course_kit.dev.steps import Result, Runner, Step
+from course_kit.dev.steps import CommandStep, StepResult, StepRunner
 from course_kit.grading import exercise
 from course_kit.ros2cli import delegation
 
@@ -78,8 +78,8 @@ def main(arguments: Sequence[str]) -> int:
     chosen, notes = choose(found, options, has_uv=uv is not None)
     for note in notes:
         print(f"course: {note}", flush=True)
-    results: dict[Combination, list[Result]] = {}
-    with Runner() as runner:
+    results: dict[Combination, list[StepResult]] = {}
+    with StepRunner() as runner:
         for combination in chosen:
             results[combination] = run(root, combination, runner, uv)
     table = matrix_table.as_markdown({str(one): ran for one, ran in results.items()}, notes)
@@ -127,32 +127,32 @@ def _add(combination: Combination, chosen: list[Combination], notes: list[str], 
         chosen.append(combination)
 
 
-def run(root: Path, combination: Combination, runner: Runner, uv: str | None) -> list[Result]:
+def run(root: Path, combination: Combination, runner: StepRunner, uv: str | None) -> list[StepResult]:
     """Everything on one combination; where the set-up fails the rest is not run."""
     print(f"\ncourse: {combination}", flush=True)
     with tempfile.TemporaryDirectory(prefix="course matrix ", ignore_cleanup_errors=True) as folder:
         course = Path(folder) / "my course"
         copy(root, course)
         environ = environ_of(combination, Path(folder), uv)
-        results = [runner.run(Step("set-up and doctor", ["./course", "doctor"], _SET_UP_S), course, environ)]
+        results = [runner.run(CommandStep("set-up and doctor", ["./course", "doctor"], _SET_UP_S), course, environ)]
         if not results[0].failed:
             results += [runner.run(step, course, environ) for step in steps_of(combination, course)]
         runner.end_all()  # a daemon of `ros2` may be left, and its folder goes away now
         return results
 
 
-def steps_of(combination: Combination, course: Path) -> Iterator[Step]:
+def steps_of(combination: Combination, course: Path) -> Iterator[CommandStep]:
     """What follows the set-up of a course."""
     for name in exercise.ids(course / "exercises"):
         solution = Path("solutions", name, f"{name}.py")
         if (course / solution).is_file():  # the student edition has none
             command = ["./course", "grade", name, str(solution), "--format", "json"]
-            yield Step(name, command, _GRADE_S, full_marks)
+            yield CommandStep(name, command, _GRADE_S, full_marks)
     if combination.notebooks:
-        yield Step("notebooks", ["./course", "dev", "notebooks"], _NOTEBOOKS_S)
+        yield CommandStep("notebooks", ["./course", "dev", "notebooks"], _NOTEBOOKS_S)
     if combination.tests:
         tests = [f"tests/{name}" for name in FAST_TESTS]
-        yield Step("tests", ["./course", "test", "-q", "-n", "2", "--dist", "loadfile", *tests], _TESTS_S)
+        yield CommandStep("tests", ["./course", "test", "-q", "-n", "2", "--dist", "loadfile", *tests], _TESTS_S)
 
 
 def full_marks(output: str) -> str:

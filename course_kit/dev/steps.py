@@ -24,7 +24,7 @@ _GRACE_S = 60.0  # pytest ends its kernels, an installer its own children; on a 
 
 
 @dataclass(frozen=True)
-class Step:
+class CommandStep:
     """A command to be run.
 
     Attributes:
@@ -41,7 +41,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Result:
+class StepResult:
     """How a step went.
 
     Attributes:
@@ -60,7 +60,7 @@ class Result:
         return bool(self.problem)
 
 
-class Runner:
+class StepRunner:
     """Runs steps; at its end, also by Ctrl-C, none of their processes is left. Use it in a `with` statement.
 
     It ends every process below this one, so nothing else may have been started from here.
@@ -75,7 +75,7 @@ class Runner:
     ) -> None:
         self.end_all()
 
-    def run(self, step: Step, folder: Path, environ: Mapping[str, str]) -> Result:
+    def run(self, step: CommandStep, folder: Path, environ: Mapping[str, str]) -> StepResult:
         """Run a step and say how it went; what it has printed is shown when it failed.
 
         Args:
@@ -95,14 +95,14 @@ class Runner:
             )
             if problem:
                 print(f"{output}\n{_text(stderr)}", flush=True)
-        return Result(step.name, problem, seconds)
+        return StepResult(step.name, problem, seconds)
 
     def end_all(self) -> None:
         """Kill whatever the steps so far have left running."""
         processes.end_descendants()
 
 
-def _ending(step: Step, folder: Path, environ: Mapping[str, str], stdout: IO[bytes], stderr: IO[bytes]) -> str:
+def _ending(step: CommandStep, folder: Path, environ: Mapping[str, str], stdout: IO[bytes], stderr: IO[bytes]) -> str:
     """Run it; why it has failed, or nothing."""
     process = subprocess.Popen(
         list(step.command),

@@ -17,7 +17,7 @@ _LONGEST = 500  # characters of an answer or its id, as text
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundAnswers:
     """What a submission has put into its variable.
 
     Attributes:
@@ -35,7 +35,7 @@ class Found:
     too_large: bool = False
 
 
-def found(told: dict[str, Any], variable: str) -> Found:
+def found(told: dict[str, Any], variable: str) -> FoundAnswers:
     """The answers, as they are told.
 
     Args:
@@ -45,15 +45,15 @@ def found(told: dict[str, Any], variable: str) -> Found:
     """
     names = tuple(name for name in told.get("set_names", ()) if name != variable)
     if told.get("too_large"):
-        return Found(set_names=names, too_large=True)
+        return FoundAnswers(set_names=names, too_large=True)
     if "value" in told:
-        return Found(value=told["value"], set_names=names)
+        return FoundAnswers(value=told["value"], set_names=names)
     if "entries" not in told:
-        return Found(set_names=names, is_set=False)
+        return FoundAnswers(set_names=names, is_set=False)
     entries: dict[Any, Any] = {}
     for key, text, *problem in told["entries"]:
         _put(entries, key, text, "".join(problem))
-    return Found(entries, set_names=names)
+    return FoundAnswers(entries, set_names=names)
 
 
 def _put(entries: dict[Any, Any], key: str, text: str, problem: str) -> None:

@@ -20,7 +20,7 @@ _OTHERS = _FIELDS[1:]
 
 
 @dataclass(frozen=True)
-class Settings:
+class LimiterSettings:
     """The values of the four parameters; the defaults are those of the exercise."""
 
     robot_name: str = "default_robot"
@@ -80,7 +80,7 @@ def fields_of(twist: Any) -> tuple[float, ...]:
     return tuple(float(getattr(part, axis)) for part in (twist.linear, twist.angular) for axis in "xyz")
 
 
-def right_fields(settings: Settings, twist: Any) -> tuple[float, ...]:
+def right_fields(settings: LimiterSettings, twist: Any) -> tuple[float, ...]:
     """What has to come out on /cmd_vel."""
     linear_x, *others = fields_of(twist)
     if not settings.enabled:
@@ -88,23 +88,23 @@ def right_fields(settings: Settings, twist: Any) -> tuple[float, ...]:
     return (min(max(linear_x, -settings.max_velocity), settings.max_velocity), *others)
 
 
-def right_wheel(settings: Settings, published: float) -> float:
+def right_wheel(settings: LimiterSettings, published: float) -> float:
     """What has to come out on /wheel_speed, in rad/s, for the linear.x that was published, in m/s."""
     return _over(published, settings.wheel_diameter / 2.0) if settings.enabled else 0.0
 
 
-def right_reaction(settings: Settings, twist: Any) -> Reaction:
+def right_reaction(settings: LimiterSettings, twist: Any) -> Reaction:
     """What has to come out."""
     fields = right_fields(settings, twist)
     return Reaction(fields, right_wheel(settings, fields[0]))
 
 
-def velocity_fits(settings: Settings, twist: Any, got: Reaction) -> bool:
+def velocity_fits(settings: LimiterSettings, twist: Any, got: Reaction) -> bool:
     """Whether /cmd_vel is right."""
     return all(_same(one, two) for one, two in zip(right_fields(settings, twist), got.fields, strict=True))
 
 
-def wheel_fits(settings: Settings, got: Reaction) -> bool:
+def wheel_fits(settings: LimiterSettings, got: Reaction) -> bool:
     """Whether /wheel_speed is right for the /cmd_vel beside it."""
     return _same(got.wheel, right_wheel(settings, got.fields[0]))
 
@@ -114,7 +114,7 @@ def same_reaction(one: Reaction, two: Reaction) -> bool:
     return all(_same(a, b) for a, b in zip((*one.fields, one.wheel), (*two.fields, two.wheel), strict=True))
 
 
-def explain_velocity(settings: Settings, twist: Any, got: Reaction) -> tuple[str | None, str]:
+def explain_velocity(settings: LimiterSettings, twist: Any, got: Reaction) -> tuple[str | None, str]:
     """What is wrong with a /cmd_vel: the diagnosis, if there is one, and a sentence."""
     asked, right = fields_of(twist)[0], right_fields(settings, twist)
     if not settings.enabled:
@@ -129,7 +129,7 @@ def explain_velocity(settings: Settings, twist: Any, got: Reaction) -> tuple[str
     return "math.formula", f"linear.x has to be {right[0]:g} here, with max_velocity={settings.max_velocity:g}."
 
 
-def explain_wheel(settings: Settings, twist: Any, got: Reaction, *, floors: bool) -> tuple[str, str]:
+def explain_wheel(settings: LimiterSettings, twist: Any, got: Reaction, *, floors: bool) -> tuple[str, str]:
     """What is wrong with a /wheel_speed: the diagnosis and a sentence.
 
     Args:
@@ -179,7 +179,7 @@ def read_status(text: str) -> tuple[str, float] | None:
         return None
 
 
-def status_fits(settings: Settings, text: str) -> bool:
+def status_fits(settings: LimiterSettings, text: str) -> bool:
     """Whether a status line tells the name and the velocity, the latter compared as a number."""
     read = read_status(text)
     return (
@@ -189,7 +189,7 @@ def status_fits(settings: Settings, text: str) -> bool:
     )
 
 
-def status_line(settings: Settings) -> str:
+def status_line(settings: LimiterSettings) -> str:
     """A right status line."""
     return f"{settings.robot_name}: {settings.max_velocity:g} m/s"
 

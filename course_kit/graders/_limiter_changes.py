@@ -11,8 +11,8 @@ from course_kit.graders._limiter import (
     BOUNDS,
     RANGES,
     TYPES,
+    LimiterSettings,
     Reaction,
-    Settings,
     command,
     missing_in_reason,
     same_reaction,
@@ -33,16 +33,16 @@ from course_kit.grading.checks.check import Evidence, Failed, check
 from course_kit.grading.checks.parameters import shown
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 
 @check(points=1.0, depends_on=["limits"])
-def change_velocity(bench: Bench) -> Evidence:
+def change_velocity(context: CheckContext) -> Evidence:
     """A change of max_velocity acts on the next command."""
-    with Limiter(bench) as limiter:
+    with Limiter(context) as limiter:
         limiter.driving()
         evidence = Evidence()
-        for value in (drawn(bench, 2.1, 4.9), drawn(bench, 0.2, 0.9)):
+        for value in (drawn(context, 2.1, 4.9), drawn(context, 0.2, 0.9)):
             for twist in (command(-BEYOND), command(BEYOND)):
                 was = _seen(limiter, twist)
                 after = limiter.set(max_velocity=value)
@@ -52,12 +52,12 @@ def change_velocity(bench: Bench) -> Evidence:
 
 
 @check(points=1.0, depends_on=["wheel_speed"])
-def change_diameter(bench: Bench) -> Evidence:
+def change_diameter(context: CheckContext) -> Evidence:
     """A change of wheel_diameter acts on the next command."""
-    with Limiter(bench) as limiter:
+    with Limiter(context) as limiter:
         twist = command(limiter.driving().max_velocity)
         evidence = Evidence()
-        for value in (drawn(bench, 0.2, 0.9), 0.02):
+        for value in (drawn(context, 0.2, 0.9), 0.02):
             was = _seen(limiter, twist)
             after = limiter.set(wheel_diameter=value)
             evidence = limiter.expect(after, twist, WHEELS, was=was, sent=shown({"wheel_diameter": value}))
@@ -65,10 +65,10 @@ def change_diameter(bench: Bench) -> Evidence:
 
 
 @check(points=1.0, depends_on=["reacts"])
-def change_enabled(bench: Bench) -> Evidence:
+def change_enabled(context: CheckContext) -> Evidence:
     """With enabled false the robot stands still, with true it drives again."""
-    with Limiter(bench) as limiter:
-        twist = command(limiter.driving().max_velocity * 0.6, **rest(bench))
+    with Limiter(context) as limiter:
+        twist = command(limiter.driving().max_velocity * 0.6, **rest(context))
         drove = _seen(limiter, twist)
         evidence = limiter.expect(limiter.set(enabled=False), twist, BOTH, was=drove, sent="enabled=False")
         limiter.set(enabled=True)
@@ -81,23 +81,26 @@ def change_enabled(bench: Bench) -> Evidence:
 
 
 @check(points=0.5, depends_on=["status"])
-def change_status(bench: Bench) -> Evidence:
+def change_status(context: CheckContext) -> Evidence:
     """A change of robot_name and max_velocity shows in the next /status."""
-    with Limiter(bench) as limiter:
+    with Limiter(context) as limiter:
         was = str(limiter.status.messages[-1].data) if limiter.status.count else None
-        values = {"robot_name": f"rover_{bench.random.randrange(100, 1000)}", "max_velocity": drawn(bench, 1.1, 2.0)}
-        return expect_status(bench, limiter.status, limiter.set(**values), was=was, sent=shown(values))
+        values = {
+            "robot_name": f"rover_{context.random.randrange(100, 1000)}",
+            "max_velocity": drawn(context, 1.1, 2.0),
+        }
+        return expect_status(context, limiter.status, limiter.set(**values), was=was, sent=shown(values))
 
 
 @check(points=2.0, depends_on=["reacts"], deadline_s=12.0)
-def refuses(bench: Bench) -> Evidence:
+def refuses(context: CheckContext) -> Evidence:
     """An invalid value is refused with a reason, and the old one stays in force."""
     evidence = Evidence()
-    velocities = (-1.0, bench.random.uniform(5.1, 20.0), math.inf, math.nan)
-    diameters = (0.0, -0.1, bench.random.uniform(1.1, 20.0))
+    velocities = (-1.0, context.random.uniform(5.1, 20.0), math.inf, math.nan)
+    diameters = (0.0, -0.1, context.random.uniform(1.1, 20.0))
     attempts = [("robot_name", ""), *(("max_velocity", v) for v in velocities)]
     for name, value in [*attempts, *(("wheel_diameter", d) for d in diameters)]:
-        with Limiter(bench) as limiter:
+        with Limiter(context) as limiter:
             before = limiter.driving()
             twist = command(BEYOND)
             was = _seen(limiter, twist)
@@ -113,9 +116,9 @@ def refuses(bench: Bench) -> Evidence:
 
 
 @check(points=0.5, depends_on=["types"])
-def wrong_type(bench: Bench) -> Evidence:
+def wrong_type(context: CheckContext) -> Evidence:
     """A value of another type is refused."""
-    with Limiter(bench) as limiter:
+    with Limiter(context) as limiter:
         evidence = Evidence()
         for name, value in (("max_velocity", "fast"), ("max_velocity", 2), ("enabled", 1), ("robot_name", 7)):
             expected = f"refused: {name} is a {TYPES[name]}"
@@ -124,19 +127,19 @@ def wrong_type(bench: Bench) -> Evidence:
 
 
 @check(points=0.5, depends_on=["declared"])
-def undeclared(bench: Bench) -> Evidence:
+def undeclared(context: CheckContext) -> Evidence:
     """A parameter that is not declared is refused."""
-    name = f"wheel_count_{bench.random.randrange(100, 1000)}"
-    outcome = Limiter(bench).remote.set(name, 4)
+    name = f"wheel_count_{context.random.randrange(100, 1000)}"
+    outcome = Limiter(context).remote.set(name, 4)
     return require_refused(outcome, {name: 4}, "refused: there is no such parameter", "parameter.undeclared")
 
 
 @check(points=1.0, depends_on=["reacts"])
-def atomic(bench: Bench) -> Evidence:
+def atomic(context: CheckContext) -> Evidence:
     """Set atomically, a valid and an invalid value change nothing."""
     evidence = Evidence()
     for valid, invalid in (("max_velocity", "wheel_diameter"), ("wheel_diameter", "max_velocity")):
-        with Limiter(bench) as limiter:
+        with Limiter(context) as limiter:
             before = limiter.driving()
             twist = command(BEYOND)
             was = _seen(limiter, twist)
@@ -145,8 +148,8 @@ def atomic(bench: Bench) -> Evidence:
             outcome = limiter.remote.set_together(values)
             evidence = require_refused(outcome, values, expected, "validation.missing")
             _require_unchanged(limiter, before, was, evidence)
-    with Limiter(bench) as limiter:
-        limiter.set_together(max_velocity=drawn(bench, 1.1, 2.0), wheel_diameter=drawn(bench, 0.2, 0.9))
+    with Limiter(context) as limiter:
+        limiter.set_together(max_velocity=drawn(context, 1.1, 2.0), wheel_diameter=drawn(context, 0.2, 0.9))
     return evidence
 
 
@@ -155,7 +158,7 @@ def _seen(limiter: Limiter, twist: Any) -> Reaction:
     return limiter.react(twist, Evidence(shown_command(twist), "a message on /cmd_vel and one on /wheel_speed"))
 
 
-def _require_unchanged(limiter: Limiter, before: Settings, was: Reaction, evidence: Evidence) -> None:
+def _require_unchanged(limiter: Limiter, before: LimiterSettings, was: Reaction, evidence: Evidence) -> None:
     """After a refusal nothing has changed: neither what the node reports, nor what it does."""
     if (now := limiter.settings()) != before:
         changed = {name: value for name, value in now.to_mapping().items() if value != before.to_mapping()[name]}

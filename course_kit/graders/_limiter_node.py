@@ -10,10 +10,10 @@ from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
 
 from course_kit.graders import _limiter
-from course_kit.graders._limiter import TYPES, Reaction, Settings, same_reaction
+from course_kit.graders._limiter import TYPES, LimiterSettings, Reaction, same_reaction
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.parameters import Outcome, Remote, ensure_served, shown
-from course_kit.grading.checks.topics import Exchange, Topic
+from course_kit.grading.checks.topics import Topic, TopicExchange
 from course_kit.grading.diagnosis.exceptions import INVALID_RESULT
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.grader_node import Heard
 
 NODE = "/velocity_limiter"
@@ -42,15 +42,15 @@ class Limiter:
     the next grading, meets the node as this one did.
     """
 
-    def __init__(self, bench: Bench) -> None:
+    def __init__(self, context: CheckContext) -> None:
         """Meet the submission, started again if it has died.
 
         Raises:
             Failed: it does not come up again.
         """
-        self._bench = bench
-        self.remote: Remote = ensure_served(bench, NODE)
-        self._exchange, self.status = endpoints(bench)
+        self._context = context
+        self.remote: Remote = ensure_served(context, NODE)
+        self._exchange, self.status = endpoints(context)
 
     def __enter__(self) -> Self:
         self._before = self.settings()
@@ -59,13 +59,13 @@ class Limiter:
     def __exit__(
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
-        bench = self._bench
-        if not bench.spoiled:
+        context = self._context
+        if not context.spoiled:
             # What is wrong with it was or will be said by the checks themselves.
-            with suppress(Failed), bench.record.looking_away(), bench.after_the_verdict():
+            with suppress(Failed), context.record.looking_away(), context.after_the_verdict():
                 self.remote.set_together(self._before.to_mapping())
 
-    def settings(self) -> Settings:
+    def settings(self) -> LimiterSettings:
         """The values in force, as the node's own services report them.
 
         Raises:
@@ -76,14 +76,14 @@ class Limiter:
             expected = ", ".join(f"{name}: {kind}" for name, kind in TYPES.items())
             message = f"{' and '.join(wrong)}. Until now each parameter had its type."
             raise Failed(Evidence("get_parameters", expected, ", ".join(wrong)), message, "parameter.type")
-        return Settings(**{name: value.value for name, value in found.items()})
+        return LimiterSettings(**{name: value.value for name, value in found.items()})
 
-    def driving(self) -> Settings:
+    def driving(self) -> LimiterSettings:
         """The same, once `enabled` is true: only then is there something to see."""
         settings = self.settings()
         return settings if settings.enabled else self.set(enabled=True)
 
-    def set(self, **values: Any) -> Settings:
+    def set(self, **values: Any) -> LimiterSettings:
         """Set valid values, one after the other; returns the settings after it.
 
         Raises:
@@ -93,7 +93,7 @@ class Limiter:
             require_accepted(self.remote.set(name, value), {name: value})
         return self._require_values(values)
 
-    def set_together(self, **values: Any) -> Settings:
+    def set_together(self, **values: Any) -> LimiterSettings:
         """Set valid values at once; otherwise like `set`."""
         require_accepted(self.remote.set_together(values), values)
         return self._require_values(values)
@@ -117,11 +117,11 @@ class Limiter:
         return velocities, wheels
 
     def _heard(self) -> tuple[Heard, Heard]:
-        hear = self._bench.tester.hear
+        hear = self._context.grader_node.hear
         return (hear(LIMITED.interface, LIMITED.name), hear(WHEEL.interface, WHEEL.name))
 
     def expect(
-        self, settings: Settings, twist: Any, part: str, *, was: Reaction | None = None, sent: str = ""
+        self, settings: LimiterSettings, twist: Any, part: str, *, was: Reaction | None = None, sent: str = ""
     ) -> Evidence:
         """The command `twist` has the effect that the settings give it.
 
@@ -152,16 +152,16 @@ class Limiter:
     def _better(self, good: Callable[[Reaction], bool], evidence: Evidence) -> Reaction:
         return Reaction.of(*self._exchange.wait_for_better(lambda last: good(Reaction.of(*last)), evidence))
 
-    def _wrong(self, settings: Settings, twist: Any, part: str, got: Reaction, evidence: Evidence) -> Failed:
+    def _wrong(self, settings: LimiterSettings, twist: Any, part: str, got: Reaction, evidence: Evidence) -> Failed:
         if part != WHEELS and not _limiter.velocity_fits(settings, twist, got):
             diagnosis, message = _limiter.explain_velocity(settings, twist, got)
         else:
             diagnosis, message = _limiter.explain_wheel(
-                settings, twist, got, floors=self._bench.job.facts.floor_divides
+                settings, twist, got, floors=self._context.job.facts.floor_divides
             )
         return Failed(evidence, message, diagnosis)
 
-    def _require_values(self, values: Mapping[str, Any]) -> Settings:
+    def _require_values(self, values: Mapping[str, Any]) -> LimiterSettings:
         settings = self.settings()
         read = {name: value for name, value in settings.to_mapping().items() if name in values}
         if read != dict(values):
@@ -170,22 +170,22 @@ class Limiter:
         return settings
 
 
-def endpoints(bench: Bench) -> tuple[Exchange, Heard]:
+def endpoints(context: CheckContext) -> tuple[TopicExchange, Heard]:
     """The grader's ends of the four topics; the sooner they are made, the sooner they are connected."""
-    return Exchange(bench, COMMAND, (LIMITED, WHEEL)), bench.tester.hear(STATUS.interface, STATUS.name)
+    return TopicExchange(context, COMMAND, (LIMITED, WHEEL)), context.grader_node.hear(STATUS.interface, STATUS.name)
 
 
-def drawn(bench: Bench, low: float, high: float) -> float:
+def drawn(context: CheckContext, low: float, high: float) -> float:
     """A value with one decimal place, which survives whatever format a status line is written in."""
-    return round(bench.random.uniform(low, high), 1)
+    return round(context.random.uniform(low, high), 1)
 
 
-def rest(bench: Bench) -> dict[str, float]:
+def rest(context: CheckContext) -> dict[str, float]:
     """Values for the fields of a command that pass unchanged."""
-    return {name: bench.random.uniform(-1.0, 1.0) for name in ("linear_y", "linear_z", "angular_x", "angular_z")}
+    return {name: context.random.uniform(-1.0, 1.0) for name in ("linear_y", "linear_z", "angular_x", "angular_z")}
 
 
-def fits(settings: Settings, twist: Any, part: str, got: Reaction) -> bool:
+def fits(settings: LimiterSettings, twist: Any, part: str, got: Reaction) -> bool:
     """Whether that part of a reaction is right."""
     velocity = part == WHEELS or _limiter.velocity_fits(settings, twist, got)
     return velocity and (part == VELOCITY or _limiter.wheel_fits(settings, got))

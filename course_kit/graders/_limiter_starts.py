@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.graders._limiter import BEYOND, TYPES, Settings, command, parameter_file, right_reaction, yaml
+from course_kit.graders._limiter import BEYOND, TYPES, LimiterSettings, command, parameter_file, right_reaction, yaml
 from course_kit.graders._limiter import shown as shown_command
 from course_kit.graders._limiter_node import BOTH, NODE, VELOCITY, Limiter, endpoints, fits
 from course_kit.graders._limiter_status import expect_status
@@ -15,7 +15,7 @@ from course_kit.grading.checks.parameters import expect_served, shown
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 _FILE = "parameters.yaml"
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
@@ -23,7 +23,7 @@ _ENDED = ("start.crash", "start.exit")
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 
 
-def expect_arguments(bench: Bench, values: Mapping[str, Any]) -> Evidence:
+def expect_arguments(context: CheckContext, values: Mapping[str, Any]) -> Evidence:
     """Values on the command line are in force.
 
     Raises:
@@ -32,14 +32,14 @@ def expect_arguments(bench: Bench, values: Mapping[str, Any]) -> Evidence:
     arguments = _arguments(values)
     sent = " ".join(arguments)
     try:
-        limiter = _start(bench, arguments, {}, sent)
+        limiter = _start(context, arguments, {}, sent)
         settings = _require_values(limiter, values, sent)
         return _require_effect(limiter, settings, BOTH, sent)
     finally:
-        bench.spoil()  # whatever comes next needs a start without arguments
+        context.spoil()  # whatever comes next needs a start without arguments
 
 
-def expect_file(bench: Bench, values: Mapping[str, Any]) -> Evidence:
+def expect_file(context: CheckContext, values: Mapping[str, Any]) -> Evidence:
     """Values in a file of parameters are in force, on the topics and in the status line.
 
     Raises:
@@ -48,15 +48,15 @@ def expect_file(bench: Bench, values: Mapping[str, Any]) -> Evidence:
     text = parameter_file(NODE, values)
     sent = f"--ros-args --params-file {_FILE}, in which {shown(values)}"
     try:
-        limiter = _start(bench, ["--ros-args", "--params-file", _FILE], {_FILE: text}, sent)
+        limiter = _start(context, ["--ros-args", "--params-file", _FILE], {_FILE: text}, sent)
         settings = _require_values(limiter, values, sent)
         _require_effect(limiter, settings, VELOCITY, sent)
-        return _ignoring(lambda: expect_status(bench, limiter.status, settings, sent=sent))
+        return _ignoring(lambda: expect_status(context, limiter.status, settings, sent=sent))
     finally:
-        bench.spoil()
+        context.spoil()
 
 
-def expect_invalid(bench: Bench, values: Mapping[str, Any]) -> Evidence:
+def expect_invalid(context: CheckContext, values: Mapping[str, Any]) -> Evidence:
     """Each invalid value stops the node with an error, or is replaced by the default with a warning.
 
     Raises:
@@ -68,10 +68,10 @@ def expect_invalid(bench: Bench, values: Mapping[str, Any]) -> Evidence:
         expected = f"an error that names {name} and the end of the program, or a warning and the default"
         evidence = Evidence(" ".join(arguments), expected)
         try:
-            bench.launch(arguments)
-            evidence = _judge_invalid(bench, name, value, evidence)
+            context.launch(arguments)
+            evidence = _judge_invalid(context, name, value, evidence)
         finally:
-            bench.spoil()
+            context.spoil()
     return evidence
 
 
@@ -80,27 +80,29 @@ def _arguments(values: Mapping[str, Any]) -> list[str]:
     return ["--ros-args", *(word for pair in pairs for word in pair)]
 
 
-def _start(bench: Bench, arguments: list[str], files: Mapping[str, str], sent: str) -> Limiter:
-    bench.launch(arguments, files)
-    endpoints(bench)
+def _start(context: CheckContext, arguments: list[str], files: Mapping[str, str], sent: str) -> Limiter:
+    context.launch(arguments, files)
+    endpoints(context)
     try:
-        expect_served(bench, NODE)
+        expect_served(context, NODE)
     except Failed as failed:
         evidence = replace(failed.evidence, sent=sent)
-        if failed.diagnosis in _ENDED and _names_a_parameter(bench):
+        if failed.diagnosis in _ENDED and _names_a_parameter(context):
             message = f"Started with values that are valid, your program ended. {failed.message}"
             raise Failed(evidence, message, "validation.overzealous") from None
         raise Failed(evidence, failed.message, failed.diagnosis) from None
-    return Limiter(bench)
+    return Limiter(context)
 
 
-def _names_a_parameter(bench: Bench) -> bool:
+def _names_a_parameter(context: CheckContext) -> bool:
     """Whether the last words of a program are about a parameter, so that it has ended because of its value."""
-    told = bench.life().stderr.rstrip().rpartition("\n")[2] or bench.life().stdout.rstrip().rpartition("\n")[2]
+    told = (
+        context.process().stderr.rstrip().rpartition("\n")[2] or context.process().stdout.rstrip().rpartition("\n")[2]
+    )
     return any(name in told for name in TYPES)
 
 
-def _require_values(limiter: Limiter, values: Mapping[str, Any], sent: str) -> Settings:
+def _require_values(limiter: Limiter, values: Mapping[str, Any], sent: str) -> LimiterSettings:
     settings = limiter.settings()
     got = {name: value for name, value in settings.to_mapping().items() if name in values}
     if got != dict(values):
@@ -110,7 +112,7 @@ def _require_values(limiter: Limiter, values: Mapping[str, Any], sent: str) -> S
     return settings
 
 
-def _require_effect(limiter: Limiter, settings: Settings, part: str, sent: str) -> Evidence:
+def _require_effect(limiter: Limiter, settings: LimiterSettings, part: str, sent: str) -> Evidence:
     return _ignoring(lambda: limiter.expect(settings, command(BEYOND), part, sent=sent))
 
 
@@ -125,34 +127,34 @@ def _ignoring(look: Callable[[], Evidence]) -> Evidence:
         raise Failed(failed.evidence, message, "parameter.override_ignored") from None
 
 
-def _judge_invalid(bench: Bench, name: str, value: Any, evidence: Evidence) -> Evidence:
-    endpoints(bench)
+def _judge_invalid(context: CheckContext, name: str, value: Any, evidence: Evidence) -> Evidence:
+    endpoints(context)
     try:
-        expect_served(bench, NODE)
+        expect_served(context, NODE)
     except Failed as failed:
-        if bench.life(fresh=True).running:
+        if context.process(fresh=True).running:
             raise Failed(replace(failed.evidence, sent=evidence.sent), failed.message, failed.diagnosis) from None
-        return _require_told(bench, (name,), replace(evidence, got="the program ended"))
+        return _require_told(context, (name,), replace(evidence, got="the program ended"))
     twist = command(BEYOND)
-    got = Limiter(bench).react(twist, replace(evidence, sent=f"{evidence.sent}; {shown_command(twist)}"))
-    if not fits(Settings(), twist, BOTH, got):
-        default = right_reaction(Settings(), twist)
+    got = Limiter(context).react(twist, replace(evidence, sent=f"{evidence.sent}; {shown_command(twist)}"))
+    if not fits(LimiterSettings(), twist, BOTH, got):
+        default = right_reaction(LimiterSettings(), twist)
         evidence = Evidence(
             f"{evidence.sent}; {shown_command(twist)}", f"{evidence.expected}: {default.shown()}", got.shown()
         )
         message = f"Your node started with {name}={value!r}, which it would have to refuse."
         raise Failed(evidence, message, "validation.missing")
-    return _require_told(bench, (name, *_WARNINGS), replace(evidence, got="it goes on with the default"))
+    return _require_told(context, (name, *_WARNINGS), replace(evidence, got="it goes on with the default"))
 
 
-def _require_told(bench: Bench, words: tuple[str, ...], evidence: Evidence) -> Evidence:
+def _require_told(context: CheckContext, words: tuple[str, ...], evidence: Evidence) -> Evidence:
     """Somebody reads the terminal: it has to say what happened. By itself this earns nothing."""
 
     def told() -> bool:
-        life = bench.life(fresh=True)
-        return any(word in life.stdout + life.stderr for word in words)
+        process = context.process(fresh=True)
+        return any(word in process.stdout + process.stderr for word in words)
 
-    if not bench.wait_until(told, _TOLD_S, of_the_living=False):
+    if not context.wait_until(told, _TOLD_S, of_the_living=False):
         evidence = replace(evidence, got=f"{evidence.got}, and printed nothing about {words[0]}")
         message = f"Nobody learns that it was {words[0]} that was wrong."
         raise Failed(evidence, message, "validation.no_reason")

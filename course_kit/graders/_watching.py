@@ -9,12 +9,12 @@ from course_kit.graders._moves import BESIDE, ENOUGH, NEARLY_DONE, ORIGIN, besid
 from course_kit.grading.checks.check import Evidence, Failed
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 
-def feedback_of_a_move(bench: Bench) -> Evidence:
+def feedback_of_a_move(context: CheckContext) -> Evidence:
     """A move comes with enough feedback, all along."""
-    move = drive_on(bench, LONGEST_M)
+    move = drive_on(context, LONGEST_M)
     heard = move.goal.wait_for_last_feedback(lambda all_told: len(all_told) >= ENOUGH)
     expected = f"at least {ENOUGH} feedback messages, spread over the move of {move.length:.2g} m"
     if len(heard) < ENOUGH:
@@ -31,9 +31,9 @@ def feedback_of_a_move(bench: Bench) -> Evidence:
     return evidence
 
 
-def progress_of_a_move(bench: Bench) -> Evidence:
+def progress_of_a_move(context: CheckContext) -> Evidence:
     """What feedback tells of a move makes sense."""
-    move = drive_on(bench, SHORTEST_M)
+    move = drive_on(context, SHORTEST_M)
     heard = move.goal.wait_for_last_feedback(
         lambda all_told: bool(all_told) and all_told[-1].feedback.progress >= NEARLY_DONE
     )

@@ -15,8 +15,8 @@ from course_kit.grading.checks.check import Check, Evidence, Failed
 from course_kit.grading.diagnosis import exits
 
 if TYPE_CHECKING:
-    from course_kit.graders._answers import Found
-    from course_kit.grading.checks.context import Bench
+    from course_kit.graders._answers import FoundAnswers
+    from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.job import Job
     from course_kit.quiz import Half, Result, Scenario
 
@@ -51,13 +51,13 @@ class _Sheet:
         self._scenarios = scenarios
         self._result: Result | None = None
 
-    def read(self, bench: Bench) -> Evidence:
-        entries = _read(bench)
+    def read(self, context: CheckContext) -> Evidence:
+        entries = _read(context)
         self._result = quiz.mark(self._scenarios, entries)
         return Evidence("", _SHAPE, f"a dictionary with {len(entries)} entries")
 
-    def known_ids(self, bench: Bench) -> Evidence:
-        del bench
+    def known_ids(self, context: CheckContext) -> Evidence:
+        del context
         strangers = self._marked().strangers
         expected = "ids of scenarios only"
         if not strangers:
@@ -69,15 +69,15 @@ class _Sheet:
         message = f"These entries belong to no scenario: {'; '.join(named)}. They change nothing in your points."
         raise Failed(Evidence("", expected, ", ".join(strangers)), message, "quiz.unknown")
 
-    def pattern(self, place: int, bench: Bench) -> Evidence:
-        del bench
+    def pattern(self, place: int, context: CheckContext) -> Evidence:
+        del context
         marks = self._marked().marks[place]
         sent = f"{marks.scenario.id}: {marks.scenario.text}"
         return _verdict(marks.pattern, sent, _PATTERN_WANTED)
 
-    def reason(self, place: int, bench: Bench) -> Evidence:
+    def reason(self, place: int, context: CheckContext) -> Evidence:
         marks = self._marked().marks[place]
-        listed = [name for name, _ in quiz.reasons_as_shown(marks.scenario, bench.job.seed)]
+        listed = [name for name, _ in quiz.reasons_as_shown(marks.scenario, context.job.seed)]
         given = marks.scenario.reasons.get(marks.reason.got)
         half = marks.reason
         got = f"{half.got}: {given}" if given else half.got
@@ -101,11 +101,11 @@ def _with_nearest(name: str, drawn: list[str]) -> str:
     return f"'{name}' (did you mean '{meant}'?)" if meant else f"'{name}'"
 
 
-def _read(bench: Bench) -> dict[object, object]:
+def _read(context: CheckContext) -> dict[object, object]:
     """The entries of the submission, by reading it if that is enough, else by running it."""
-    variable = bench.job.variable
-    written_out = bench.job.literal
-    found = _answers.found(written_out, variable) if written_out else _run(bench)
+    variable = context.job.variable
+    written_out = context.job.literal
+    found = _answers.found(written_out, variable) if written_out else _run(context)
     if found.too_large:
         raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to be answers.", "quiz.malformed")
     if not found.is_set:
@@ -116,19 +116,19 @@ def _read(bench: Bench) -> dict[object, object]:
     return found.entries
 
 
-def _run(bench: Bench) -> Found:
+def _run(context: CheckContext) -> FoundAnswers:
     """Have the program work its answers out, and find out why if it does not come to its end."""
-    job = bench.job
-    life = bench.run_to_end()
-    if "set_names" in life.notes:
-        found = _answers.found(life.notes, job.variable)
-        if found.is_set or not life.notes.get("ended_itself"):
+    job = context.job
+    process = context.run_to_end()
+    if "set_names" in process.notes:
+        found = _answers.found(process.notes, job.variable)
+        if found.is_set or not process.notes.get("ended_itself"):
             return found
-    code, message = exits.of_start(life, job)
+    code, message = exits.of_start(process, job)
     raise Failed(Evidence("", _SHAPE, "a program that did not come to its end"), message, code)
 
 
-def _not_set(found: Found, variable: str) -> Failed:
+def _not_set(found: FoundAnswers, variable: str) -> Failed:
     names = ", ".join(found.set_names) or "nothing"
     meant = quiz.nearest(variable, found.set_names)
     message = f"Your program sets no variable called {variable}; it sets {names}."

@@ -48,7 +48,7 @@ class Step:
 
 
 @dataclass
-class Turn:
+class Exchange:
     """Something the grader has sent, and what came back for it."""
 
     about: str = ""
@@ -63,7 +63,7 @@ class Turn:
         """Keep what should have come and has not."""
         self._keep(Step(NODE, GRADER, "failure", _cut(text)))
 
-    def like(self, other: Turn) -> bool:
+    def like(self, other: Exchange) -> bool:
         """Whether the same was sent and came: the grader tried again."""
         return [step for _, step in self.steps] == [step for _, step in other.steps]
 
@@ -75,11 +75,11 @@ Followed = tuple[float, Step]
 """A step and when it happened, in seconds of the system's clock."""
 
 
-class Record:
+class ExchangeLog:
     """All turns of one check, in the order in which they began."""
 
     def __init__(self) -> None:
-        self._turns: list[Turn] = []
+        self._turns: list[Exchange] = []
         self._followed: list[Callable[[], Iterable[Followed]]] = []
         self._looking = True
 
@@ -87,7 +87,7 @@ class Record:
         """Forget everything: another check begins. What still comes for an old turn is not seen any more."""
         self._turns, self._followed = [], []
 
-    def sent(self, text: str, kind: str = "request", *, about: str = "", minor: bool = False) -> Turn:
+    def sent(self, text: str, kind: str = "request", *, about: str = "", minor: bool = False) -> Exchange:
         """Keep what the grader sends.
 
         Args:
@@ -123,7 +123,7 @@ class Record:
         turns = [turn for turn in self._turns if turn.about and turn.about == evidence.sent][-1:]
         if not turns:
             turns = [turn for turn in self._turns if not turn.minor or turn is self._turns[-1]]
-            turns = [turn for turn, after in zip(turns, [*turns[1:], Turn()], strict=False) if not turn.like(after)]
+            turns = [turn for turn, after in zip(turns, [*turns[1:], Exchange()], strict=False) if not turn.like(after)]
         followed = (step for told in self._followed for step in told())
         pairs = sorted((*(pair for turn in turns for pair in turn.steps), *followed), key=lambda pair: pair[0])
         found = [step for _, step in pairs]
@@ -133,8 +133,8 @@ class Record:
             found = [Step(GRADER, GRADER, "note", f"({before} earlier steps left out)"), *found[before:]]
         return (*found, *_end(found[-1], evidence))
 
-    def _turn(self, about: str = "", *, minor: bool = False) -> Turn:
-        turn = Turn(about, minor)
+    def _turn(self, about: str = "", *, minor: bool = False) -> Exchange:
+        turn = Exchange(about, minor)
         if self._looking:
             self._turns.append(turn)
         return turn
@@ -147,7 +147,7 @@ def _end(last: Step, evidence: Evidence) -> Iterator[Step]:
         yield Step(GRADER, GRADER, "note", _cut(f"expected: {evidence.expected}"))
 
 
-def tell(message: Any) -> str:
+def in_one_line(message: Any) -> str:
     """A ROS message in one line, `value=21.5, from_unit='celsius'`; nested fields with a dot."""
     fields = list(_fields(message))
     told = fields if len(fields) <= _FEW else [(name, value) for name, value in fields if value]

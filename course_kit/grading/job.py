@@ -30,7 +30,8 @@ class Job:
         seed: what the random values of the checks are drawn from.
         limits: what the submission may use.
         isolation: filled in by the worker, which has tried it out.
-        priority: the nice value the submission and the probe run at; filled in by the worker, whose own may be better.
+        priority: the nice value the submission and the grader process run at; filled in by the worker, whose own may be
+            better.
         scratch: the folder for the scratch directory; filled in by the worker.
         user: the number of the user that submissions run as; 0 for the grader's own; filled in by the worker.
         hidden: folders to keep out of the submission's sight, wherever they lie.

@@ -35,7 +35,7 @@ class Limits:
     start_s: float = 5.0
     cpu_s: int = 20
     wall_s: float = 60.0
-    memory_mb: int = 512
+    memory_mb: int = 256
     tasks: int = 128
     file_mb: int = 16
     open_files: int = 256

@@ -48,11 +48,11 @@ class Surroundings(Protocol):
     def before_blaming(self) -> None:
         """A server has gone: let a script that is about to end say why first."""
 
-    def settle(self) -> None:
+    def flush_output(self) -> None:
         """Show what callbacks have printed; called in the caller's thread."""
 
 
-class Exchanged(Protocol):
+class PendingCall(Protocol):
     """Something sent and the wait for what comes back; both drivers below know no more of it."""
 
     def may_send(self) -> bool:
@@ -88,7 +88,7 @@ class Asked(NamedTuple):
     timeout: float
 
 
-class Exchange:
+class ServiceExchange:
     """One request and the wait for its response.
 
     Args:
@@ -183,10 +183,10 @@ class Exchange:
         """Stop waiting, whether or not the answer has come; harmless if it has."""
         if self._future is not None and not self._future.done():
             self._future.cancel()
-        self._lab.settle()
+        self._lab.flush_output()
 
 
-async def call_async(exchange: Exchanged) -> Any:
+async def call_async(exchange: PendingCall) -> Any:
     """Drive an exchange from asyncio; uses no time while it waits."""
     loop = asyncio.get_running_loop()
     try:
@@ -225,7 +225,7 @@ async def call_async(exchange: Exchanged) -> Any:
         exchange.close()
 
 
-def call_blocking(exchange: Exchanged, show: Callable[[], None]) -> Any:
+def call_blocking(exchange: PendingCall, show: Callable[[], None]) -> Any:
     """Drive an exchange from a plain function; `show` is called now and then. Ctrl-C interrupts it."""
     pause = threading.Event()
     try:

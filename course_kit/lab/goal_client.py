@@ -57,9 +57,9 @@ class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type inform
             feedback_sub_qos_profile=QoSProfile(depth=_DEPTH),
         )
         self.action_name = full_action_name(node, action)
-        self.busy: dict[bytes, Pursuit] = {}
+        self.busy: dict[bytes, GoalTracker] = {}
         self._watch: Any = None
-        self._ended: weakref.WeakValueDictionary[bytes, Pursuit] = weakref.WeakValueDictionary()
+        self._ended: weakref.WeakValueDictionary[bytes, GoalTracker] = weakref.WeakValueDictionary()
 
     def add_future(self, future: Any) -> None:
         """Leave a future without an executor, so that it calls back at once, in the order in which things arrive."""
@@ -95,7 +95,7 @@ class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type inform
         if pursuit is not None:
             pursuit.take_feedback(message.feedback)
 
-    def begin(self, pursuit: Pursuit, goal: Any) -> Any:
+    def begin(self, pursuit: GoalTracker, goal: Any) -> Any:
         """Send a goal; returns the future of rclpy's goal handle."""
         identifier = self._generate_random_uuid()
         self.busy[bytes(identifier.uuid)] = pursuit
@@ -103,7 +103,7 @@ class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type inform
             self._watch = self._node.create_timer(_LOOK, self._look_for_servers, callback_group=self.callback_group)
         return self.send_goal_async(goal, goal_uuid=identifier)
 
-    def end(self, pursuit: Pursuit) -> None:
+    def end(self, pursuit: GoalTracker) -> None:
         """Keep track of a goal only as long as somebody holds it: it has ended."""
         for identifier, one in list(self.busy.items()):
             if one is pursuit:
@@ -133,12 +133,12 @@ class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type inform
             self._node.destroy_timer(self._watch)
             self._watch = None
 
-    def _find(self, goal_id: Any) -> Pursuit | None:
+    def _find(self, goal_id: Any) -> GoalTracker | None:
         identifier = bytes(goal_id.uuid)
         return self.busy.get(identifier) or self._ended.get(identifier)
 
 
-class Pursuit:
+class GoalTracker:
     """A goal on its way: what is known of it. Changed on the lab's thread only, read anywhere.
 
     Args:

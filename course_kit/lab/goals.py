@@ -1,6 +1,6 @@
 """Sending a goal and following it: `goal = await lab.send_goal("/fibonacci", Fibonacci, order=5)`.
 
-A `Goal` is what the learner holds; what arrives for it is kept by its `Pursuit`, on the lab's thread.
+A `Goal` is what the learner holds; what arrives for it is kept by its `GoalTracker`, on the lab's thread.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_kit.lab import calls, graph
 from course_kit.lab.errors import ActionNotFoundError, FieldError, LabError, NoAnswerError
-from course_kit.lab.goal_client import Pursuit
+from course_kit.lab.goal_client import GoalTracker
 from course_kit.lab.goal_waits import Awaited, Wait, gone, is_there
 from course_kit.lab.messages import build, is_action_type, type_name
 from course_kit.lab.recording.snapshot import snapshot
@@ -50,7 +50,7 @@ class Goal:
         request: the goal message.
     """
 
-    def __init__(self, lab: Surroundings, pursuit: Pursuit, request: Any) -> None:
+    def __init__(self, lab: Surroundings, pursuit: GoalTracker, request: Any) -> None:
         self.action = pursuit.client.action_name
         self.request = request
         self._lab = lab
@@ -92,7 +92,7 @@ class Goal:
 
     def result_blocking(self, timeout: float = 60.0) -> Any:
         """The same as `result` for programs, which have no `await` at top level."""
-        return self._result_of(calls.call_blocking(self._wait_for_end(timeout), self._lab.settle))
+        return self._result_of(calls.call_blocking(self._wait_for_end(timeout), self._lab.flush_output))
 
     async def cancel(self, timeout: float = 5.0) -> bool:
         """Ask the server to cancel it.
@@ -108,7 +108,7 @@ class Goal:
 
     def cancel_blocking(self, timeout: float = 5.0) -> bool:
         """The same as `cancel` for programs."""
-        return bool(calls.call_blocking(self._wait_for_cancel(timeout), self._lab.settle))
+        return bool(calls.call_blocking(self._wait_for_cancel(timeout), self._lab.flush_output))
 
     async def __aiter__(self) -> AsyncIterator[Any]:
         """Each feedback message from the first one on, until the goal has ended.
@@ -177,7 +177,7 @@ class Sending(Wait):
     def __init__(self, lab: Surroundings, action: str, action_type: Any, asked: AskedGoal) -> None:
         request = _goal_message(action_type, asked)
         client = lab.goal_client(action_type, action)
-        pursuit = Pursuit(client, request, lab.call_back)
+        pursuit = GoalTracker(client, request, lab.call_back)
         goal = Goal(lab, pursuit, request)
         pursuit.on_feedback = asked.on_feedback
         on_result = asked.on_result

@@ -10,7 +10,7 @@ from course_kit.lab.singleton import current
 _HEARING = 1.0  # seconds
 
 
-class Hearing:
+class ParameterEventWait:
     """Waits for the lab's subscriptions to /parameter_events, so that what they print stands where it was caused."""
 
     def __init__(self) -> None:
@@ -19,7 +19,7 @@ class Hearing:
         self._expected = 0
         self._complete = threading.Event()
 
-    def __enter__(self) -> Hearing:  # noqa: PYI034 - typing.Self is newer than Python 3.10
+    def __enter__(self) -> ParameterEventWait:  # noqa: PYI034 - typing.Self is newer than Python 3.10
         from rcl_interfaces.msg import ParameterEvent
 
         self._counts = dict.fromkeys(self._engine.subscriptions("/parameter_events", ParameterEvent), 0)
@@ -28,7 +28,7 @@ class Hearing:
 
     def __exit__(self, *_: object) -> None:
         self._engine.listen_for_deliveries(self._heard, listen=False)
-        self._engine.settle()
+        self._engine.flush_output()
 
     def expects(self, count: int) -> bool:
         """Whether anybody has still to hear of so many changes."""
@@ -39,7 +39,7 @@ class Hearing:
         """Return when all have heard, or after a second."""
         if not self._all_heard():
             self._complete.wait(_HEARING)
-        self._engine.settle()
+        self._engine.flush_output()
 
     def _heard(self, subscription: Any) -> None:
         if subscription in self._counts:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from course_kit.lab import graph
 from course_kit.lab.errors import LabError, NodeNotFoundError, ParameterNotFoundError, ServiceNotFoundError
-from course_kit.lab.parameter_events import Hearing
+from course_kit.lab.parameter_events import ParameterEventWait
 from course_kit.lab.parameter_values import (
     Descriptors,
     Outcome,
@@ -100,7 +100,7 @@ async def set_parameters(
         NoAnswerError: nothing came back in time.
     """
     name = full_name(node)
-    with Hearing() as hearing:
+    with ParameterEventWait() as hearing:
         outcome = await _ask(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
         if hearing.expects(outcome.events):
             await asyncio.to_thread(hearing.wait)
@@ -112,7 +112,7 @@ def set_parameters_blocking(
 ) -> Outcome:
     """The same as `set_parameters` for programs and for threads without an event loop."""
     name = full_name(node)
-    with Hearing() as hearing:
+    with ParameterEventWait() as hearing:
         outcome = _ask_blocking(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
         if hearing.expects(outcome.events):
             hearing.wait()

@@ -113,7 +113,7 @@ class Deliveries(Protocol):
     def listen_for_deliveries(self, told: Callable[[Any], None], *, listen: bool) -> None:
         """Begin or end to call `told` with each subscription whose callback has had a message."""
 
-    def settle(self) -> None:
+    def flush_output(self) -> None:
         """Show what callbacks have printed."""
 
 
@@ -141,7 +141,7 @@ def publish(lab: Deliveries, publisher: Any, message: Any) -> None:
             all_had_it.wait(_DELIVERY)
     finally:
         lab.listen_for_deliveries(had, listen=False)
-        lab.settle()
+        lab.flush_output()
 
 
 async def next_messages(lab: Surroundings, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:
@@ -174,7 +174,7 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
         raise NoAnswerError(f"{text} {_why_none(lab.node, subscription)}") from None
     finally:
         lab.destroy_subscription(subscription)
-        lab.settle()
+        lab.flush_output()
     return received
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.grading.exercise import Exercise
-    from course_kit.learner.progress import Record
+    from course_kit.learner.progress import ProgressRecord
 
 FORMAT_VERSION = 1
 _WIDTH = 80
@@ -27,7 +27,7 @@ class Row:
     """One exercise with its record."""
 
     task: Exercise
-    known: Record
+    known: ProgressRecord
 
     @property
     def state(self) -> str:
@@ -60,7 +60,7 @@ def rows(folder: Path | None = None) -> tuple[list[Row], list[str]]:
     """
     records, trouble = progress.read_or_tell()
     loaded = [_load(name, folder) for name in exercise.ids(folder)]
-    found = [Row(task, records.get(task.id, progress.Record())) for task in loaded if not isinstance(task, str)]
+    found = [Row(task, records.get(task.id, progress.ProgressRecord())) for task in loaded if not isinstance(task, str)]
     told = [trouble, *(problem for problem in loaded if isinstance(problem, str))]
     return sorted(found, key=lambda row: (row.task.order, row.task.id)), [sentence for sentence in told if sentence]
 

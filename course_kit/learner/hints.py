@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.grading.exercise import Exercise
-    from course_kit.learner.progress import Failure, Record
+    from course_kit.learner.progress import Failure, ProgressRecord
 
 _WIDTH = 80
 _BEGINNING = "the beginning"  # the ladder of who has not been graded yet
@@ -59,7 +59,7 @@ def hint(exercise_id: str, command: str, *, again: bool = False, folder: Path | 
     """
     task = exercise.load(exercise_id, folder)
     records, trouble = progress.read_or_tell()
-    known = records.get(task.id, progress.Record())
+    known = records.get(task.id, progress.ProgressRecord())
     if known.tries and known.failed is None:
         return f"Nothing failed when {task.id} was last graded, so there is nothing to hint at.\n", trouble
     found = ladder(task, known)
@@ -74,11 +74,11 @@ def hint(exercise_id: str, command: str, *, again: bool = False, folder: Path | 
     return _text(task, found, min(first, max(last - 1, 0)), last, command), trouble
 
 
-def _taken(known: Record, key: str, count: int) -> Record:
+def _taken(known: ProgressRecord, key: str, count: int) -> ProgressRecord:
     return replace(known, hints={**known.hints, key: max(count, known.hints.get(key, 0))})
 
 
-def ladder(task: Exercise, known: Record) -> Ladder:
+def ladder(task: Exercise, known: ProgressRecord) -> Ladder:
     """The hints for what failed last: those of its cause, then those of its check. Without a failure, all there are."""
     failed = known.failed
     if failed is None:

@@ -53,7 +53,7 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class Record:
+class ProgressRecord:
     """One exercise.
 
     Attributes:
@@ -89,7 +89,7 @@ def record(report: Report) -> str:
     return update(report.exercise, lambda old: _after(old, report))
 
 
-def _after(old: Record, report: Report) -> Record:
+def _after(old: ProgressRecord, report: Report) -> ProgressRecord:
     now = datetime.now(timezone.utc).isoformat(timespec="seconds")
     return replace(
         old,
@@ -105,7 +105,7 @@ def _failure(check: CheckReport) -> Failure:
     return Failure(check.id, check.title, check.diagnosis)
 
 
-def read() -> dict[str, Record]:
+def read() -> dict[str, ProgressRecord]:
     """All records, by exercise.
 
     Raises:
@@ -118,7 +118,7 @@ def read() -> dict[str, Record]:
         raise ProgressError(_sentence(problem)) from problem
 
 
-def read_or_tell() -> tuple[dict[str, Record], str]:
+def read_or_tell() -> tuple[dict[str, ProgressRecord], str]:
     """All records, none when they cannot be read, and what to tell the user about that."""
     try:
         return read(), ""
@@ -126,7 +126,7 @@ def read_or_tell() -> tuple[dict[str, Record], str]:
         return {}, str(problem)
 
 
-def update(exercise: str, change: Callable[[Record], Record | None]) -> str:
+def update(exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> str:
     """Replace one record by what `change` makes of it, None to forget it; nobody else writes meanwhile.
 
     Returns:
@@ -144,7 +144,7 @@ def update(exercise: str, change: Callable[[Record], Record | None]) -> str:
         return f"{_sentence(problem)} Nothing was recorded."
 
 
-def _update(path: Path, exercise: str, change: Callable[[Record], Record | None]) -> str:
+def _update(path: Path, exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> str:
     if path.exists() and not path.stat().st_mode & 0o200:  # replacing it would work, and is not what was meant
         raise ProgressError(f"The progress file {path} is read-only.")
     note = ""
@@ -153,7 +153,7 @@ def _update(path: Path, exercise: str, change: Callable[[Record], Record | None]
     except _BrokenError as problem:
         note = f"{problem} It was kept as {_put_aside(path)}, and a new one begun."
         records = {}
-    changed = change(records.get(exercise, Record()))
+    changed = change(records.get(exercise, ProgressRecord()))
     if changed is None:
         records.pop(exercise, None)
     else:
@@ -190,7 +190,7 @@ def _locked(path: Path) -> Iterator[None]:
         yield
 
 
-def _read(path: Path) -> dict[str, Record]:
+def _read(path: Path) -> dict[str, ProgressRecord]:
     try:
         text = path.read_bytes()
     except FileNotFoundError:
@@ -205,14 +205,14 @@ def _read(path: Path) -> dict[str, Record]:
         raise _BrokenError(f"The progress file {path} is damaged.") from None
 
 
-def _record(entry: dict[str, Any]) -> Record:
+def _record(entry: dict[str, Any]) -> ProgressRecord:
     """An entry as a record.
 
     Raises:
         TypeError, ValueError, AttributeError: it is none.
     """
     failed = None if entry.get("failed") is None else Failure(**entry["failed"])
-    made = Record(**{**entry, "failed": failed})
+    made = ProgressRecord(**{**entry, "failed": failed})
     if not math.isfinite(made.best):
         raise ValueError(made.best)
     whole = (made.tries, *made.hints.values())
@@ -224,7 +224,7 @@ def _record(entry: dict[str, Any]) -> Record:
     return made
 
 
-def _write(path: Path, records: dict[str, Record]) -> None:
+def _write(path: Path, records: dict[str, ProgressRecord]) -> None:
     """Replace the file whole: a crash or a full disk leaves the old one."""
     content = {
         "format_version": FORMAT_VERSION,

@@ -184,7 +184,7 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | 
     records, trouble = progress.read_or_tell()
     if trouble:
         print(f"course-kit: {trouble}", file=sys.stderr)
-    known = records.get(task.id, progress.Record())
+    known = records.get(task.id, progress.ProgressRecord())
     if not known.passed and not show:
         print(_not_yet(task, known), file=sys.stderr)
         return 1
@@ -202,7 +202,7 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | 
     return 0
 
 
-def _not_yet(task: Exercise, known: progress.Record) -> str:
+def _not_yet(task: Exercise, known: progress.ProgressRecord) -> str:
     so_far = f"your best so far is {known.best:g}" if known.tries else "you have not been graded yet"
     return (
         f"course-kit: the solution opens when you have passed: {task.pass_mark:g} of {task.points:g} points; "

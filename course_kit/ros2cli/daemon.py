@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.ros2cli import sockets
-from course_kit.ros2cli.daemon_socket import Meeting
+from course_kit.ros2cli.daemon_socket import DaemonSocket
 
 if TYPE_CHECKING:
     import socket
@@ -32,7 +32,7 @@ _CLIENT_PATIENCE = 5.0
 def main() -> None:
     """Serve graphs until the domain is empty, nobody asks any more, or a client says stop."""
     environment.apply()  # while the command that has started us still holds the domain
-    meeting = Meeting.here()
+    meeting = DaemonSocket.here()
     with meeting.listen() as listening:
         sys.stdout.write("ready\n")
         sys.stdout.flush()
@@ -51,7 +51,7 @@ def _let_go_of_terminal() -> None:
     os.close(null)
 
 
-def _serve(listening: socket.socket, looking: Observer, meeting: Meeting) -> None:
+def _serve(listening: socket.socket, looking: Observer, meeting: DaemonSocket) -> None:
     listening.settimeout(_CHECK_EVERY)
     domain_id = int(os.environ["ROS_DOMAIN_ID"])
     asked = company = time.monotonic()

@@ -29,7 +29,7 @@ _SETTINGS = (
 )
 
 
-class Meeting:
+class DaemonSocket:
     """The place for one set of settings.
 
     Attributes:
@@ -41,7 +41,7 @@ class Meeting:
         self.name = name
 
     @classmethod
-    def here(cls) -> Meeting:
+    def here(cls) -> DaemonSocket:
         """The place for this process's settings, which `environment.apply` has made."""
         code = str((environment.PACKAGE / "ros2cli").stat().st_mtime_ns)  # a daemon of an older kit is not asked
         settings = "\0".join([sys.prefix, code, _network(), *(os.environ.get(name, "") for name in _SETTINGS)])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 from course_kit.ros2cli import sockets
-from course_kit.ros2cli.daemon_socket import Meeting
+from course_kit.ros2cli.daemon_socket import DaemonSocket
 from course_kit.ros2cli.graph import Graph
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def ask_daemon(timeout: float) -> dict[str, Any] | None:
     """The reply of the daemon, started when there is none; None when that fails."""
     request = {"do": "graph", "patience": timeout}
     try:
-        meeting = Meeting.here()
+        meeting = DaemonSocket.here()
         reply = meeting.ask(request, timeout + 1.0)
         if reply is None:
             with meeting.starting():
@@ -58,7 +58,7 @@ def ask_daemon(timeout: float) -> dict[str, Any] | None:
 def stop_daemon() -> bool:
     """Stop the daemon of these settings; whether there was one."""
     environment.apply()
-    return Meeting.here().ask({"do": "stop"}, 5.0) is not None
+    return DaemonSocket.here().ask({"do": "stop"}, 5.0) is not None
 
 
 def _start() -> bool:

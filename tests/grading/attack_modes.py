@@ -18,7 +18,7 @@ from typing import Any
 
 from course_kit.grading.job import Job
 from course_kit.grading.sandbox import isolation, launcher, mounts, namespaces, processes, seccomp
-from course_kit.grading.sandbox.supervisor import Warden
+from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
 from tests.grading.conftest import EXERCISE, ROOT
 
@@ -86,7 +86,7 @@ def main() -> None:
         job = Job.from_mapping({**job.to_mapping(), "user": user})
         sys.stdout.flush()
         if os.fork() == 0:
-            outcome = Warden(job, handle).run()
+            outcome = Supervisor(job, handle).run()
             print(json.dumps({"name": name, **outcome}), flush=True)
             os._exit(0)
         os.wait()

@@ -170,7 +170,7 @@ def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None
 
     def watch() -> None:
         deadline = time.monotonic() + 20
-        while len(below) < 5 and time.monotonic() < deadline:  # warden, probe, gate, guard, program
+        while len(below) < 5 and time.monotonic() < deadline:  # supervisor, grader_process, gate, guard, program
             below[:] = processes.descendants(worker.process_id)
         end()
 

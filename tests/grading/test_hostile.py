@@ -61,7 +61,7 @@ for note in (b'{"note": 3}', b'{"note": {"functions": 5, "returned": [], "node_c
     KILLS: f"""
 import os, signal
 victims = [os.getppid()]
-if os.readlink("/proc/self/ns/pid") != {OUR_PROCESSES!r}:  # else it would kill whatever the tester has running
+if os.readlink("/proc/self/ns/pid") != {OUR_PROCESSES!r}:  # else it would kill whatever the grader_node has running
     victims += [1, -1, *range(2, 200)]
     print("EVERYBODY", flush=True)
 for victim in victims:

@@ -9,7 +9,7 @@ import pytest
 
 from course_kit import environment
 from course_kit.grading import limits
-from course_kit.grading.checks.context import Bench
+from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.job import Job
 from course_kit.grading.sandbox import supervisor
 from course_kit.grading.sandbox.launcher import Launcher
@@ -31,7 +31,7 @@ class StandInClock:
         return self.now
 
 
-class StandInWarden(supervisor.Warden):
+class StandInWarden(supervisor.Supervisor):
     """Queues for a domain, and then starts nothing in it."""
 
     def _launch(self, *_: Any) -> dict[str, Any]:
@@ -64,19 +64,19 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> StandInClock:
 
 @pytest.fixture
 def line() -> Iterator[tuple[Channel, Channel]]:
-    """The warden's end and the probe's."""
-    ours, probe = Channel.pair()
-    yield ours, probe
+    """The supervisor's end and the grader process's."""
+    ours, grader_process = Channel.pair()
+    yield ours, grader_process
     ours.close()
-    probe.close()
+    grader_process.close()
 
 
 def problem_of(line: tuple[Channel, Channel], launches: int) -> str:
-    """What the warden says of a grading whose probe starts the submission so often."""
-    ours, probe = line
+    """What the supervisor says of a grading whose grader_process starts the submission so often."""
+    ours, grader_process = line
     for _ in range(launches):
-        probe.send({"do": "launch", "arguments": [], "files": {}, "variables": {}})
-    probe.send({"do": "done", "timings": {}, "problem": ""})
+        grader_process.send({"do": "launch", "arguments": [], "files": {}, "variables": {}})
+    grader_process.send({"do": "done", "timings": {}, "problem": ""})
     launcher, end = Launcher.pair()  # nobody is asked to start anything
     try:
         return StandInWarden(JOB, launcher)._serve(ours)
@@ -106,13 +106,13 @@ def test_the_starts_of_one_grading_queue_no_longer_than_a_grading_may(
 
 
 def test_a_check_has_its_whole_time_after_a_queue(line: tuple[Channel, Channel], domain: int) -> None:
-    ours, probe = line
-    bench = Bench(probe, JOB)
-    bench.begin(0.0)
-    assert bench.time_is_up()
+    ours, grader_process = line
+    context = CheckContext(grader_process, JOB)
+    context.begin(0.0)
+    assert context.time_is_up()
     ours.send({"domain": domain, "queued_s": 100.0})
-    bench.launch()
-    bench.close()
-    assert not bench.time_is_up()
-    bench.begin(0.0)
-    assert bench.time_is_up()
+    context.launch()
+    context.close()
+    assert not context.time_is_up()
+    context.begin(0.0)
+    assert context.time_is_up()

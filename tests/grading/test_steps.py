@@ -10,7 +10,7 @@ from geometry_msgs.msg import Twist
 
 from course_kit import grading
 from course_kit.grading.checks.check import Evidence
-from course_kit.grading.exchange_log import GRADER, NODE, Record, Step, tell
+from course_kit.grading.exchange_log import GRADER, NODE, ExchangeLog, Step, in_one_line
 from tests.grading.conftest import ROOT
 
 if TYPE_CHECKING:
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def lines(record: Record, evidence: Evidence) -> list[str]:
+def lines(record: ExchangeLog, evidence: Evidence) -> list[str]:
     return [step.line() for step in record.steps(evidence)]
 
 
 def test_an_unanswered_request_ends_at_what_came_instead() -> None:
-    record = Record()
+    record = ExchangeLog()
     record.sent("request /add: a=1", about="a=1")
     assert lines(record, Evidence("a=1", "sum=2", "no answer within 5 s")) == [
         "grader -> your node: request /add: a=1",
@@ -33,14 +33,14 @@ def test_an_unanswered_request_ends_at_what_came_instead() -> None:
 
 
 def test_of_several_turns_the_one_the_verdict_is_about_is_told() -> None:
-    record = Record()
+    record = ExchangeLog()
     for number in range(4):
         record.sent(f"request {number}", about=str(number)).came(f"response {number}")
     assert [step.text for step in record.steps(Evidence("1", "", "x"))] == ["request 1", "response 1"]
 
 
 def test_a_long_exchange_says_what_is_left_out() -> None:
-    record = Record()
+    record = ExchangeLog()
     for number in range(10):
         record.sent(f"request {number}").came(f"response {number}")
     told = lines(record, Evidence(got="x"))
@@ -50,7 +50,7 @@ def test_a_long_exchange_says_what_is_left_out() -> None:
 
 
 def test_questions_in_between_and_second_tries_are_not_told() -> None:
-    record = Record()
+    record = ExchangeLog()
     record.sent("set a=1").came("accepted")
     record.sent("get a", minor=True).came("a=1")
     for _ in range(2):
@@ -59,13 +59,13 @@ def test_questions_in_between_and_second_tries_are_not_told() -> None:
 
 
 def test_a_question_that_nothing_follows_is_told() -> None:
-    record = Record()
+    record = ExchangeLog()
     record.sent("get a", minor=True)
     assert [step.text for step in record.steps(Evidence(got="no answer"))] == ["get a", "no answer"]
 
 
 def test_what_is_followed_stands_where_it_happened_in_time() -> None:
-    record = Record()
+    record = ExchangeLog()
     turn = record.sent("goal")
     record.follow(lambda: [(turn.steps[0][0] + 1e-9, Step(NODE, GRADER, "message", "feedback"))])
     record.sent("cancel").missed("nothing came")
@@ -73,7 +73,7 @@ def test_what_is_followed_stands_where_it_happened_in_time() -> None:
 
 
 def test_the_next_check_begins_empty_and_tidying_up_is_not_kept() -> None:
-    record = Record()
+    record = ExchangeLog()
     late = record.sent("request")
     record.clear()
     late.came("too late")
@@ -84,11 +84,11 @@ def test_the_next_check_begins_empty_and_tidying_up_is_not_kept() -> None:
 
 def test_messages_are_told_with_their_fields() -> None:
     twist = Twist()
-    assert tell(twist) == "all fields 0"
+    assert in_one_line(twist) == "all fields 0"
     twist.linear.x = 1.23456
-    assert tell(twist) == "linear.x=1.235, the rest 0"
+    assert in_one_line(twist) == "linear.x=1.235, the rest 0"
     request = ConvertTemperature.Request(value=98.6, from_unit="x" * 100)
-    assert tell(request) == f"value=98.6, from_unit='{'x' * 40}...', to_unit=''"
+    assert in_one_line(request) == f"value=98.6, from_unit='{'x' * 40}...', to_unit=''"
 
 
 def steps_of(report: grading.Report, check: str) -> list[str]:

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from course_kit.graders import _limiter
-from course_kit.graders._limiter import Reaction, Settings, command
+from course_kit.graders._limiter import LimiterSettings, Reaction, command
 
 velocities = st.floats(-20.0, 20.0)
 settings = st.builds(
-    Settings,
+    LimiterSettings,
     max_velocity=st.floats(0.01, 5.0),
     wheel_diameter=st.floats(0.01, 1.0),
     enabled=st.booleans(),
@@ -22,7 +22,7 @@ settings = st.builds(
 
 
 @given(settings, velocities, velocities)
-def test_the_right_reaction_keeps_to_the_contract(values: Settings, speed: float, turn: float) -> None:
+def test_the_right_reaction_keeps_to_the_contract(values: LimiterSettings, speed: float, turn: float) -> None:
     right = _limiter.right_reaction(values, command(speed, angular_z=turn))
     if not values.enabled:
         assert right == Reaction((0.0,) * 6, 0.0)
@@ -49,7 +49,7 @@ def test_the_right_reaction_keeps_to_the_contract(values: Settings, speed: float
 )
 def test_a_wrong_wheel_speed_is_explained(wheel: float, code: str, said: str) -> None:
     got = Reaction((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), wheel)
-    diagnosis, message = _limiter.explain_wheel(Settings(), command(3.0), got, floors=False)
+    diagnosis, message = _limiter.explain_wheel(LimiterSettings(), command(3.0), got, floors=False)
     assert (diagnosis, said in message) == (code, True)
 
 

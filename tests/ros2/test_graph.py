@@ -10,7 +10,7 @@ import pytest
 
 from course_kit.environment import ports
 from course_kit.ros2cli import sockets
-from course_kit.ros2cli.daemon_socket import Meeting
+from course_kit.ros2cli.daemon_socket import DaemonSocket
 from tests.waiting import wait_until
 
 from .commands import GOLDEN, Ros2
@@ -138,4 +138,4 @@ def test_a_daemon_in_another_network_is_not_asked(ros2: Ros2, monkeypatch: pytes
     for name, value in ros2.environ.items():
         monkeypatch.setenv(name, value)
     network, name = ros2.begin(sys.executable, "-c", ASKS_IN_ANOTHER_NETWORK).communicate(timeout=60)[0].split()
-    assert (name == Meeting.here().name) == (network == "refused")
+    assert (name == DaemonSocket.here().name) == (network == "refused")

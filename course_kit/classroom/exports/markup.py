@@ -19,7 +19,7 @@ _NUMBER = ' class="number"'
 
 
 @dataclass(frozen=True)
-class Cell:
+class TableCell:
     """A table's cell.
 
     Attributes:
@@ -35,13 +35,18 @@ class Cell:
     number: bool = False
 
 
-def amount(value: float, unit: str = "", shown: str | None = None) -> Cell:
+def amount(value: float, unit: str = "", shown: str | None = None) -> TableCell:
     """A number, with its unit beside it."""
-    return Cell(f"{shown or number(value)}{unit}", number(value), number=True)
+    return TableCell(f"{shown or number(value)}{unit}", number(value), number=True)
 
 
 def table(
-    caption: str, columns: Sequence[str], rows: Iterable[Sequence[Cell | str]], *, kind: str = "sortable", id_: str = ""
+    caption: str,
+    columns: Sequence[str],
+    rows: Iterable[Sequence[TableCell | str]],
+    *,
+    kind: str = "sortable",
+    id_: str = "",
 ) -> str:
     """A table whose first column names its rows.
 
@@ -52,7 +57,7 @@ def table(
         kind: the class; what is `sortable` gets a button in each heading where JavaScript runs.
         id_: for links and labels.
     """
-    listed = [[cell if isinstance(cell, Cell) else Cell(cell) for cell in row] for row in rows]
+    listed = [[cell if isinstance(cell, TableCell) else TableCell(cell) for cell in row] for row in rows]
     right = [cell.number for cell in listed[0]] if listed else [False] * len(columns)
     head = "".join(
         f'<th scope="col"{_NUMBER if number else ""}>{column}</th>'
@@ -66,11 +71,11 @@ def table(
     )
 
 
-def _row(cells: Sequence[Cell]) -> str:
+def _row(cells: Sequence[TableCell]) -> str:
     return _cell(cells[0], "th") + "".join(_cell(cell, "td") for cell in cells[1:])
 
 
-def _cell(cell: Cell, tag: str) -> str:
+def _cell(cell: TableCell, tag: str) -> str:
     attributes = ' scope="row"' if tag == "th" else ""
     attributes += f' data-value="{html(cell.value)}"' if cell.value is not None else ""
     classes = [name for name, wanted in (("number", cell.number), ("heat", cell.heat is not None)) if wanted]

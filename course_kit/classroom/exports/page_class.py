@@ -7,7 +7,7 @@ from statistics import mean, median
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.exports import charts, counts
-from course_kit.classroom.exports.markup import Cell, amount, many, report, section, share, shown, table
+from course_kit.classroom.exports.markup import TableCell, amount, many, report, section, share, shown, table
 from course_kit.classroom.exports.results import MISSING, by_student, name_of, score, total
 from course_kit.classroom.exports.texts import html, number
 from course_kit.classroom.gradebook import outcome
@@ -88,10 +88,10 @@ def _check_table(exercise: Exercise, records: list[Record]) -> str:
     return table(title, [*columns, "Grader's error"] if errors else columns, rows)
 
 
-def _check_row(check: counts.CheckCount, *, errors: bool) -> list[Cell | str]:
+def _check_row(check: counts.CheckCount, *, errors: bool) -> list[TableCell | str]:
     failed = check.by_status["failed"]
-    part = Cell(f"{charts.meter(failed, check.run)} {share(failed, check.run)}", str(failed / max(1, check.run)))
-    row: list[Cell | str] = [shown(check.title), amount(check.points), amount(failed), replace(part, number=True)]
+    part = TableCell(f"{charts.meter(failed, check.run)} {share(failed, check.run)}", str(failed / max(1, check.run)))
+    row: list[TableCell | str] = [shown(check.title), amount(check.points), amount(failed), replace(part, number=True)]
     row += [amount(check.by_status["passed"]), amount(check.by_status["skipped"])]
     return [*row, amount(check.by_status["error"])] if errors else row
 
@@ -110,25 +110,25 @@ def _students(book: Gradebook) -> str:
     return find + table(caption, columns, _student_rows(book, names=bool(names)), kind=kind, id_="class")
 
 
-def _student_rows(book: Gradebook, *, names: bool) -> Iterator[list[Cell | str]]:
+def _student_rows(book: Gradebook, *, names: bool) -> Iterator[list[TableCell | str]]:
     for student, records in by_student(book).items():
         results = [_result(records.get(exercise.id), exercise) for exercise in book.exercises]
-        name: list[Cell | str] = [shown(name_of(records))] if names else []
+        name: list[TableCell | str] = [shown(name_of(records))] if names else []
         yield [shown(student), *name, *results, _total(records)]
 
 
-def _total(records: dict[str, Record]) -> Cell:
+def _total(records: dict[str, Record]) -> TableCell:
     reached = total(records)
-    return Cell("not known yet", "") if reached is None else amount(reached)
+    return TableCell("not known yet", "") if reached is None else amount(reached)
 
 
-def _result(record: Record | None, exercise: Exercise) -> Cell:
+def _result(record: Record | None, exercise: Exercise) -> TableCell:
     if record is None:
-        return Cell(f'<span class="state">{_SIGNS[MISSING]} {MISSING}</span>', "")
+        return TableCell(f'<span class="state">{_SIGNS[MISSING]} {MISSING}</span>', "")
     found, state = score(record), outcome(record)
     points = "not graded" if found is None else f"{number(found)} of {number(exercise.points)}"
     late = ", late" if record.entry.late else ""
-    return Cell(
+    return TableCell(
         f'<a href="{report(record)}">{points}</a> '
         f'<span class="state"><span aria-hidden="true">{_SIGNS[state]}</span> {_STATES.get(state, state)}{late}</span>',
         "" if found is None else number(found),

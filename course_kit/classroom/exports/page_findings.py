@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.exports import counts, lookalikes
-from course_kit.classroom.exports.markup import Cell, amount, many, person, shown, table
+from course_kit.classroom.exports.markup import TableCell, amount, many, person, shown, table
 from course_kit.classroom.exports.page_class import Part
 from course_kit.classroom.exports.results import problem
 from course_kit.classroom.exports.texts import html
@@ -78,14 +78,14 @@ def _heat_map(caption: str, columns: Sequence[str], rows: dict[str, list[int]]) 
         found = known.get(code)
         name = f"{html(found.title)} <code>{html(code)}</code>" if found else f"<code>{html(code)}</code>"
         cells = [_heat(count, most) for count in row]
-        listed.append([Cell(name, code), *cells, amount(sum(row))])
+        listed.append([TableCell(name, code), *cells, amount(sum(row))])
     return table(caption, ["Diagnosis", *columns, "All"], listed)
 
 
-def _heat(count: int, most: int) -> Cell:
+def _heat(count: int, most: int) -> TableCell:
     if not count:
-        return Cell('<span class="quiet">0</span>', "0", number=True)
-    return Cell(str(count), heat=count / most, number=True)
+        return TableCell('<span class="quiet">0</span>', "0", number=True)
+    return TableCell(str(count), heat=count / most, number=True)
 
 
 def _alike(book: Gradebook) -> str:
@@ -111,7 +111,7 @@ def _identical(found: lookalikes.LookAlikes, *, several: bool) -> str:
     return table("The same file, byte by byte", columns, rows)
 
 
-def _exercise(record: Record, *, several: bool) -> list[Cell | str]:
+def _exercise(record: Record, *, several: bool) -> list[TableCell | str]:
     return [html(record.title or record.entry.exercise)] if several else []
 
 
@@ -132,9 +132,9 @@ def _similar(found: lookalikes.LookAlikes, *, several: bool) -> str:
     return f"{first}<details><summary>{many(len(rows) - _PAIRS_AT_ONCE, 'more pair')}</summary>{rest}{told}</details>"
 
 
-def _pair(pair: lookalikes.Pair) -> list[Cell | str]:
+def _pair(pair: lookalikes.Pair) -> list[TableCell | str]:
     sides = [f"{person(one)}<br><code>{shown(one.entry.source)}</code>" for one in (pair.first, pair.second)]
-    alike = Cell(f"{pair.similarity * 100:.0f}&nbsp;%", f"{pair.similarity:.4f}", number=True)
+    alike = TableCell(f"{pair.similarity * 100:.0f}&nbsp;%", f"{pair.similarity:.4f}", number=True)
     return [*sides, alike]
 
 
@@ -168,7 +168,7 @@ def _extremes(book: Gradebook) -> str:
     return content
 
 
-def _who(record: Record) -> list[Cell | str]:
+def _who(record: Record) -> list[TableCell | str]:
     return [person(record), html(record.title or record.entry.exercise)]
 
 

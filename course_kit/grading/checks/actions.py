@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from rclpy.client import Client
 
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.grader_node import Listener
 
 _MOST_FEEDBACK = 10_000  # messages about one goal that are kept
@@ -52,7 +52,7 @@ class Action:
 
 
 @dataclass(frozen=True)
-class Told:
+class ReceivedFeedback:
     """Feedback, and when it was received, in seconds of the system's clock."""
 
     feedback: Any
@@ -64,9 +64,9 @@ class Feedback:
 
     def __init__(self) -> None:
         self.count = 0  # about whatever goal
-        self._of_goals: dict[bytes, list[Told]] = {}
+        self._of_goals: dict[bytes, list[ReceivedFeedback]] = {}
 
-    def of(self, goal: bytes) -> list[Told]:
+    def of(self, goal: bytes) -> list[ReceivedFeedback]:
         """All about a goal, oldest first, from the first question for it on."""
         return self._of_goals.setdefault(goal, [])
 
@@ -76,7 +76,7 @@ class Feedback:
         all_told = self._of_goals.get(bytes(message.goal_id.uuid))
         if all_told is not None:
             del all_told[_MOST_FEEDBACK - 1 :]
-            all_told.append(Told(bounded(message.feedback), info["received_timestamp"] / 1e9))
+            all_told.append(ReceivedFeedback(bounded(message.feedback), info["received_timestamp"] / 1e9))
 
 
 class Statuses:
@@ -97,41 +97,41 @@ class Statuses:
                 changes.append((info["received_timestamp"] / 1e9, entry.status))
 
 
-class Line:
+class ActionChannels:
     """The grader's connections with an action; made on first use, and the same as long as the grader's node."""
 
-    def __init__(self, bench: Bench, action: Action) -> None:
-        parts, self._tester, self._name = action.interface.Impl, bench.tester, action.name
+    def __init__(self, context: CheckContext, action: Action) -> None:
+        parts, self._grader_node, self._name = action.interface.Impl, context.grader_node, action.name
         self.goals = self._client(parts.SendGoalService, "send_goal")
         self.cancels = self._client(parts.CancelGoalService, "cancel_goal")
-        self.results = self._client(parts.GetResultService, "get_result")  # the last: see `_get_known`
+        self.results = self._client(parts.GetResultService, "get_result")  # the last: see `_wait_for_match`
         self.feedback = self._listen(Feedback, parts.FeedbackMessage, "feedback", _FEEDBACK)
         self.statuses = self._listen(Statuses, parts.GoalStatusMessage, "status", _STATUS)
 
     def ready(self) -> bool:
         """Whether a goal can be sent and everything about it will be heard."""
         return all(client.service_is_ready() for client in (self.goals, self.results, self.cancels)) and all(
-            self._tester.node.count_publishers(f"{self._name}/_action/{topic}") for topic in ("feedback", "status")
+            self._grader_node.node.count_publishers(f"{self._name}/_action/{topic}") for topic in ("feedback", "status")
         )
 
     def _client(self, interface: Any, part: str) -> Client:
-        return self._tester.client(interface, f"{self._name}/_action/{part}")
+        return self._grader_node.client(interface, f"{self._name}/_action/{part}")
 
     def _listen(self, make: Callable[[], Listener], interface: Any, part: str, qos: QoSProfile) -> Listener:
-        return self._tester.hear_with(make, interface, f"{self._name}/_action/{part}", qos)
+        return self._grader_node.hear_with(make, interface, f"{self._name}/_action/{part}", qos)
 
 
-def expect_action(bench: Bench, action: Action) -> Evidence:
+def expect_action(context: CheckContext, action: Action) -> Evidence:
     """The action is on the graph, with its type, and its program is there to be sent goals.
 
     Raises:
         Failed: it is not; with start.*, name.action, type.interface or limit.*.
     """
     expected = f"the action {action.name} of type {action.type}"
-    line = Line(bench, action)
-    discovery.await_offer(bench, action.wanted, line.ready, bench.tester.actions)
+    line = ActionChannels(context, action)
+    discovery.await_offer(context, action.wanted, line.ready, context.grader_node.actions)
     try:
-        _get_known(bench, action)
+        _wait_for_match(context, action)
     except SubmissionEndedError as ended:
         if ended.diagnosis == "start.exit":
             evidence = Evidence("", expected, "a program that has ended")
@@ -139,27 +139,29 @@ def expect_action(bench: Bench, action: Action) -> Evidence:
     return Evidence("", expected, expected)
 
 
-def ensure_ready(bench: Bench, action: Action) -> None:
+def ensure_ready(context: CheckContext, action: Action) -> None:
     """Have a running submission that offers the action: one that has died or hangs is started again.
 
     Raises:
         Failed: it does not come up a second time.
     """
-    if bench.spoiled:
-        start_again(bench, action)
+    if context.spoiled:
+        start_again(context, action)
 
 
-def start_again(bench: Bench, action: Action, variables: Mapping[str, str] | None = None) -> None:
+def start_again(context: CheckContext, action: Action, variables: Mapping[str, str] | None = None) -> None:
     """Start the submission anew, with other environment variables if wanted.
 
     Raises:
         Failed: it does not come up a second time.
     """
-    discovery.start_again(bench, action.wanted, lambda: Line(bench, action).ready(), variables)
+    discovery.start_again(context, action.wanted, lambda: ActionChannels(context, action).ready(), variables)
     with suppress(SubmissionEndedError):  # whoever needs it will notice
-        _get_known(bench, action)
+        _wait_for_match(context, action)
 
 
-def _get_known(bench: Bench, action: Action) -> None:
+def _wait_for_match(context: CheckContext, action: Action) -> None:
     """Ask for the result of a goal that does not exist; whether that is answered does not matter."""
-    retry.get_known(bench, Line(bench, action).results, action.interface.Impl.GetResultService.Request())
+    retry.wait_for_match(
+        context, ActionChannels(context, action).results, action.interface.Impl.GetResultService.Request()
+    )

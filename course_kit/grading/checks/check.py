@@ -15,7 +15,7 @@ from course_kit.grading.exchange_log import GRADER, Step
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 DEFAULT_DEADLINE_S = 6.0
 
@@ -67,19 +67,19 @@ class Check:
     points: float
     depends_on: tuple[str, ...]
     deadline_s: float
-    run: Callable[[Bench], Evidence]
+    run: Callable[[CheckContext], Evidence]
 
 
 def check(
     *, points: float, depends_on: Sequence[str] = (), deadline_s: float = DEFAULT_DEADLINE_S
-) -> Callable[[Callable[[Bench], Evidence]], Check]:
+) -> Callable[[Callable[[CheckContext], Evidence]], Check]:
     """Decorator that makes a function a `Check`.
 
     Raises:
         ValueError: the function has no docstring, or is worth nothing.
     """
 
-    def declare(function: Callable[[Bench], Evidence]) -> Check:
+    def declare(function: Callable[[CheckContext], Evidence]) -> Check:
         title = (inspect.getdoc(function) or "").partition("\n")[0].rstrip(".")
         if not title:
             raise ValueError(f"the check {function.__name__} needs a docstring: its first line is shown as the title")
@@ -132,7 +132,7 @@ class Result:
         return asdict(self)
 
 
-def run_all(checks: Sequence[Check], bench: Bench) -> Iterator[Result]:
+def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[Result]:
     """Run the checks in order of dependence, yielding each result as soon as it is known.
 
     A check that fails or times out leaves the others to be graded. After one that breaks there is no grade, and nothing
@@ -150,7 +150,7 @@ def run_all(checks: Sequence[Check], bench: Bench) -> Iterator[Result]:
             needed = ", ".join(f'"{titles[name]}"' for name in missing)
             yield Result(one.id, one.title, "skipped", one.points, message=f"Not run: it needs {needed} to pass first.")
             continue
-        result = _run(one, bench)
+        result = _run(one, context)
         if result.status == "passed":
             passed.add(one.id)
         elif result.status == "error":
@@ -158,14 +158,14 @@ def run_all(checks: Sequence[Check], bench: Bench) -> Iterator[Result]:
         yield result
 
 
-def _run(one: Check, bench: Bench) -> Result:
+def _run(one: Check, context: CheckContext) -> Result:
     try:
-        bench.begin(one.deadline_s)
-        seen = one.run(bench)
+        context.begin(one.deadline_s)
+        seen = one.run(context)
     except Failed as verdict:
         seen = verdict.evidence
         status, diagnosis, message = "failed", verdict.diagnosis, verdict.message
-        steps = _exchange(bench, seen)
+        steps = _exchange(context, seen)
     except NotRun as reason:
         return Result(one.id, one.title, "skipped", one.points, message=f"Not run: {reason}")
     except Exception as problem:  # noqa: BLE001 - whatever it is, it is our fault and must not cost any points
@@ -177,9 +177,9 @@ def _run(one: Check, bench: Bench) -> Result:
     return Result(one.id, one.title, status, one.points, *told)
 
 
-def _exchange(bench: Bench, seen: Evidence) -> tuple[Step, ...]:
+def _exchange(context: CheckContext, seen: Evidence) -> tuple[Step, ...]:
     """The steps that led to a verdict; whatever goes wrong in telling them leaves the verdict as it is."""
     try:
-        return bench.record.steps(seen)
+        return context.record.steps(seen)
     except Exception as problem:  # noqa: BLE001 - as above
         return (Step(GRADER, GRADER, "note", f"The grader could not tell the exchange ({problem!r})."),)

@@ -1,6 +1,6 @@
-"""The test bench of one grading: the grader's own node, and the verbs a check speaks in.
+"""The check context of one grading: the grader's own node, and the verbs a check speaks in.
 
-Every wait has a deadline and ends early when the submission has. Runs in the probe, a process apart from the
+Every wait has a deadline and ends early when the submission has. Runs in the grader process, a process apart from the
 submission and from the one that writes the report.
 """
 
@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading import limits, machine
 from course_kit.grading.checks.check import Evidence, Failed, NotRun
 from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, State, Used
-from course_kit.grading.checks.grader_node import Tester
+from course_kit.grading.checks.grader_node import GraderNode
 from course_kit.grading.diagnosis import exits
-from course_kit.grading.exchange_log import Record
+from course_kit.grading.exchange_log import ExchangeLog
 from course_kit.grading.sandbox import scheduling
 
 if TYPE_CHECKING:
@@ -32,11 +32,11 @@ _WATCH_S = 0.02  # how often it is asked whether the submission lives, while an 
 PHASES = ("start", "discovery")  # where time goes beside checking: the program's making, and its way onto the graph
 _MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a very busy machine, twelve times as long
 _FINISH_S = 0.25  # how often it is asked whether the time is up, while a program's end is waited for
-_RPC_S = 30.0  # the warden answers in milliseconds; without it there is no grading
+_RPC_S = 30.0  # the supervisor answers in milliseconds; without it there is no grading
 
 
 @dataclass(frozen=True)
-class Life:
+class ProcessStatus:
     """What the supervisor knows of the submission; hints for the diagnosis, see `sandbox.output_collector`."""
 
     running: bool
@@ -55,30 +55,30 @@ class Life:
 class SubmissionEndedError(Failed):
     """The submission's process has ended while something was expected of it; by itself explained as during a call."""
 
-    def __init__(self, life: Life, job: Job) -> None:
-        diagnosis, message = exits.of_call(life, job)
+    def __init__(self, process: ProcessStatus, job: Job) -> None:
+        diagnosis, message = exits.of_call(process, job)
         super().__init__(Evidence(got="the program has ended"), message, diagnosis)
-        self.life = life
+        self.process = process
 
 
-class Bench:
+class CheckContext:
     """What a check works with."""
 
-    def __init__(self, warden: Channel, job: Job, variables: Mapping[str, str] | None = None) -> None:
-        """Make a bench on which nothing runs yet.
+    def __init__(self, supervisor: Channel, job: Job, variables: Mapping[str, str] | None = None) -> None:
+        """Make a context on which nothing runs yet.
 
         Args:
-            warden: who starts and ends the submission.
+            supervisor: who starts and ends the submission.
             job: what is graded.
             variables: environment variables the submission is started with, unless `launch` says otherwise.
         """
         self.job = job
         self.memory: dict[str, Any] = {}  # what the checks know of the running submission; empty after each launch
-        self.record = Record()  # what the present check and the submission have sent each other
+        self.record = ExchangeLog()  # what the present check and the submission have sent each other
         self._variables = dict(variables or {})
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
-        self._warden = warden
-        self._tester: Tester | None = None
+        self._supervisor = supervisor
+        self._grader_node: GraderNode | None = None
         self._started = self._spoiled = False
         self.deadline_s = 0.0
         self.spent = dict.fromkeys(PHASES, 0.0)  # seconds
@@ -88,15 +88,15 @@ class Bench:
         self._state = Recent(self._look)
 
     @property
-    def tester(self) -> Tester:
+    def grader_node(self) -> GraderNode:
         """The grader's node on the graph of the submission.
 
         Raises:
             RuntimeError: nothing was launched yet; the grader module's fault.
         """
-        if self._tester is None:
+        if self._grader_node is None:
             raise RuntimeError("the check uses the graph before `launch`")
-        return self._tester
+        return self._grader_node
 
     def launch(
         self,
@@ -128,20 +128,20 @@ class Bench:
         domain = None
         if self.job.mode != "attach":
             domain = self._start(arguments, files or {}, variables or {})
-        self._tester = Tester(domain)
+        self._grader_node = GraderNode(domain)
         self.spent["start"] += time.monotonic() - began
 
-    def run_to_end(self) -> Life:
+    def run_to_end(self) -> ProcessStatus:
         """Start the submission and wait until it has ended; for exercises that ask for a value, not for a node.
 
         It is ended when the check's time is up. What it has put into the job's variable is in the notes of the result,
         as `values.describe` puts it.
         """
         self._start((), {}, {})
-        while (life := _life(self._ask("finish", seconds=_FINISH_S))).running:
+        while (process := _process_status(self._ask("finish", seconds=_FINISH_S))).running:
             if self.time_is_up():
-                return _life(self._ask("time is up"))
-        return life
+                return _process_status(self._ask("time is up"))
+        return process
 
     def _start(self, arguments: Sequence[str], files: Mapping[str, str], variables: Mapping[str, str]) -> int:
         """Have the submission started; returns its ROS domain."""
@@ -154,9 +154,9 @@ class Bench:
     def close(self) -> None:
         """Take the grader's node off the graph."""
         self._started = False
-        if self._tester is not None:
-            self._tester.close()
-            self._tester = None
+        if self._grader_node is not None:
+            self._grader_node.close()
+            self._grader_node = None
 
     def begin(self, deadline_s: float) -> None:
         """Start the deadline of a check.
@@ -217,11 +217,11 @@ class Bench:
             return self._clock_of(self._state)
         return self._clock_of(Recent(lambda: self._look(own_waiting)))
 
-    def life(self, *, fresh: bool = False) -> Life:
+    def process(self, *, fresh: bool = False) -> ProcessStatus:
         """What is known of the submission; `fresh` has it counted now instead of up to 50 ms ago."""
         if self.job.mode == "attach":
-            return Life(running=True)
-        return _life(self._ask("facts" if fresh else "state"))
+            return ProcessStatus(running=True)
+        return _process_status(self._ask("facts" if fresh else "state"))
 
     def stacks(self) -> str:
         """What each thread of the submission is executing, by faulthandler; empty for other than Python source."""
@@ -258,7 +258,7 @@ class Bench:
                     self.require_running()
                 if clock.past(seconds) or self.time_is_up():
                     return False
-            self.tester.spin_once(step_s)
+            self.grader_node.spin_once(step_s)
         return True
 
     def wait_for_start(self, condition: Callable[[], bool]) -> bool:
@@ -277,13 +277,13 @@ class Bench:
         """Raise SubmissionEndedError if the submission has ended."""
         if self.job.mode != "attach" and not self._ask("running")["running"]:
             self._spoiled = True
-            raise SubmissionEndedError(self.life(), self.job)
+            raise SubmissionEndedError(self.process(), self.job)
 
     def _look(self, own_waiting: Callable[[], float] = scheduling.own_waiting) -> State:
         if self._started:
-            life = self.life(fresh=True)
+            process = self.process(fresh=True)
             before = self._used_before
-            self._used = Used(before.cpu_s + life.cpu_s, before.waited_s + life.waited_s)
+            self._used = Used(before.cpu_s + process.cpu_s, before.waited_s + process.waited_s)
         busy_s = machine.processor_times().busy
         return State(self._used, Used(time.process_time(), own_waiting()), busy_s or None)
 
@@ -291,9 +291,9 @@ class Bench:
         return FairClock(state, most, machine.processor_share())
 
     def _ask(self, what: str, *, patience_s: float = 0.0, **more: Any) -> dict[str, Any]:
-        self._warden.send({"do": what, **more})
-        return self._warden.receive(patience_s + _RPC_S)
+        self._supervisor.send({"do": what, **more})
+        return self._supervisor.receive(patience_s + _RPC_S)
 
 
-def _life(facts: dict[str, Any]) -> Life:
-    return Life(**{name: value for name, value in facts.items() if name in Life.__dataclass_fields__})
+def _process_status(facts: dict[str, Any]) -> ProcessStatus:
+    return ProcessStatus(**{name: value for name, value in facts.items() if name in ProcessStatus.__dataclass_fields__})

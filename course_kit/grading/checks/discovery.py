@@ -13,7 +13,7 @@ from course_kit.grading.diagnosis import exits, hangs
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.grader_node import Offer
 
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has made the servers it will make
@@ -36,11 +36,13 @@ class Wanted:
     type: str
 
 
-def await_offer(bench: Bench, wanted: Wanted, ready: Callable[[], bool], offers: Callable[[], list[Offer]]) -> None:
+def await_offer(
+    context: CheckContext, wanted: Wanted, ready: Callable[[], bool], offers: Callable[[], list[Offer]]
+) -> None:
     """Wait until a server is there.
 
     Args:
-        bench: the test bench.
+        context: the context of the check.
         wanted: what for.
         ready: whether the grader's own clients are connected with it.
         offers: everything of this kind on the graph, for the explanation.
@@ -49,7 +51,7 @@ def await_offer(bench: Bench, wanted: Wanted, ready: Callable[[], bool], offers:
         Failed: it does not come; with start.*, name.*, type.interface or limit.*.
     """
     expected = f"the {wanted.kind} {wanted.name} of type {wanted.type}"
-    clock = bench.clock()
+    clock = context.clock()
 
     def other_type() -> bool:
         return clock.wall() > _OTHER_TYPE_S and any(
@@ -57,59 +59,59 @@ def await_offer(bench: Bench, wanted: Wanted, ready: Callable[[], bool], offers:
         )
 
     def settled() -> bool:
-        return clock.past(_SETTLED_S) and bool(bench.tester.nodes()) and hangs.spins(bench)
+        return clock.past(_SETTLED_S) and bool(context.grader_node.nodes()) and hangs.spins(context)
 
     def decided() -> bool:
         return ready() or other_type() or settled()
 
     try:
-        bench.wait_for_start(decided)
+        context.wait_for_start(decided)
     except SubmissionEndedError as ended:
-        diagnosis, message = exits.of_start(ended.life, bench.job)
+        diagnosis, message = exits.of_start(ended.process, context.job)
         raise Failed(Evidence("", expected, "a program that has ended"), message, diagnosis) from None
     if not ready():
-        raise _not_offered(bench, wanted, offers(), expected)
+        raise _not_offered(context, wanted, offers(), expected)
 
 
-def ensure_running(bench: Bench, wanted: Wanted, ready: Callable[[], bool]) -> None:
+def ensure_running(context: CheckContext, wanted: Wanted, ready: Callable[[], bool]) -> None:
     """Have a running submission: one that has died or hangs is started again.
 
     Args:
-        bench: the test bench.
+        context: the context of the check.
         wanted: what it is to offer.
         ready: whether the grader's own clients are connected with it; asked after a new start only.
 
     Raises:
         Failed: it does not come up a second time.
     """
-    if bench.spoiled:
-        start_again(bench, wanted, ready)
+    if context.spoiled:
+        start_again(context, wanted, ready)
 
 
 def start_again(
-    bench: Bench, wanted: Wanted, ready: Callable[[], bool], variables: Mapping[str, str] | None = None
+    context: CheckContext, wanted: Wanted, ready: Callable[[], bool], variables: Mapping[str, str] | None = None
 ) -> None:
     """End the submission and start it anew, with other environment variables if wanted.
 
     Raises:
         Failed: it does not come up a second time.
     """
-    bench.launch(variables=variables)
+    context.launch(variables=variables)
     try:
-        if bench.wait_for_start(ready):
+        if context.wait_for_start(ready):
             return
     except SubmissionEndedError:
         pass
-    bench.spoil()
+    context.spoil()
     evidence = Evidence("", f"the {wanted.kind} {wanted.name}, started again", f"no {wanted.kind}")
     raise Failed(evidence, "Your program came up once, was started again, and did not come up.")
 
 
-def expect_node(bench: Bench, name: str, ensure: Callable[[], None]) -> Evidence:
+def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) -> Evidence:
     """A node of this full name is on the graph.
 
     Args:
-        bench: the test bench.
+        context: the context of the check.
         name: the node's full name.
         ensure: has the submission running, or raises Failed.
 
@@ -119,20 +121,20 @@ def expect_node(bench: Bench, name: str, ensure: Callable[[], None]) -> Evidence
     expected = f"a node called {name}"
     try:
         ensure()
-        found = bench.wait_until(lambda: name in bench.tester.nodes(), _NODE_S, step_s=GRAPH_STEP_S)
+        found = context.wait_until(lambda: name in context.grader_node.nodes(), _NODE_S, step_s=GRAPH_STEP_S)
     except SubmissionEndedError as ended:
         raise Failed(Evidence("", expected, "a program that has ended"), ended.message, ended.diagnosis) from None
     if found:
         return Evidence("", expected, expected)
-    nodes = bench.tester.nodes()
+    nodes = context.grader_node.nodes()
     got = f"on the graph: {', '.join(nodes) or 'no node'}"
     message = f"The graph has {graph.listed(nodes, 'node')}, and none is called {name}.{graph.closest(name, nodes)}"
     raise Failed(Evidence("", expected, got), message, "name.node")
 
 
-def _not_offered(bench: Bench, wanted: Wanted, offers: Sequence[Offer], expected: str) -> Failed:
-    nodes = bench.tester.nodes()
-    bench.spoil()
+def _not_offered(context: CheckContext, wanted: Wanted, offers: Sequence[Offer], expected: str) -> Failed:
+    nodes = context.grader_node.nodes()
+    context.spoil()
     got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or graph.listed(nodes, "node")
     evidence = Evidence("", expected, f"on the graph: {got}")
     types = [offer.type for offer in offers if offer.name == wanted.name]
@@ -153,4 +155,4 @@ def _not_offered(bench: Bench, wanted: Wanted, offers: Sequence[Offer], expected
         return Failed(evidence, message, f"name.{wanted.kind}")
     if nodes:
         return Failed(evidence, f"Your node {nodes[0]} is up, and offers no {wanted.kind}.", None)
-    return Failed(evidence, *graph.why_empty(bench, wanted.name)[::-1])
+    return Failed(evidence, *graph.why_empty(context, wanted.name)[::-1])

@@ -11,18 +11,18 @@ from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.bounds import bounded
-from course_kit.grading.checks.actions import Line, ensure_ready
+from course_kit.grading.checks.actions import ActionChannels, ensure_ready
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
-from course_kit.grading.checks.retry import NUDGE_S
+from course_kit.grading.checks.retry import RESEND_AFTER_S
 from course_kit.grading.diagnosis import goals, hangs
-from course_kit.grading.exchange_log import GRADER, NODE, Followed, Step, Turn, tell
+from course_kit.grading.exchange_log import GRADER, NODE, Exchange, Followed, Step, in_one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.grading.checks.actions import Action, Told
-    from course_kit.grading.checks.context import Bench, Life
+    from course_kit.grading.checks.actions import Action, ReceivedFeedback
+    from course_kit.grading.checks.context import CheckContext, ProcessStatus
 
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
 _NAMES = {
@@ -53,27 +53,27 @@ class Ended:
 class Goal:
     """A goal; made, it is sent."""
 
-    def __init__(self, bench: Bench, action: Action, message: Any, shown: str) -> None:
+    def __init__(self, context: CheckContext, action: Action, message: Any, shown: str) -> None:
         """Send a goal; a submission that has died or hangs is started again before.
 
         Args:
-            bench: the test bench.
+            context: the context of the check.
             action: to whom.
             message: the goal.
             shown: the goal as the learner is shown it.
         """
-        ensure_ready(bench, action)
-        bench.require_time(Evidence(shown, "an answer to the goal"))
+        ensure_ready(context, action)
+        context.require_time(Evidence(shown, "an answer to the goal"))
         self.shown = shown
-        self._bench, self._parts, self._line = bench, action.interface.Impl, Line(bench, action)
-        self._stderr = bench.life(fresh=True).stderr
+        self._context, self._parts, self._line = context, action.interface.Impl, ActionChannels(context, action)
+        self._stderr = context.process(fresh=True).stderr
         self._id = uuid.uuid4().bytes
         self._results: list[Any] = []
-        self.clock = bench.clock()
+        self.clock = context.clock()
         request = self._parts.SendGoalService.Request(goal_id=self._uuid(), goal=message)
-        self._turn = bench.record.sent(f"goal for {action.name}: {tell(message)}")
-        self._cancelling = Turn()
-        bench.record.follow(self._feedback_steps)
+        self._turn = context.record.sent(f"goal for {action.name}: {in_one_line(message)}")
+        self._cancelling = Exchange()
+        context.record.follow(self._feedback_steps)
         self._follow()
         self._answer = self._line.goals.call_async(request)
 
@@ -88,7 +88,7 @@ class Goal:
         return self.answered and bool(self._answer.result().accepted)
 
     @property
-    def feedback(self) -> list[Told]:
+    def feedback(self) -> list[ReceivedFeedback]:
         """The feedback about this goal so far, oldest first."""
         return self._line.feedback.of(self._id)
 
@@ -117,18 +117,18 @@ class Goal:
 
         def decided() -> bool:
             nonlocal nudged
-            if not nudged and self.clock.wall() > NUDGE_S:
+            if not nudged and self.clock.wall() > RESEND_AFTER_S:
                 nudged = True
                 self._line.results.call_async(self._parts.GetResultService.Request())
             return self.answered
 
         try:
-            found = self._bench.wait_until(decided, seconds)
+            found = self._context.wait_until(decided, seconds)
         except SubmissionEndedError as ended:
             evidence = Evidence(self.shown, expected, "no answer: the program ended")
             raise Failed(evidence, ended.message, ended.diagnosis) from None
         if not found:
-            raise hangs.unanswered(self._bench, self.shown, expected, self.clock.fair())
+            raise hangs.unanswered(self._context, self.shown, expected, self.clock.fair())
         self._turn.came("accepted" if self.accepted else "rejected")
 
     def wait_for_end(self, seconds: float, expected: str) -> Ended:
@@ -142,11 +142,11 @@ class Goal:
             Failed: none came; with the reason if it can be established.
         """
         self._ask_for_result()
-        clock = self._bench.clock()
+        clock = self._context.clock()
         try:
-            self._bench.wait_until(self._result_came, seconds)
+            self._context.wait_until(self._result_came, seconds)
         except SubmissionEndedError as ended:
-            diagnosis, message = goals.of_program(ended.life, self._bench.job)
+            diagnosis, message = goals.of_program(ended.process, self._context.job)
             evidence = Evidence(self.shown, expected, "no result: the program ended")
             self._turn.missed(evidence.got)
             raise Failed(evidence, message, diagnosis) from None
@@ -154,37 +154,37 @@ class Goal:
             if future.done():
                 response = bounded(future.result())
                 end = Ended(response.status, response.result)
-                self._turn.came(f"result: {end.name}, {tell(end.result)}")
+                self._turn.came(f"result: {end.name}, {in_one_line(end.result)}")
                 return end
-        self._bench.spoil()
+        self._context.spoil()
         seconds = min(seconds, clock.fair())
         over = next((_named(status) for _, status in self.statuses if status >= SUCCEEDED), "")
-        diagnosis, message = goals.of_silence(self._bench, over, seconds, self.life())
+        diagnosis, message = goals.of_silence(self._context, over, seconds, self.process())
         evidence = Evidence(self.shown, expected, f"no result within {seconds:.1f} s")
         self._turn.missed(evidence.got)
         raise Failed(evidence, message, diagnosis)
 
-    def wait_for_last_feedback(self, complete: Callable[[list[Told]], bool]) -> list[Told]:
+    def wait_for_last_feedback(self, complete: Callable[[list[ReceivedFeedback]], bool]) -> list[ReceivedFeedback]:
         """The feedback of a goal that has ended, once no more comes.
 
         Args:
             complete: whether it looks complete; if not, it is waited for longer.
         """
-        count, clock = -1, self._bench.clock()
+        count, clock = -1, self._context.clock()
 
         def quiet() -> bool:
             nonlocal count, clock
             if count != self._line.feedback.count:
-                count, clock = self._line.feedback.count, self._bench.clock()
+                count, clock = self._line.feedback.count, self._context.clock()
             return clock.past(_QUIET_S) and (clock.past(_REPAIRED_S) or complete(self.feedback))
 
-        self._bench.wait_until(quiet, hangs.ANSWER_S)
+        self._context.wait_until(quiet, hangs.ANSWER_S)
         return self.feedback
 
     def cancel(self) -> Any:
         """Ask the server to cancel it; a future of the response (action_msgs/srv/CancelGoal)."""
         request = self._parts.CancelGoalService.Request(goal_info=GoalInfo(goal_id=self._uuid()))
-        self._cancelling = self._bench.record.sent("request to cancel the goal")
+        self._cancelling = self._context.record.sent("request to cancel the goal")
         return self._line.cancels.call_async(request)
 
     def is_cancelled_by(self, response: Any) -> bool:
@@ -193,14 +193,14 @@ class Goal:
         self._cancelling.came("cancelling accepted" if agreed else "cancelling refused")
         return agreed
 
-    def life(self) -> Life:
+    def process(self) -> ProcessStatus:
         """What is known of the program, with only what it has written to stderr since the goal was sent."""
-        life = self._bench.life(fresh=True)
-        same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(self._stderr, life.stderr, strict=False))
-        return replace(life, stderr=life.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
+        process = self._context.process(fresh=True)
+        same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(self._stderr, process.stderr, strict=False))
+        return replace(process, stderr=process.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
 
     def _result_came(self) -> bool:
-        if len(self._results) == 1 and self.over_at is not None and self.clock.wall() > NUDGE_S:
+        if len(self._results) == 1 and self.over_at is not None and self.clock.wall() > RESEND_AFTER_S:
             self._ask_for_result()
         return any(future.done() for future in self._results)
 
@@ -215,7 +215,7 @@ class Goal:
         steps = []
         for number in sorted({1, len(all_told)} if all_told else ()):
             told = all_told[number - 1]
-            text = f"feedback {number} after {told.came_s - begin:.2f} s: {tell(told.feedback)}"
+            text = f"feedback {number} after {told.came_s - begin:.2f} s: {in_one_line(told.feedback)}"
             steps.append((told.came_s, Step(NODE, GRADER, "message", text)))
         return steps
 

@@ -82,15 +82,15 @@ class Heard:
         return list(islice(self.messages, max(count - forgotten, 0), None))
 
 
-class _Takes(Protocol):
+class _TakesMessages(Protocol):
     def take(self, message: Any, info: Any) -> None:
         """Keep what is wanted of a message."""
 
 
-Listener = TypeVar("Listener", bound=_Takes)
+Listener = TypeVar("Listener", bound=_TakesMessages)
 
 
-class Tester:
+class GraderNode:
     """The grader on the graph. Its own endpoints never appear in what it reports."""
 
     def __init__(self, domain: int | None) -> None:

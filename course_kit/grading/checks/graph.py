@@ -10,26 +10,26 @@ from course_kit.grading.diagnosis import exits, hangs
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 
 _LONGEST, _MOST = 100, 200  # names that are compared: it takes the product of their lengths
 _MOST_LISTED = 20
 
 
-def why_empty(bench: Bench, wanted: str) -> exits.Cause:
+def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
     """Why no node has appeared, although the program runs.
 
     Args:
-        bench: the test bench.
+        context: the context of the check.
         wanted: the full name of what a node was to bring: a service, an action, itself.
     """
-    if bench.job.mode == "attach":
-        return "start.nothing", f"Nobody on the graph of ROS domain {bench.tester.domain} offers {wanted}."
-    doing = hangs.doing(bench)
-    busy = hangs.computes(bench)
-    where = f" It is in {exits.source_line(bench.job, doing.own.line)}." if doing.own else ""
-    start_s = bench.job.limits.start_s
+    if context.job.mode == "attach":
+        return "start.nothing", f"Nobody on the graph of ROS domain {context.grader_node.domain} offers {wanted}."
+    doing = hangs.doing(context)
+    busy = hangs.computes(context)
+    where = f" It is in {exits.source_line(context.job, doing.own.line)}." if doing.own else ""
+    start_s = context.job.limits.start_s
     if busy:
         return "limit.time", f"After {start_s:g} s your program was still computing, and no node had appeared.{where}"
     return "start.nothing", f"Your program runs, but within {start_s:g} s no node has appeared on the graph.{where}"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
-from course_kit.grading.checks.retry import NUDGE_S
+from course_kit.grading.checks.retry import RESEND_AFTER_S
 from course_kit.grading.checks.services import Service, ensure_ready
 from course_kit.grading.diagnosis.hangs import unanswered
 from course_kit.grading.sandbox import scheduling
@@ -18,7 +18,7 @@ from course_kit.grading.sandbox import scheduling
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 _STEP_S = 0.004  # how often it is looked: what lies between two looks counts as the grader's lateness
 _WORTHWHILE = 0.4  # of the requests answered when half the time is over
@@ -39,20 +39,22 @@ class Load:
     seconds: float
 
 
-def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Load, evidence: Evidence) -> list[Any]:
+def call_many(
+    context: CheckContext, service: Service, requests: Sequence[Any], load: Load, evidence: Evidence
+) -> list[Any]:
     """Send all requests and return the responses in their order.
 
     Raises:
         Failed: not all were answered in time, with service.blocks when they came one by one but too slowly.
     """
-    ensure_ready(bench, service)
-    clients = [bench.tester.client(service.interface, service.name, number) for number in range(load.clients)]
+    ensure_ready(context, service)
+    clients = [context.grader_node.client(service.interface, service.name, number) for number in range(load.clients)]
     try:
-        bench.wait_until(lambda: all(client.service_is_ready() for client in clients), load.seconds, step_s=_STEP_S)
-        turn = bench.record.sent(evidence.sent)
+        context.wait_until(lambda: all(client.service_is_ready() for client in clients), load.seconds, step_s=_STEP_S)
+        turn = context.record.sent(evidence.sent)
         late = Lateness()
-        clock = bench.clock(late.seconds)
-        responses = _run(bench, clients, requests, load, late)
+        clock = context.clock(late.seconds)
+        responses = _run(context, clients, requests, load, late)
         spent = clock.fair()
     except SubmissionEndedError as ended:
         raise Failed(replace(evidence, got="the program ended"), ended.message, ended.diagnosis) from None
@@ -61,9 +63,9 @@ def call_many(bench: Bench, service: Service, requests: Sequence[Any], load: Loa
         turn.came(f"{answered} of {len(requests)} responses within {spent:.1f} s")
     if answered == len(requests) and spent <= load.seconds:
         return responses
-    bench.spoil()
+    context.spoil()
     if answered == 0:
-        raise unanswered(bench, evidence.sent, evidence.expected, spent)
+        raise unanswered(context, evidence.sent, evidence.expected, spent)
     each = spent / answered
     message = (
         f"{answered} of {len(requests)} requests were answered in {spent:.1f} s, one in {each:.2f} s: "
@@ -96,7 +98,7 @@ class Lateness:
         return max(self._late, scheduling.own_waiting(helpers_only=True) - self._before)
 
 
-class Exchange:
+class LoadRequest:
     """The requests on their way, and the responses."""
 
     def __init__(self, clients: Sequence[Any], requests: Sequence[Any], unanswered: int, late: Lateness) -> None:
@@ -117,7 +119,7 @@ class Exchange:
             self._send(self._waiting.popleft())
         if came:
             self._moved = time.monotonic()
-        elif time.monotonic() - self._moved > NUDGE_S:
+        elif time.monotonic() - self._moved > RESEND_AFTER_S:
             self._send_first_ones_again()
         return not self._flying
 
@@ -136,10 +138,12 @@ def _done(futures: Sequence[Any]) -> list[Any]:
     return [future for future in futures if future.done()]
 
 
-def _run(bench: Bench, clients: Sequence[Any], requests: Sequence[Any], load: Load, late: Lateness) -> list[Any]:
-    exchange = Exchange(clients, requests, load.unanswered, late)
-    if not bench.wait_until(exchange.done, load.seconds / 2, step_s=_STEP_S):
+def _run(
+    context: CheckContext, clients: Sequence[Any], requests: Sequence[Any], load: Load, late: Lateness
+) -> list[Any]:
+    exchange = LoadRequest(clients, requests, load.unanswered, late)
+    if not context.wait_until(exchange.done, load.seconds / 2, step_s=_STEP_S):
         answered = sum(response is not None for response in exchange.responses)
         if answered >= len(requests) * _WORTHWHILE:  # else the other half of the time would not do either
-            bench.wait_until(exchange.done, load.seconds / 2, step_s=_STEP_S)
+            context.wait_until(exchange.done, load.seconds / 2, step_s=_STEP_S)
     return exchange.responses

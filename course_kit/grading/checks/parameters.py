@@ -16,7 +16,7 @@ from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
-from course_kit.grading.checks.retry import get_known
+from course_kit.grading.checks.retry import wait_for_match
 from course_kit.grading.diagnosis import exceptions, hangs
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from rcl_interfaces.msg import Parameter as ParameterMessage
 
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
 _VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
@@ -56,12 +56,12 @@ class Outcome:
 class Remote:
     """The parameters of one node, asked from outside. Each verb may raise Failed when no answer comes."""
 
-    def __init__(self, bench: Bench, node: str) -> None:
+    def __init__(self, context: CheckContext, node: str) -> None:
         """Prepare to ask the node with the full name `node`."""
         self.node = node
-        self._bench = bench
+        self._context = context
         self._clients = {
-            verb: bench.tester.client(interface, f"{node}/{verb}")
+            verb: context.grader_node.client(interface, f"{node}/{verb}")
             for verb, interface in reversed(tuple(zip(_VERBS, INTERFACES, strict=True)))
         }
 
@@ -100,17 +100,17 @@ class Remote:
         return list(self._call("get_parameters", GetParameters.Request(names=list(names)), evidence).values)
 
     def _call(self, verb: str, request: Any, evidence: Evidence) -> Any:
-        bench = self._bench
-        bench.require_time(evidence)
-        turn = bench.record.sent(evidence.sent, minor=verb in _QUESTIONS)
-        clock = bench.clock()
-        with exceptions.explained(bench, evidence):
+        context = self._context
+        context.require_time(evidence)
+        turn = context.record.sent(evidence.sent, minor=verb in _QUESTIONS)
+        clock = context.clock()
+        with exceptions.explained(context, evidence):
             future = self._clients[verb].call_async(request)
-            if bench.wait_until(future.done, hangs.ANSWER_S):
+            if context.wait_until(future.done, hangs.ANSWER_S):
                 response = bounded(future.result())
                 turn.came(_told(request, response))
                 return response
-            raise exceptions.unanswered(bench, evidence, clock.fair())
+            raise exceptions.unanswered(context, evidence, clock.fair())
 
 
 def shown(values: Mapping[str, Any]) -> str:
@@ -118,53 +118,55 @@ def shown(values: Mapping[str, Any]) -> str:
     return ", ".join(f"{name}={value!r}" for name, value in values.items())
 
 
-def expect_served(bench: Bench, node: str) -> Evidence:
+def expect_served(context: CheckContext, node: str) -> Evidence:
     """A node of this full name is up, and answers when it is asked for its parameters.
 
     Raises:
         Failed: it is not; with start.*, name.node, limit.* or parameter.*.
     """
     expected = f"a node called {node}"
-    remote = Remote(bench, node)
-    clock = bench.clock()
+    remote = Remote(context, node)
+    clock = context.clock()
 
     def settled() -> bool:
-        return clock.past(_SETTLED_S) and bool(bench.tester.nodes()) and hangs.spins(bench)
+        return clock.past(_SETTLED_S) and bool(context.grader_node.nodes()) and hangs.spins(context)
 
     try:
-        bench.wait_for_start(lambda: remote.ready() or settled())
+        context.wait_for_start(lambda: remote.ready() or settled())
         if not remote.ready():
-            raise _not_served(bench, node, expected)
-        client = bench.tester.client(ListParameters, f"{node}/list_parameters")  # the last that `remote` has made
-        clock = bench.clock()
-        if not get_known(bench, client, ListParameters.Request(), hangs.ANSWER_S):
-            raise exceptions.unanswered(bench, Evidence("list_parameters", expected), clock.fair())
+            raise _not_served(context, node, expected)
+        client = context.grader_node.client(
+            ListParameters, f"{node}/list_parameters"
+        )  # the last that `remote` has made
+        clock = context.clock()
+        if not wait_for_match(context, client, ListParameters.Request(), hangs.ANSWER_S):
+            raise exceptions.unanswered(context, Evidence("list_parameters", expected), clock.fair())
     except SubmissionEndedError as ended:
-        diagnosis, message = exceptions.of_start(ended.life, bench.job)
+        diagnosis, message = exceptions.of_start(ended.process, context.job)
         raise Failed(Evidence("", expected, "a program that has ended"), message, diagnosis) from None
     return Evidence("", expected, expected)
 
 
-def ensure_served(bench: Bench, node: str) -> Remote:
+def ensure_served(context: CheckContext, node: str) -> Remote:
     """The parameters of a running submission: one that has died or hangs is started again.
 
     Raises:
         Failed: it does not come up a second time.
     """
-    if bench.spoiled:
-        bench.launch()
+    if context.spoiled:
+        context.launch()
         try:
-            expect_served(bench, node)
+            expect_served(context, node)
         except Failed as failed:
-            bench.spoil()
+            context.spoil()
             message = f"An earlier check ended your program, and started again it did not come up. {failed.message}"
             raise Failed(failed.evidence, message, failed.diagnosis) from None
-    return Remote(bench, node)
+    return Remote(context, node)
 
 
-def _not_served(bench: Bench, node: str, expected: str) -> Failed:
-    nodes = bench.tester.nodes()
-    bench.spoil()
+def _not_served(context: CheckContext, node: str, expected: str) -> Failed:
+    nodes = context.grader_node.nodes()
+    context.spoil()
     evidence = Evidence("", expected, f"on the graph: {graph.listed(nodes, 'node')}")
     if node in nodes:
         message = f"The node {node} is up, and offers no services for its parameters (start_parameter_services)."
@@ -172,7 +174,7 @@ def _not_served(bench: Bench, node: str, expected: str) -> Failed:
     if nodes:
         message = f"The graph has {graph.listed(nodes, 'node')}, and none is called {node}.{graph.closest(node, nodes)}"
         return Failed(evidence, message, "name.node")
-    return Failed(evidence, *graph.why_empty(bench, node)[::-1])
+    return Failed(evidence, *graph.why_empty(context, node)[::-1])
 
 
 def _told(request: Any, response: Any) -> str:

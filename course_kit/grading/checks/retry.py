@@ -11,13 +11,15 @@ if TYPE_CHECKING:
 
     from rclpy.client import Client
 
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
 
-NUDGE_S = 1.0  # when nothing has come for so long it is asked again; also what a program that ends at once is given
+RESEND_AFTER_S = (
+    1.0  # when nothing has come for so long it is asked again; also what a program that ends at once is given
+)
 _SOON_S = 0.5
 
 
-class Asked:
+class RetriedRequest:
     """A request that is sent a second time when no answer comes for a while.
 
     On a loaded machine the middleware drops a response as long as the server's process has not noticed the client
@@ -26,18 +28,23 @@ class Asked:
     """
 
     def __init__(
-        self, bench: Bench, request: Any, client: Client, again: Callable[[], Client], after_s: float = NUDGE_S
+        self,
+        context: CheckContext,
+        request: Any,
+        client: Client,
+        again: Callable[[], Client],
+        after_s: float = RESEND_AFTER_S,
     ) -> None:
         """Send it.
 
         Args:
-            bench: the test bench.
+            context: the context of the check.
             request: what is asked.
             client: whom by.
             again: gives the client for the second time.
             after_s: when that is.
         """
-        self.clock = bench.clock()
+        self.clock = context.clock()
         self._request, self._again, self._after_s = request, again, after_s
         self._futures = [client.call_async(request)]
 
@@ -54,11 +61,11 @@ class Asked:
         return next((bounded(future.result()) for future in self._futures if future.done()), None)
 
 
-def get_known(bench: Bench, client: Client, request: Any, seconds: float = NUDGE_S) -> bool:
+def wait_for_match(context: CheckContext, client: Client, request: Any, seconds: float = RESEND_AFTER_S) -> bool:
     """Ask until an answer has come, whatever it says: from then on the server's process knows the grader's clients.
 
     Args:
-        bench: the test bench.
+        context: the context of the check.
         client: the last one made; they are announced in the order of their making.
         request: what is asked.
         seconds: the patience.
@@ -66,4 +73,4 @@ def get_known(bench: Bench, client: Client, request: Any, seconds: float = NUDGE
     Raises:
         SubmissionEndedError: the submission has ended meanwhile.
     """
-    return bench.wait_until(Asked(bench, request, client, lambda: client, _SOON_S).answered, seconds)
+    return context.wait_until(RetriedRequest(context, request, client, lambda: client, _SOON_S).answered, seconds)

@@ -9,14 +9,14 @@ from course_kit.grading.checks import discovery
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
 from course_kit.grading.checks.discovery import Wanted, await_offer, ensure_running
-from course_kit.grading.checks.retry import NUDGE_S, Asked, get_known
+from course_kit.grading.checks.retry import RESEND_AFTER_S, RetriedRequest, wait_for_match
 from course_kit.grading.diagnosis import hangs
-from course_kit.grading.exchange_log import tell
+from course_kit.grading.exchange_log import in_one_line
 
 if TYPE_CHECKING:
     from rclpy.client import Client
 
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 _STUCK_S = 3.0  # a callback seen waiting in rclpy for so long waits for itself
 
@@ -44,11 +44,11 @@ class Answer:
     latency_s: float
 
 
-def expect_offered(bench: Bench, service: Service, request: Any) -> Evidence:
+def expect_offered(context: CheckContext, service: Service, request: Any) -> Evidence:
     """The service is on the graph, with its type, and its program is there to be asked.
 
     Args:
-        bench: the test bench.
+        context: the context of the check.
         service: what is expected.
         request: any request; whether and how it is answered is for other checks. It tells a server from a
             program that offers a service and ends at once, however fast each is discovered.
@@ -57,10 +57,10 @@ def expect_offered(bench: Bench, service: Service, request: Any) -> Evidence:
         Failed: it is not; with start.*, name.service, type.interface or limit.*.
     """
     expected = f"the service {service.name} of type {service.type}"
-    client = _client(bench, service)
-    await_offer(bench, _wanted(service), client.service_is_ready, bench.tester.services)
+    client = _client(context, service)
+    await_offer(context, _wanted(service), client.service_is_ready, context.grader_node.services)
     try:
-        get_known(bench, client, request)
+        wait_for_match(context, client, request)
     except SubmissionEndedError as ended:
         if ended.diagnosis == "start.exit":
             evidence = Evidence("", expected, "a program that has ended")
@@ -68,29 +68,29 @@ def expect_offered(bench: Bench, service: Service, request: Any) -> Evidence:
     return Evidence("", expected, expected)
 
 
-def expect_node(bench: Bench, name: str, service: Service) -> Evidence:
+def expect_node(context: CheckContext, name: str, service: Service) -> Evidence:
     """A node of this full name is on the graph, beside the service.
 
     Raises:
         Failed: it is not; with name.node.
     """
-    return discovery.expect_node(bench, name, lambda: ensure_ready(bench, service))
+    return discovery.expect_node(context, name, lambda: ensure_ready(context, service))
 
 
-def ensure_ready(bench: Bench, service: Service) -> None:
+def ensure_ready(context: CheckContext, service: Service) -> None:
     """Have a running submission that offers the service: one that has died or hangs is started again.
 
     Raises:
         Failed: it does not come up a second time.
     """
-    ensure_running(bench, _wanted(service), lambda: _client(bench, service).service_is_ready())
+    ensure_running(context, _wanted(service), lambda: _client(context, service).service_is_ready())
 
 
-def call(bench: Bench, service: Service, request: Any, shown: str, expected: str) -> Answer:
+def call(context: CheckContext, service: Service, request: Any, shown: str, expected: str) -> Answer:
     """Send one request and wait for its answer.
 
     Args:
-        bench: the test bench.
+        context: the context of the check.
         service: whom to call.
         request: what to send.
         shown: the request as the learner is shown it.
@@ -99,10 +99,10 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
     Raises:
         Failed: none came; with the reason if it can be established.
     """
-    ensure_ready(bench, service)
-    bench.require_time(Evidence(shown, expected))
-    turn = bench.record.sent(f"request {service.name}: {tell(request)}", about=shown)
-    asked = Asked(bench, request, _client(bench, service), lambda: _client(bench, service, 1))
+    ensure_ready(context, service)
+    context.require_time(Evidence(shown, expected))
+    turn = context.record.sent(f"request {service.name}: {in_one_line(request)}", about=shown)
+    asked = RetriedRequest(context, request, _client(context, service), lambda: _client(context, service, 1))
     clock = asked.clock
     looked = False
 
@@ -112,22 +112,22 @@ def call(bench: Bench, service: Service, request: Any, shown: str, expected: str
             return True
         if not looked and clock.wall() > _STUCK_S and clock.past(_STUCK_S):
             looked = True
-            return hangs.doing(bench).waits_for_ros
+            return hangs.doing(context).waits_for_ros
         return False
 
     try:
-        bench.wait_until(decided, hangs.ANSWER_S)
+        context.wait_until(decided, hangs.ANSWER_S)
     except SubmissionEndedError as ended:
         evidence = Evidence(shown, expected, "no answer: the program ended")
         raise Failed(evidence, ended.message, ended.diagnosis) from None
     if (response := asked.response()) is not None:
-        turn.came(f"response: {tell(response)}")
-        return Answer(response, clock.fair() if clock.wall() > NUDGE_S else clock.wall())
-    raise hangs.unanswered(bench, shown, expected, clock.fair())
+        turn.came(f"response: {in_one_line(response)}")
+        return Answer(response, clock.fair() if clock.wall() > RESEND_AFTER_S else clock.wall())
+    raise hangs.unanswered(context, shown, expected, clock.fair())
 
 
-def _client(bench: Bench, service: Service, number: int = 0) -> Client:
-    return bench.tester.client(service.interface, service.name, number)
+def _client(context: CheckContext, service: Service, number: int = 0) -> Client:
+    return context.grader_node.client(service.interface, service.name, number)
 
 
 def _wanted(service: Service) -> Wanted:

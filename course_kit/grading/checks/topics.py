@@ -20,12 +20,12 @@ from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S
 from course_kit.grading.checks.grader_node import DEPTH
 from course_kit.grading.diagnosis import exceptions, exits, hangs
-from course_kit.grading.exchange_log import Turn, tell
+from course_kit.grading.exchange_log import Exchange, in_one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.grader_node import Endpoint, Heard
 
 HEARD_S = 3.0  # how long the message that answers another one is waited for
@@ -59,7 +59,7 @@ class Topic:
     type: str
 
 
-def expect_endpoints(bench: Bench, published: Sequence[Topic], subscribed: Sequence[Topic]) -> Evidence:
+def expect_endpoints(context: CheckContext, published: Sequence[Topic], subscribed: Sequence[Topic]) -> Evidence:
     """The submission publishes and subscribes to these topics, so that a default reliable endpoint connects.
 
     Raises:
@@ -71,26 +71,26 @@ def expect_endpoints(bench: Bench, published: Sequence[Topic], subscribed: Seque
     )
     evidence = Evidence("", expected, expected)
     ends = [(topic, True) for topic in published] + [(topic, False) for topic in subscribed]
-    with exceptions.explained(bench, evidence):
-        bench.wait_until(lambda: all(_fitting(bench, *end) for end in ends), _GRAPH_S, step_s=GRAPH_STEP_S)
+    with exceptions.explained(context, evidence):
+        context.wait_until(lambda: all(_fitting(context, *end) for end in ends), _GRAPH_S, step_s=GRAPH_STEP_S)
     for topic, publishes in ends:
-        _require(bench, topic, expected, publishes=publishes)
+        _require(context, topic, expected, publishes=publishes)
     return evidence
 
 
-def _found(bench: Bench, topic: Topic, publishes: bool) -> list[Endpoint]:
-    return bench.tester.publishers(topic.name) if publishes else bench.tester.subscriptions(topic.name)
+def _found(context: CheckContext, topic: Topic, publishes: bool) -> list[Endpoint]:
+    return context.grader_node.publishers(topic.name) if publishes else context.grader_node.subscriptions(topic.name)
 
 
-def _fitting(bench: Bench, topic: Topic, publishes: bool) -> list[Endpoint]:
-    return [end for end in _found(bench, topic, publishes) if end.type == topic.type]
+def _fitting(context: CheckContext, topic: Topic, publishes: bool) -> list[Endpoint]:
+    return [end for end in _found(context, topic, publishes) if end.type == topic.type]
 
 
-def _require(bench: Bench, topic: Topic, expected: str, *, publishes: bool) -> None:
+def _require(context: CheckContext, topic: Topic, expected: str, *, publishes: bool) -> None:
     verb = "publishes" if publishes else "subscribes to"
-    found, fitting = _found(bench, topic, publishes), _fitting(bench, topic, publishes)
+    found, fitting = _found(context, topic, publishes), _fitting(context, topic, publishes)
     if not found:
-        others = bench.tester.topics()
+        others = context.grader_node.topics()
         message = f"Nobody {verb} {topic.name}.{graph.closest(topic.name, others)}"
         raise Failed(Evidence("", expected, f"on the graph: {graph.listed(others, 'topic')}"), message, "topic.silent")
     if not fitting:
@@ -115,17 +115,17 @@ def _policies(qos: Any) -> str:
     return f"{qos.reliability.name.lower()}, {qos.durability.name.lower()}"
 
 
-class Exchange:
+class TopicExchange:
     """A node that answers each message on one topic with a message on each of some others."""
 
-    def __init__(self, bench: Bench, sent: Topic, answers: Sequence[Topic]) -> None:
+    def __init__(self, context: CheckContext, sent: Topic, answers: Sequence[Topic]) -> None:
         """Prepare; the endpoints are made on first use and kept, so that they connect while others are waited for."""
-        self._bench = bench
+        self._context = context
         self._sent = sent
         self._answers = tuple(answers)
-        self._publisher = bench.tester.publisher(sent.interface, sent.name)
-        self._turn = Turn()
-        self._heard = tuple(bench.tester.hear(topic.interface, topic.name) for topic in answers)
+        self._publisher = context.grader_node.publisher(sent.interface, sent.name)
+        self._turn = Exchange()
+        self._heard = tuple(context.grader_node.hear(topic.interface, topic.name) for topic in answers)
 
     def send(self, message: Any, evidence: Evidence) -> tuple[Any, ...]:
         """Send one message and return the next that comes on each of the other topics.
@@ -141,8 +141,8 @@ class Exchange:
         Raises:
             Failed: too few came; as in `send`.
         """
-        self._bench.require_time(evidence)
-        with exceptions.explained(self._bench, evidence):
+        self._context.require_time(evidence)
+        with exceptions.explained(self._context, evidence):
             self._connect(evidence)
             places = [heard.count for heard in self._heard]
             self._tell_sent(messages)
@@ -159,8 +159,8 @@ class Exchange:
         the next one; whether that is allowed is for a check of its own.
         """
         places = [heard.count for heard in self._heard]
-        with exceptions.explained(self._bench, evidence):
-            self._bench.wait_until(lambda: good(self._last()), _LATE_S)
+        with exceptions.explained(self._context, evidence):
+            self._context.wait_until(lambda: good(self._last()), _LATE_S)
         self._tell_came(places)
         return self._last()
 
@@ -168,15 +168,15 @@ class Exchange:
         return tuple(heard.messages[-1] for heard in self._heard)
 
     def _tell_sent(self, messages: Sequence[Any]) -> None:
-        what = tell(messages[0]) if len(messages) == 1 else f"{len(messages)} messages"
-        self._turn = self._bench.record.sent(f"{self._sent.name}: {what}", "message")
+        what = in_one_line(messages[0]) if len(messages) == 1 else f"{len(messages)} messages"
+        self._turn = self._context.record.sent(f"{self._sent.name}: {what}", "message")
 
     def _tell_came(self, places: Sequence[int]) -> None:
         """Keep what has come on each topic since there were so many messages."""
         for topic, heard, place in zip(self._answers, self._heard, places, strict=True):
             new = heard.count - place
             if new:
-                what = tell(heard.messages[-1]) if new == 1 else f"{new} messages"
+                what = in_one_line(heard.messages[-1]) if new == 1 else f"{new} messages"
                 self._turn.came(f"{topic.name}: {what}", "message")
 
     def _connect(self, evidence: Evidence) -> None:
@@ -184,7 +184,7 @@ class Exchange:
         if all(heard.count for heard in self._heard):
             return
         sent = 0
-        clock = self._bench.clock()
+        clock = self._context.clock()
 
         def connected() -> bool:
             nonlocal sent
@@ -193,11 +193,11 @@ class Exchange:
                 sent += 1
             return all(heard.count for heard in self._heard)
 
-        if not self._bench.wait_until(connected, HEARD_S, step_s=GRAPH_STEP_S):
+        if not self._context.wait_until(connected, HEARD_S, step_s=GRAPH_STEP_S):
             self._tell_sent([self._sent.interface()])
             raise self._silent([1] * len(self._heard), evidence, clock.fair())
         if sent > 1:  # whichever of them were lost: the answers to all others are to come before we go on
-            self._bench.wait_until(lambda: all(heard.count >= sent for heard in self._heard), _AGAIN_S)
+            self._context.wait_until(lambda: all(heard.count >= sent for heard in self._heard), _AGAIN_S)
 
     def _await(self, places: Sequence[int], number: int, evidence: Evidence) -> None:
         counts = [place + number for place in places]
@@ -205,8 +205,8 @@ class Exchange:
         def come() -> bool:
             return all(heard.count >= count for heard, count in zip(self._heard, counts, strict=True))
 
-        clock = self._bench.clock()
-        if not self._bench.wait_until(come, HEARD_S):
+        clock = self._context.clock()
+        if not self._context.wait_until(come, HEARD_S):
             self._tell_came(places)
             raise self._silent(counts, evidence, clock.fair())
 
@@ -219,28 +219,28 @@ class Exchange:
         names, seconds = " and ".join(missing), hangs.told(waited_s, HEARD_S)
         self._turn.missed(f"within {seconds} s nothing on {names}")
         evidence = replace(evidence, got=f"within {seconds} s nothing on {names}")
-        return Failed(evidence, *_why_nothing(self._bench, self._sent.name, names, seconds)[::-1])
+        return Failed(evidence, *_why_nothing(self._context, self._sent.name, names, seconds)[::-1])
 
 
-def await_next(bench: Bench, heard: Heard, count: int, seconds: float, evidence: Evidence) -> bool:
+def await_next(context: CheckContext, heard: Heard, count: int, seconds: float, evidence: Evidence) -> bool:
     """Wait until so many messages have come in all; False when they have not within `seconds`.
 
     Raises:
         Failed: the submission has ended.
     """
-    with exceptions.explained(bench, evidence):
-        return bench.wait_until(lambda: heard.count >= count, seconds)
+    with exceptions.explained(context, evidence):
+        return context.wait_until(lambda: heard.count >= count, seconds)
 
 
-def _why_nothing(bench: Bench, sent: str, missing: str, seconds: str) -> exits.Cause:
-    seen = hangs.doing(bench)
+def _why_nothing(context: CheckContext, sent: str, missing: str, seconds: str) -> exits.Cause:
+    seen = hangs.doing(context)
     if seen.callback is not None:
-        bench.spoil()
-        where = exits.source_line(bench.job, seen.callback.line)
-        if hangs.computes(bench):
+        context.spoil()
+        where = exits.source_line(context.job, seen.callback.line)
+        if hangs.computes(context):
             return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
         return None, f"Your callback stands still in {where}, and meanwhile nothing is published."
-    if logged := exceptions.of_logged(bench.life(fresh=True).stderr, bench.job):
-        bench.spoil()
+    if logged := exceptions.of_logged(context.process(fresh=True).stderr, context.job):
+        context.spoil()
         return logged
     return "topic.silent", f"Your node was sent a message on {sent}, and published none on {missing}."

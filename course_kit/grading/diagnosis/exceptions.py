@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from course_kit.grading.checks.check import Evidence
-    from course_kit.grading.checks.context import Bench, Life
+    from course_kit.grading.checks.context import CheckContext, ProcessStatus
     from course_kit.grading.job import Job
 
 # Where rclpy (Node in node.py) calls the callbacks of add_on_set_parameters_callback, on declaration as well.
@@ -30,7 +30,7 @@ _ENDED = "the program ended"
 
 
 @contextmanager
-def explained(bench: Bench, evidence: Evidence) -> Iterator[None]:
+def explained(context: CheckContext, evidence: Evidence) -> Iterator[None]:
     """Turn the end of the submission, while something is waited for, into a verdict that says why it ended.
 
     Raises:
@@ -39,31 +39,31 @@ def explained(bench: Bench, evidence: Evidence) -> Iterator[None]:
     try:
         yield
     except SubmissionEndedError as ended:
-        diagnosis, message = of_end(ended.life, bench.job)
+        diagnosis, message = of_end(ended.process, context.job)
         raise Failed(replace(evidence, got=_ENDED), message, diagnosis) from None
 
 
-def of_start(life: Life, job: Job) -> exits.Cause:
+def of_start(process: ProcessStatus, job: Job) -> exits.Cause:
     """Why a submission ended before it was up, mistakes with its parameters told apart."""
-    if exits.of_limit(life, job) is None:
-        if INVALID_RESULT in life.stderr:  # rclpy warns of it, whoever catches the exception that follows
+    if exits.of_limit(process, job) is None:
+        if INVALID_RESULT in process.stderr:  # rclpy warns of it, whoever catches the exception that follows
             message = (
                 "Your set-parameters callback runs on each declaration as well, and returned no SetParametersResult."
             )
             return "parameter.bad_callback", message
-        raised = last_exception(life.stderr, job.name)
+        raised = last_exception(process.stderr, job.name)
         if raised is not None and (cause := _of_parameters(raised, job)):
             return cause
-    return exits.of_start(life, job)
+    return exits.of_start(process, job)
 
 
-def of_end(life: Life, job: Job) -> exits.Cause:
+def of_end(process: ProcessStatus, job: Job) -> exits.Cause:
     """Why a submission ended that was up."""
-    if cause := exits.of_limit(life, job):
+    if cause := exits.of_limit(process, job):
         return cause
-    if life.notes.get("exit_in_callback"):
+    if process.notes.get("exit_in_callback"):
         return None, "One of your callbacks ended the whole program (SystemExit)."
-    return of_logged(life.stderr, job) or exits.exited(life)
+    return of_logged(process.stderr, job) or exits.exited(process)
 
 
 def of_logged(stderr: str, job: Job) -> exits.Cause | None:
@@ -75,12 +75,12 @@ def of_logged(stderr: str, job: Job) -> exits.Cause | None:
     return cause or (None, f"Your program raised {raised.describe()}{_where(raised, job)}, and nobody caught it.")
 
 
-def unanswered(bench: Bench, evidence: Evidence, waited_s: float) -> Failed:
+def unanswered(context: CheckContext, evidence: Evidence, waited_s: float) -> Failed:
     """Establish why a program that lives on has not answered a request about its parameters for so many seconds."""
-    logged = of_logged(bench.life(fresh=True).stderr, bench.job)
+    logged = of_logged(context.process(fresh=True).stderr, context.job)
     if logged is None:
-        return hangs.unanswered(bench, evidence.sent, evidence.expected, waited_s)
-    bench.spoil()
+        return hangs.unanswered(context, evidence.sent, evidence.expected, waited_s)
+    context.spoil()
     return Failed(replace(evidence, got=f"no answer within {hangs.told(waited_s)} s"), logged[1], logged[0])
 
 

@@ -14,7 +14,7 @@ from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 from course_kit.grading.submission import where
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.context import Life
+    from course_kit.grading.checks.context import ProcessStatus
     from course_kit.grading.job import Job
 
 _FIELD = re.compile(r"'(?P<field>\w+)' field must be (?:a sub message )?of type '(?P<type>[\w.]+)'")
@@ -40,19 +40,21 @@ def source_line(job: Job, line: int) -> str:
     return f"{place}: {text}" if text else place
 
 
-def of_limit(life: Life, job: Job) -> Cause | None:
+def of_limit(process: ProcessStatus, job: Job) -> Cause | None:
     """The limit that ended the submission, if one did."""
     limits = job.limits
-    raised = last_exception(life.stderr, job.name)
-    limit = life.limit
+    raised = last_exception(process.stderr, job.name)
+    limit = process.limit
     if limit is None and raised is not None:
         if raised.type == "MemoryError":
             limit = "memory"
         elif any(text in raised.text for text in _TOO_MANY):
             limit = "processes"
-    if limit is None and "std::bad_alloc" in life.stderr:
+    if limit is None and "std::bad_alloc" in process.stderr:
         limit = "memory"
-    computed = limits.cpu_s if life.signal == signal.SIGXCPU else life.cpu_s  # what is dead is not counted any more
+    computed = (
+        limits.cpu_s if process.signal == signal.SIGXCPU else process.cpu_s
+    )  # what is dead is not counted any more
     told = {
         "time": f"Your program was stopped: it had computed for {computed:.0f} s (the limits are {limits.cpu_s} s of "
         f"computing and {limits.wall_s:g} s in all).",
@@ -63,34 +65,34 @@ def of_limit(life: Life, job: Job) -> Cause | None:
     return (f"limit.{limit}", told[limit]) if limit else None
 
 
-def of_start(life: Life, job: Job) -> Cause:
+def of_start(process: ProcessStatus, job: Job) -> Cause:
     """Why a submission ended before it could be asked anything."""
-    if cause := of_limit(life, job):
+    if cause := of_limit(process, job):
         return cause
-    if life.notes.get("functions") is not None:
-        return "start.nothing", _no_class(life, job)
-    raised = last_exception(life.stderr, job.name)
+    if process.notes.get("functions") is not None:
+        return "start.nothing", _no_class(process, job)
+    raised = last_exception(process.stderr, job.name)
     if raised is None:
-        return exited(life)
+        return exited(process)
     where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
     if raised.type in ("ModuleNotFoundError", "ImportError"):
         return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
     return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
 
 
-def exited(life: Life) -> Cause:
+def exited(process: ProcessStatus) -> Cause:
     """How it ended, when nothing tells why."""
-    how = f"by signal {_signal_name(life.signal)}" if life.signal else f"with exit code {life.exit_code}"
+    how = f"by signal {_signal_name(process.signal)}" if process.signal else f"with exit code {process.exit_code}"
     return "start.exit", f"Your program ended {how} before it could answer anything."
 
 
-def of_call(life: Life, job: Job) -> Cause:
+def of_call(process: ProcessStatus, job: Job) -> Cause:
     """Why a submission ended while it was to answer a call."""
-    return of_limit(life, job) or _of_callback(life, job) or exited(life)
+    return of_limit(process, job) or _of_callback(process, job) or exited(process)
 
 
-def _of_callback(life: Life, job: Job) -> Cause | None:
-    returned = life.notes.get("returned")
+def _of_callback(process: ProcessStatus, job: Job) -> Cause | None:
+    returned = process.notes.get("returned")
     if returned == "None":
         return (
             "service.no_return",
@@ -99,11 +101,11 @@ def _of_callback(life: Life, job: Job) -> Cause | None:
     if returned is not None:
         text = f"Your callback returned an object of type {returned}; rclpy refused to send it and your node ended."
         return "service.wrong_return", text
-    if life.signal:
-        return None, f"Your program ended by signal {_signal_name(life.signal)} while it was to answer."
-    if life.notes.get("exit_in_callback"):
+    if process.signal:
+        return None, f"Your program ended by signal {_signal_name(process.signal)} while it was to answer."
+    if process.notes.get("exit_in_callback"):
         return "service.exception", "Your callback ended the whole program (SystemExit). The client got no answer."
-    return of_logged(life.stderr, job)
+    return of_logged(process.stderr, job)
 
 
 def of_logged(stderr: str, job: Job) -> Cause | None:
@@ -134,8 +136,8 @@ def of_field(raised: Raised, job: Job) -> Cause | None:
     return "field.type", text
 
 
-def _no_class(life: Life, job: Job) -> str:
-    nodes, classes, functions = (life.notes.get(key) or [] for key in ("node_classes", "classes", "functions"))
+def _no_class(process: ProcessStatus, job: Job) -> str:
+    nodes, classes, functions = (process.notes.get(key) or [] for key in ("node_classes", "classes", "functions"))
     if nodes:
         found = f"several Node classes ({', '.join(map(str, nodes))}), none of them called {job.class_name}"
     elif classes:

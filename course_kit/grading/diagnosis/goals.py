@@ -9,7 +9,7 @@ from course_kit.grading.diagnosis import exits, hangs
 from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.context import Bench, Life
+    from course_kit.grading.checks.context import CheckContext, ProcessStatus
     from course_kit.grading.diagnosis.exits import Cause
     from course_kit.grading.job import Job
 
@@ -21,46 +21,46 @@ _LOOKS = 3  # at what the program does: on a loaded machine one may come out inc
 _VERBS = {"SUCCEED": "succeed()", "ABORT": "abort()", "CANCELED": "canceled()"}
 
 
-def of_program(life: Life, job: Job) -> Cause:
+def of_program(process: ProcessStatus, job: Job) -> Cause:
     """Why a submission ended while a goal was under way."""
-    if cause := exits.of_limit(life, job):
+    if cause := exits.of_limit(process, job):
         return cause
-    raised = last_exception(life.stderr, job.name)
+    raised = last_exception(process.stderr, job.name)
     if raised is not None and _in_execute(raised):
         if _NOT_A_RESULT.search(raised.text):
-            what = life.notes.get("result") or "something else"
+            what = process.notes.get("result") or "something else"
             text = (
                 f"Your execute callback returned {what}; rclpy could not send that as the result, and your node ended."
             )
             return "action.no_result", text
         return _of_exception(raised, job)
-    return exits.of_call(life, job)
+    return exits.of_call(process, job)
 
 
-def of_exception(life: Life, job: Job) -> Cause | None:
+def of_exception(process: ProcessStatus, job: Job) -> Cause | None:
     """What a program that lives on has told about an exception in its execute callback.
 
     Args:
-        life: the program, with what it has written to stderr since the goal was sent.
+        process: the program, with what it has written to stderr since the goal was sent.
         job: the grading.
     """
-    raised = last_exception(life.stderr, job.name)
+    raised = last_exception(process.stderr, job.name)
     if raised is None or not _in_execute(raised):
         return None
-    return exits.of_limit(life, job) or _of_exception(raised, job)
+    return exits.of_limit(process, job) or _of_exception(raised, job)
 
 
-def of_status(name: str, life: Life, job: Job) -> Cause:
+def of_status(name: str, process: ProcessStatus, job: Job) -> Cause:
     """Why a goal that should have ended in another way ended as ABORTED, SUCCEEDED or CANCELED.
 
     Args:
         name: the status, in words.
-        life: the program, with what it has written to stderr since the goal was sent.
+        process: the program, with what it has written to stderr since the goal was sent.
         job: the grading.
     """
-    if cause := of_exception(life, job):
+    if cause := of_exception(process, job):
         return cause
-    if _NOT_ENDED in life.stderr:
+    if _NOT_ENDED in process.stderr:
         text = f"Your execute callback returned and had not said how the goal ended, so rclpy made it {name}."
         return "action.no_terminal", text
     if name == "ABORTED" and job.mode != "run":  # the log, which would tell these two apart, may be another's
@@ -68,23 +68,23 @@ def of_status(name: str, life: Life, job: Job) -> Cause:
     return "action.wrong_terminal", f"Your server itself ended the goal as {name}."
 
 
-def of_silence(bench: Bench, over: str, seconds: float, life: Life) -> Cause:
+def of_silence(context: CheckContext, over: str, seconds: float, process: ProcessStatus) -> Cause:
     """Why no result came from a program that lives on.
 
     Args:
-        bench: the test bench.
+        context: the context of the check.
         over: the status the goal has ended with, in words; empty when it has not ended.
         seconds: how long it was waited for.
-        life: the program, with what it has written to stderr since the goal was sent.
+        process: the program, with what it has written to stderr since the goal was sent.
     """
     if over:
-        cause = of_exception(life, bench.job)
+        cause = of_exception(process, context.job)
         return cause or (None, f"The goal has ended as {over}, but its result was never sent.")
-    looks = [hangs.doing(bench) for _ in range(_LOOKS)]
+    looks = [hangs.doing(context) for _ in range(_LOOKS)]
     at_work = [seen.callback for seen in looks if seen.callback is not None]
     if not at_work:
         return None, f"The goal was accepted, and {seconds:.1f} s later it has not ended. No callback is at work on it."
-    where = exits.source_line(bench.job, at_work[0].line)
+    where = exits.source_line(context.job, at_work[0].line)
     if all(seen.waits_for_ros for seen in looks if seen.callback is not None):
         return "service.deadlock", f"Your execute callback has stopped in {where}: it waits there for ROS."
     return "limit.time", f"After {seconds:.1f} s your execute callback is still at work, in {where}."

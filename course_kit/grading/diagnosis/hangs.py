@@ -9,31 +9,31 @@ from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import Activity, activity
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.context import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 ANSWER_S = 5.0  # how long one answer is waited for
 LOOK_S = 0.3  # how long a program is watched to tell whether it computes
 _IDLE_SHARE = 0.5  # below this share of one processor it is waiting, not computing
 
 
-def unanswered(bench: Bench, shown: str, expected: str, waited_s: float = ANSWER_S) -> Failed:
+def unanswered(context: CheckContext, shown: str, expected: str, waited_s: float = ANSWER_S) -> Failed:
     """Establish why a program that lives on does not answer.
 
     Args:
-        bench: the test bench.
+        context: the context of the check.
         shown: what was asked.
         expected: what a right answer is.
         waited_s: for how many seconds it was waited for, fairly counted.
     """
-    bench.spoil()
-    seen = doing(bench)
-    busy = computes(bench)
+    context.spoil()
+    seen = doing(context)
+    busy = computes(context)
     evidence = Evidence(shown, expected, f"no answer within {told(waited_s)} s; the program is still running")
-    diagnosis, message = _why_silent(bench, seen, told(waited_s), busy=busy)
-    if diagnosis is None and (logged := exits.of_logged(bench.life().stderr, bench.job)):
+    diagnosis, message = _why_silent(context, seen, told(waited_s), busy=busy)
+    if diagnosis is None and (logged := exits.of_logged(context.process().stderr, context.job)):
         diagnosis, message = logged
-    if waited_s < ANSWER_S and bench.time_is_up():
-        message += f" With this the {bench.deadline_s:g} s for this check were over."
+    if waited_s < ANSWER_S and context.time_is_up():
+        message += f" With this the {context.deadline_s:g} s for this check were over."
     return Failed(evidence, message, diagnosis)
 
 
@@ -42,8 +42,8 @@ def told(waited_s: float, most: float = ANSWER_S) -> str:
     return f"{min(round(waited_s, 1), most):g}"
 
 
-def _why_silent(bench: Bench, seen: Activity, seconds: str, *, busy: bool) -> exits.Cause:
-    job = bench.job
+def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bool) -> exits.Cause:
+    job = context.job
     if seen.callback is not None:
         where = exits.source_line(job, seen.callback.line)
         if seen.waits_for_ros or job.facts.waits_for_a_future(seen.callback.line):
@@ -60,25 +60,25 @@ def _why_silent(bench: Bench, seen: Activity, seconds: str, *, busy: bool) -> ex
     return None, "Your server is there and did not answer."
 
 
-def computes(bench: Bench) -> bool:
+def computes(context: CheckContext) -> bool:
     """Whether the submission uses a processor most of the time, or stands in the queue for one; it is watched for it.
 
     Raises:
         SubmissionEndedError: the submission has ended meanwhile.
     """
-    before = bench.life(fresh=True)
-    clock = bench.clock()
-    with bench.after_the_verdict():
-        bench.wait_until(lambda: clock.wall() > LOOK_S, LOOK_S)
-    after = bench.life(fresh=True)
+    before = context.process(fresh=True)
+    clock = context.clock()
+    with context.after_the_verdict():
+        context.wait_until(lambda: clock.wall() > LOOK_S, LOOK_S)
+    after = context.process(fresh=True)
     return after.cpu_s + after.waited_s - before.cpu_s - before.waited_s > _IDLE_SHARE * clock.wall()
 
 
-def doing(bench: Bench) -> Activity:
+def doing(context: CheckContext) -> Activity:
     """What the submission's threads are doing now; unknown for other than Python source."""
-    return activity(bench.stacks(), bench.job.name)
+    return activity(context.stacks(), context.job.name)
 
 
-def spins(bench: Bench) -> bool:
+def spins(context: CheckContext) -> bool:
     """Whether an executor is at work, so that the node's making is over."""
-    return bench.job.mode != "run" or doing(bench).spinning
+    return context.job.mode != "run" or doing(context).spinning

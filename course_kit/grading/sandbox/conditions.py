@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.grading.sandbox import file_view, processes
 from course_kit.grading.sandbox.runner import Program
-from course_kit.grading.sandbox.sandbox import Cell
+from course_kit.grading.sandbox.sandbox import Conditions
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _COUNTS_BY_NAMESPACE = (5, 14)  # Linux
 
 
-def of(job: Job, variables: Mapping[str, str], view: FileView) -> Cell:
+def of(job: Job, variables: Mapping[str, str], view: FileView) -> Conditions:
     """The conditions.
 
     Args:
@@ -30,7 +30,7 @@ def of(job: Job, variables: Mapping[str, str], view: FileView) -> Cell:
         view: the files that a Python program sees.
     """
     user = _user(job)
-    return Cell(
+    return Conditions(
         limits=job.limits,
         isolation=job.isolation,
         scratch=job.scratch,

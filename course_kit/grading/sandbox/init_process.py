@@ -19,7 +19,7 @@ from course_kit.grading.sandbox.scheduling import Waiting
 if TYPE_CHECKING:
     from course_kit.grading.limits import Limits
     from course_kit.grading.sandbox.runner import Program
-    from course_kit.grading.sandbox.sandbox import Cell, Streams
+    from course_kit.grading.sandbox.sandbox import Conditions, Streams
 
 FAILED = 70  # the exit status of a kit process that could not do its work (EX_SOFTWARE)
 SAMPLE = b"m"
@@ -29,7 +29,7 @@ _PATIENCE_S = 0.2  # for an exact count of memory, during which processes are no
 _MB = 1024 * 1024
 
 
-def main(program: Program, cell: Cell, inside: Streams) -> None:
+def main(program: Program, cell: Conditions, inside: Streams) -> None:
     """Arrange the files, start the program, watch it, and end when it has ended."""
     namespaces.set_name("grade guard")
     namespaces.die_with_parent()

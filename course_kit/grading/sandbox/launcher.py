@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.sandbox import init_process, namespaces, processes
 from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.runner import Program
-from course_kit.grading.sandbox.sandbox import Cell, Streams
+from course_kit.grading.sandbox.sandbox import Conditions, Streams
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class Launcher:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         return cls(ours), theirs
 
-    def start(self, program: Program, cell: Cell, inside: Streams, network: Sequence[int]) -> None:
+    def start(self, program: Program, cell: Conditions, inside: Streams, network: Sequence[int]) -> None:
         """Start a program; returns when it has been handed over.
 
         Args:
@@ -199,8 +199,8 @@ def _gate(descriptors: Sequence[int]) -> None:
     os._exit(0)
 
 
-def _receive(descriptor: int) -> tuple[Program, Cell]:
+def _receive(descriptor: int) -> tuple[Program, Conditions]:
     channel = Channel(socket.socket(fileno=descriptor))
     request: Mapping[str, Any] = channel.receive(_REQUEST_S)
     channel.close()
-    return Program.from_mapping(request["program"]), Cell.from_mapping(request["cell"])
+    return Program.from_mapping(request["program"]), Conditions.from_mapping(request["cell"])

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from course_kit.grading.sandbox import file_view, isolation, landlock, namespaces, seccomp
 
 if TYPE_CHECKING:
-    from course_kit.grading.sandbox.sandbox import Cell
+    from course_kit.grading.sandbox.sandbox import Conditions
 
 
-def lock_in(cell: Cell) -> None:
+def lock_in(cell: Conditions) -> None:
     """After this the process, and all it starts, can do no more than the submission may.
 
     Raises:

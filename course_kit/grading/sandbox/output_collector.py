@@ -26,7 +26,7 @@ _EVIDENCE_TAKEN = 4 * 1024 * 1024  # bytes of one program; nobody listens any mo
 _EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
 
 
-class Life:
+class OutputCollector:
     """Collects what comes out of a sandbox. Only facts for the diagnosis: the inside can forge all of it."""
 
     def __init__(self, streams: Streams, limit_kb: int, totals: tuple[Output, Output]) -> None:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from types import TracebackType
 
-    from course_kit.grading.sandbox.sandbox import Cell, Streams
+    from course_kit.grading.sandbox.sandbox import Conditions, Streams
 
 # Ignored unless handled: harmless to a program that has replaced itself by another (exec).
 STACKS_SIGNAL = signal.SIGURG
@@ -77,7 +77,7 @@ class Program:
         return asdict(self)
 
 
-def main(program: Program, cell: Cell, inside: Streams) -> None:
+def main(program: Program, cell: Conditions, inside: Streams) -> None:
     """Turn this process into the submission; never returns but where it cannot be locked in."""
     namespaces.set_name("submission")
     folder = cell.scratch

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Cell:
+class Conditions:
     """Under which conditions a program runs.
 
     Attributes:
@@ -50,7 +50,7 @@ class Cell:
     user: int = 0
 
     @classmethod
-    def from_mapping(cls, values: Mapping[str, Any]) -> Cell:
+    def from_mapping(cls, values: Mapping[str, Any]) -> Conditions:
         """The inverse of `to_mapping`."""
         made = {
             "limits": Limits.from_mapping(values["limits"]),
@@ -95,7 +95,7 @@ class Streams:
 class Sandbox:
     """One running submission."""
 
-    def __init__(self, program: Program, cell: Cell, launcher: Launcher, network: Sequence[int] = ()) -> None:
+    def __init__(self, program: Program, cell: Conditions, launcher: Launcher, network: Sequence[int] = ()) -> None:
         """Start `program`. Returns at once; whether it starts well is seen in what comes out of `streams`.
 
         Args:

@@ -1,6 +1,6 @@
-"""Runs one grading: the network around it, the probe and the submission in it, and what passes between them.
+"""Runs one grading: the network around it, the grader process and the submission in it, and what passes between them.
 
-A fork of the warm worker, with one thread and one loop. It obeys the probe, never the submission.
+A fork of the warm worker, with one thread and one loop. It obeys the grader process, never the submission.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from course_kit.grading.output import Output
 from course_kit.grading.sandbox import conditions, file_view, init_process, namespaces, processes
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import LaunchError
-from course_kit.grading.sandbox.output_collector import Life
+from course_kit.grading.sandbox.output_collector import OutputCollector
 from course_kit.grading.sandbox.sandbox import Sandbox
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _ANSWER_S = 5.0  # how long the guard is waited for; it has answered long before, unless the machine is very busy
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
-_PROBE_GRACE_S = 20.0  # the probe stops by itself at the wall time; a probe that hangs is stopped this much later
+_PROBE_GRACE_S = 20.0  # the grader process stops by itself at the wall time; one that hangs is stopped this much later
 _NO_DOMAIN = (
     "no ROS domain became free within {:g} s, because courses and graders on this machine use all of them. Close some, "
     "then grade again"
@@ -43,7 +43,7 @@ class _BrokenOffError(Exception):
     """The grading cannot go on, by no fault of the submission; the text says why."""
 
 
-class Warden:
+class Supervisor:
     """The master of one grading."""
 
     def __init__(self, job: Job, launcher: Launcher, view: FileView | None = None) -> None:
@@ -62,7 +62,7 @@ class Warden:
         self._began = time.monotonic()
         self._totals = (Output(), Output())
         self._sandbox: Sandbox | None = None
-        self._life: Life | None = None
+        self._collector: OutputCollector | None = None
         self._domains = ExitStack()
         self._queued_s = 0.0
         self._launches = 0
@@ -99,7 +99,7 @@ class Warden:
         }
 
     def _timings(self, stopping: float) -> dict[str, Any]:
-        """Where the time went, in seconds; what came before the probe ran counts as start."""
+        """Where the time went, in seconds; what came before the grader process ran counts as start."""
         now = time.monotonic()
         grader_process = sum(self._extra.get(f"{phase}_s", 0.0) for phase in (*PHASES, "checks"))
         times = {"teardown_s": now - stopping, "total_s": now - self._began}
@@ -122,20 +122,20 @@ class Warden:
         theirs.close()
         return ours
 
-    def _serve(self, probe: Channel) -> str:
+    def _serve(self, grader_process: Channel) -> str:
         """Obey the grader's process until it is done; returns why the grading came to no end, or nothing."""
         try:
             while True:
                 self._look_after_everything()
-                if not self._pump(0.25, probe):
+                if not self._pump(0.25, grader_process):
                     continue
-                message = probe.receive(_ANSWER_S)
+                message = grader_process.receive(_ANSWER_S)
                 if message["do"] == "done":
                     self._extra = message["timings"]
                     return str(message["problem"])
                 answer = self._obey(message)
                 if answer is not None:
-                    probe.send(answer)
+                    grader_process.send(answer)
         except environment.NoDomainError:
             return _NO_DOMAIN.format(limits.QUEUE_S)
         except (environment.DomainError, _BrokenOffError) as problem:
@@ -155,10 +155,10 @@ class Warden:
             _BrokenOffError: the sandbox has failed, or the grader's process hangs.
         """
         deadline, now = self._began + self._job.limits.wall_s, time.monotonic()
-        if self._life is not None and (fault := self._life.fault()):
+        if self._collector is not None and (fault := self._collector.fault()):
             raise _BrokenOffError(fault)
-        if now > deadline and self._life is not None and not self._life.over:
-            self._end_life("time")
+        if now > deadline and self._collector is not None and not self._collector.over:
+            self._end_submission("time")
         if now > deadline + _PROBE_GRACE_S:
             raise _BrokenOffError("the grader's own process did not finish in time")
 
@@ -170,9 +170,9 @@ class Warden:
         if what == "launch":
             return self._launch(tuple(message["arguments"]), message["files"], message["variables"])
         if what == "time is up":
-            self._end_life("time")
+            self._end_submission("time")
         elif what == "running":  # asked fifty times a second
-            return {"running": self._life is not None and not self._life.over}
+            return {"running": self._collector is not None and not self._collector.over}
         elif what == "stacks":
             return {"stacks": self._stacks()}
         elif what == "finish":
@@ -189,12 +189,14 @@ class Warden:
         variables = {**variables, **self._profile, "ROS_DOMAIN_ID": str(domain)}
         cell = conditions.of(job, variables, self._view)
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)
-        self._life = Life(self._sandbox.streams, job.limits.output_kb, self._totals)
+        self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain, "queued_s": queued_s}
 
     def _finish(self, seconds: float) -> None:
         """Wait until the submission has ended, at most for so many seconds, or end it when its time is up."""
-        self._pump_until(lambda life: life.over, min(seconds, self._began + self._job.limits.wall_s - time.monotonic()))
+        self._pump_until(
+            lambda collector: collector.over, min(seconds, self._began + self._job.limits.wall_s - time.monotonic())
+        )
         self._look_after_everything()
 
     def _domain(self) -> tuple[int, float]:
@@ -217,76 +219,78 @@ class Warden:
         return domain, queued_s
 
     def _facts(self, *, fresh: bool) -> dict[str, Any]:
-        if self._life is None or self._sandbox is None:
+        if self._collector is None or self._sandbox is None:
             return {"running": False}
-        if fresh and not self._life.over:
-            before = self._life.samples
+        if fresh and not self._collector.over:
+            before = self._collector.samples
             self._sandbox.ask(init_process.SAMPLE)
-            self._pump_until(lambda life: life.samples > before or life.over, _ANSWER_S)
-        return self._life.facts()
+            self._pump_until(lambda collector: collector.samples > before or collector.over, _ANSWER_S)
+        return self._collector.facts()
 
     def _stacks(self) -> str:
-        if self._life is None or self._sandbox is None or self._life.over:
+        if self._collector is None or self._sandbox is None or self._collector.over:
             return ""
-        self._life.forget_stacks()
+        self._collector.forget_stacks()
         began = time.monotonic()
         self._sandbox.ask(init_process.STACKS)
-        self._pump_until(lambda life: life.evidence_bytes > 0 or life.over, _DUMP_S)
+        self._pump_until(lambda collector: collector.evidence_bytes > 0 or collector.over, _DUMP_S)
         # Nothing marks a dump's end, and a busy machine may halt it half-way. A second one begins when it is whole.
         self._sandbox.ask(init_process.STACKS)
-        self._pump_until(lambda life: life.has_whole_dump() or life.over, began + _DUMP_S - time.monotonic())
+        self._pump_until(
+            lambda collector: collector.has_whole_dump() or collector.over, began + _DUMP_S - time.monotonic()
+        )
         size = -1
         # The rest of the second, which would be in the next one's way; a submission can go on writing for ever.
-        while size != self._life.evidence_bytes and time.monotonic() < began + _DUMP_S:
-            size = self._life.evidence_bytes
+        while size != self._collector.evidence_bytes and time.monotonic() < began + _DUMP_S:
+            size = self._collector.evidence_bytes
             self._pump(_QUIET_S, None)
-        return self._life.stacks()
+        return self._collector.stacks()
 
-    def _pump_until(self, condition: Callable[[Life], bool], patience_s: float) -> None:
+    def _pump_until(self, condition: Callable[[OutputCollector], bool], patience_s: float) -> None:
         deadline = time.monotonic() + patience_s
-        while self._life is not None and not condition(self._life) and time.monotonic() < deadline:
+        while self._collector is not None and not condition(self._collector) and time.monotonic() < deadline:
             self._pump(_QUIET_S, None)
 
-    def _pump(self, timeout: float, probe: Channel | None) -> bool:
-        """Take in what the sandbox brings; True when the probe wants something."""
+    def _pump(self, timeout: float, grader_process: Channel | None) -> bool:
+        """Take in what the sandbox brings; True when the grader process wants something."""
         poll = select.poll()
-        streams = self._life.open_streams() if self._life else {}
+        streams = self._collector.open_streams() if self._collector else {}
         for descriptor in streams:
             poll.register(descriptor, select.POLLIN)
-        if probe is not None:
-            poll.register(probe.fileno(), select.POLLIN)
+        if grader_process is not None:
+            poll.register(grader_process.fileno(), select.POLLIN)
         asked = False
         for descriptor, _ in poll.poll(timeout * 1000):
-            if descriptor in streams and self._life is not None:
-                self._life.take(streams[descriptor])
+            if descriptor in streams and self._collector is not None:
+                self._collector.take(streams[descriptor])
             else:
                 asked = True
-        if self._life is not None and self._life.too_much_output() and not self._life.over:
-            self._end_life("output")
+        if self._collector is not None and self._collector.too_much_output() and not self._collector.over:
+            self._end_submission("output")
         return asked
 
-    def _end_life(self, limit: str) -> None:
-        if self._life is not None:
-            self._life.stopped_by_us(limit)
+    def _end_submission(self, limit: str) -> None:
+        if self._collector is not None:
+            self._collector.stopped_by_us(limit)
         self._kill()
 
     def _kill(self) -> None:
-        if self._sandbox is None or self._life is None:
+        if self._sandbox is None or self._collector is None:
             return
         self._sandbox.end()
         # All writers are dead: the streams end, and reading them cannot block.
-        while streams := self._life.open_streams():
+        while streams := self._collector.open_streams():
             for name in streams.values():
-                self._life.take(name)
+                self._collector.take(name)
         self._sandbox.streams.close()
 
     def _stop(self) -> None:
-        if self._life is not None and self._life.killed():
+        if self._collector is not None and self._collector.killed():
             self._again = True
             if processes.killed_for_lack_of_memory() != self._killed_before:
                 self._fault = "the machine ran out of memory, and Linux killed something to get some"
         self._kill()
-        if self._arguments and self._life is not None and self._life.facts()["stderr"]:
+        if self._arguments and self._collector is not None and self._collector.facts()["stderr"]:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.
             self._totals[1].add(f"[The lines above are of a start with: {' '.join(self._arguments)}]\n".encode())
-        self._sandbox = self._life = None
+        self._sandbox = self._collector = None

@@ -1,4 +1,4 @@
-"""The probe's process: joins the graph, runs the checks of one exercise, reports each as it is known."""
+"""The grader process's process: joins the graph, runs the checks of one exercise, reports each as it is known."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import bounds, limits, machine
 from course_kit.grading.checks.check import run_all
-from course_kit.grading.checks.context import Bench
+from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.sandbox import namespaces
 from course_kit.grading.workers.ipc import ChannelClosedError
 
@@ -53,36 +53,36 @@ def checks_of(grader: Any, job: Job) -> Sequence[Check]:
     return made
 
 
-def main(warden: Channel, job: Job) -> None:
+def main(supervisor: Channel, job: Job) -> None:
     """Run all checks of the job's exercise; returns when each is told, or why they could not be run."""
     namespaces.set_name("grade grader")
     os.setpriority(os.PRIO_PROCESS, 0, job.priority)
     limits.bound_reader(job.limits.wall_s)
     told: dict[str, Any] = {"do": "done", "problem": "", "timings": {}}
     try:
-        told["timings"] = _run(warden, job)
+        told["timings"] = _run(supervisor, job)
     except ChannelClosedError:
         return
     except Exception as problem:  # noqa: BLE001 - a broken grader or installation; the report says so
         told["problem"] = bounds.cut(f"{type(problem).__name__}: {problem}")
-    warden.send(told)
+    supervisor.send(told)
 
 
-def _run(warden: Channel, job: Job) -> dict[str, Any]:
+def _run(supervisor: Channel, job: Job) -> dict[str, Any]:
     began = time.monotonic()
     grader = load(job.grader)
-    bench = Bench(warden, job, getattr(grader, "VARIABLES", None))
+    context = CheckContext(supervisor, job, getattr(grader, "VARIABLES", None))
     times = {}
     if not job.fault and not job.variable:
-        bench.launch()
+        context.launch()
     try:
-        for result in run_all(checks_of(grader, job), bench):
-            warden.send({"do": "result", "result": bounds.results([result.to_mapping()])[0]})
+        for result in run_all(checks_of(grader, job), context):
+            supervisor.send({"do": "result", "result": bounds.results([result.to_mapping()])[0]})
             times[result.id] = time.monotonic() - began
     finally:
         if (
             not job.isolation.network
         ):  # a graph of our own ends with us, at once; others wait for those who do not leave
-            bench.close()
-    checking = time.monotonic() - began - sum(bench.spent.values())
-    return {**{f"{phase}_s": spent for phase, spent in bench.spent.items()}, "checks_s": checking, "checks": times}
+            context.close()
+    checking = time.monotonic() - began - sum(context.spent.values())
+    return {**{f"{phase}_s": spent for phase, spent in context.spent.items()}, "checks_s": checking, "checks": times}

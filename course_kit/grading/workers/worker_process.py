@@ -21,7 +21,7 @@ from course_kit.grading.job import Job
 from course_kit.grading.sandbox import file_view, isolation, namespaces, processes, scratch
 from course_kit.grading.sandbox import launcher as launchers
 from course_kit.grading.sandbox.launcher import Launcher, LaunchError
-from course_kit.grading.sandbox.supervisor import Warden
+from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 
@@ -157,7 +157,7 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
     user = isolation.guest(os.getpid()) if found.user else 0
     if user:
         folder.chmod(0o711)  # that user finds its own directory in it, and sees no other
-    os.environ["ROS_LOG_DIR"] = str(folder)  # of the probe, which logs nothing
+    os.environ["ROS_LOG_DIR"] = str(folder)  # of the grader process, which logs nothing
     try:
         channel.send({"isolation": found.to_mapping(), "process": os.getpid()})
         while True:
@@ -175,7 +175,7 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
 
 
 def _load(module: str) -> Any:
-    with suppress(Exception):  # the probe meets it again, and says what is wrong with the grader
+    with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
         return grader_process.load(module)
     return None
 
@@ -206,25 +206,25 @@ def _run(job: Job, launcher: Launcher, view: FileView) -> dict[str, Any]:
     if problem := needs.lacking(job.limits, guest=job.user != 0, disk="" if job.isolation.files else job.scratch):
         return _broken_off(problem, again=False)
     try:
-        return Warden(job, launcher, view).run()
+        return Supervisor(job, launcher, view).run()
     except (LaunchError, OSError) as problem:  # the machine has run out of something
         return _broken_off(f"the submission could not be run: {problem}")
 
 
 def _broken_off(problem: str, *, again: bool = True) -> dict[str, Any]:
-    """The outcome, as `Warden.run` gives it, of a grading that came to nothing by no fault of the submission."""
+    """The outcome, as `Supervisor.run` gives it, of a grading that came to nothing by no fault of the submission."""
     return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": again}
 
 
-def _outcome(warden: Channel, parent: Channel) -> dict[str, Any]:
+def _outcome(supervisor: Channel, parent: Channel) -> dict[str, Any]:
     poll = select.poll()
-    poll.register(warden.fileno(), select.POLLIN)
+    poll.register(supervisor.fileno(), select.POLLIN)
     poll.register(parent.fileno(), select.POLLIN)
     ready = [descriptor for descriptor, _ in poll.poll()]
     if parent.fileno() in ready:
         raise ChannelClosedError("the parent has gone, or speaks out of turn")
     try:
-        return warden.receive()
+        return supervisor.receive()
     except ChannelClosedError:
         return _broken_off("the process that supervises it was killed")
 

@@ -55,7 +55,7 @@ class Guarded(Protocol):
     def wait_for_turn(self, timeout: float) -> None:
         """Return when the lab has run a callback, or after `timeout` seconds."""
 
-    def settle(self) -> None:
+    def flush_output(self) -> None:
         """Show what callbacks have printed."""
 
 
@@ -121,7 +121,7 @@ def _guard_spinning(patches: Patches, lab: Guarded) -> None:
         try:
             while executor.context.ok():
                 executor.spin_once(timeout_sec=_SLICE)
-                lab.settle()
+                lab.flush_output()
         finally:
             executor.remove_node(node)
 
@@ -130,7 +130,7 @@ def _guard_spinning(patches: Patches, lab: Guarded) -> None:
         at_most = _SLICE if timeout_sec is None or timeout_sec < 0 else timeout_sec
         if lab.is_live(node):
             lab.wait_for_turn(min(at_most, _SLICE))
-            lab.settle()
+            lab.flush_output()
             return
         _spin_for(node, executor, lambda executor: executor.spin_once(timeout_sec=at_most))
 
@@ -249,8 +249,8 @@ def _wait_in_slices(lab: Guarded, done: threading.Event, timeout: float | None) 
     while deadline is None or time.monotonic() < deadline:
         if done.wait(_SLICE if deadline is None else max(0.0, min(_SLICE, deadline - time.monotonic()))):
             break
-        lab.settle()
-    lab.settle()
+        lab.flush_output()
+    lab.flush_output()
 
 
 def _spin_for(node: Any, executor: Any, work: Callable[[Any], None]) -> None:

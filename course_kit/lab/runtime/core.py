@@ -101,12 +101,12 @@ class Lab:
     def call(self, service: str, service_type: Any, asked: calls.Asked) -> Coroutine[Any, Any, Any]:
         """See `course_kit.lab.call`."""
         self._not_in_callback("lab.call()")
-        return calls.call_async(calls.Exchange(self.engine, service, service_type, asked))
+        return calls.call_async(calls.ServiceExchange(self.engine, service, service_type, asked))
 
     def call_blocking(self, service: str, service_type: Any, asked: calls.Asked) -> Any:
         """See `course_kit.lab.call_blocking`."""
         self._not_in_callback("lab.call_blocking()")
-        exchange = calls.Exchange(self.engine, service, service_type, asked)
+        exchange = calls.ServiceExchange(self.engine, service, service_type, asked)
         return calls.call_blocking(exchange, self.output.drain)
 
     def send_goal(self, action: str, action_type: Any, asked: goals.AskedGoal) -> Coroutine[Any, Any, goals.Goal]:

@@ -89,7 +89,9 @@ class Engine:
         actions.install(self._patches, self.executions, self._failures.callback_crashed)
         self.nodes.watch(self._patches)
         self._tapping.tap_sending(self._patches)
-        asyncio_bridge.install(self._patches, lambda future: rclpy_functions.check_await(self, future), self.settle)
+        asyncio_bridge.install(
+            self._patches, lambda future: rclpy_functions.check_await(self, future), self.flush_output
+        )
         # Nodes that pass no context, and rclpy.ok(), use the default one.
         self._patches.set(rclpy.utilities, "g_default_context", self.spinner.context)
 
@@ -191,7 +193,7 @@ class Engine:
         """A server has gone: let a script that is about to end say why first."""
         self.on_server_gone()
 
-    def settle(self) -> None:
+    def flush_output(self) -> None:
         """Show what callbacks have printed, unless this is a callback."""
         self.output.drain()
 
@@ -222,7 +224,7 @@ class Engine:
         """Tell the learner something in the notebook; a program is left alone."""
         if self._notebook:
             self.output.put(text + "\n")
-            self.settle()
+            self.flush_output()
 
     def stop_soon(self, node: Any) -> None:
         """Stop a node when its callback has ended."""

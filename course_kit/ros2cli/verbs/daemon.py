@@ -26,11 +26,11 @@ def add_to(place: argparse.ArgumentParser) -> None:
 def _start(options: Any, session: Session) -> None:
     del options, session
     from course_kit import environment
-    from course_kit.ros2cli.daemon_socket import Meeting
+    from course_kit.ros2cli.daemon_socket import DaemonSocket
     from course_kit.ros2cli.graph_source import ask_daemon
 
     environment.apply()
-    if Meeting.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0):
+    if DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0):
         print("The daemon is already running")
     elif ask_daemon(_PATIENCE):
         print("The daemon has been started")
@@ -48,8 +48,8 @@ def _stop(options: Any, session: Session) -> None:
 def _status(options: Any, session: Session) -> None:
     del options, session
     from course_kit import environment
-    from course_kit.ros2cli.daemon_socket import Meeting
+    from course_kit.ros2cli.daemon_socket import DaemonSocket
 
     environment.apply()
-    running = Meeting.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0)
+    running = DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0)
     print("The daemon is running" if running else "The daemon is not running")
