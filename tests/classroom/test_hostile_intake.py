@@ -28,6 +28,8 @@ ROBOT = exercise.load("move_robot")
 PROGRAM = "temperature_service.py"
 OTHERS = ("ann", "bob", "cem")
 
+pytestmark = pytest.mark.attack("An inbox")
+
 
 def collect(source: Path, *exercises: exercise.Exercise, layout: str = "auto") -> intake.Intake:
     return intake.collect(source, exercises or (SERVICE,), source.parent / "workspace", layout)

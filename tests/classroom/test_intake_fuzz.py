@@ -23,6 +23,8 @@ SEEDS = range(12)  # each gives ten inboxes
 EACH = 10
 PYTHONS_OWN = (sys.prefix, sys.base_prefix)  # an encoding of names is imported when it is first met
 
+pytestmark = pytest.mark.attack("Damaged archives")
+
 
 class Opened:
     """Which files and folders this process has opened; Python tells an audit hook, which stays for good."""

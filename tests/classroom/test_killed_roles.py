@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 EXERCISE = "temperature_service"
-pytestmark = pytest.mark.answers
+pytestmark = [pytest.mark.answers, pytest.mark.attack("Processes of the grader that are killed")]
 ROLES = (
     "grade warm",
     "grade launchers",

@@ -148,6 +148,8 @@ for _ in range(3):
 {then}
 """
 
+pytestmark = pytest.mark.attack("Programs that want points, or to do harm")
+
 
 @pytest.fixture
 def nothing_lives(worker: grading.Worker) -> Iterator[Callable[[], bool]]:

@@ -56,6 +56,8 @@ SIZES = (1_000, 16_000)  # characters; a pattern that is cubic shows with the fi
 MOST = 3.2  # times as long for twice the length
 RUNS = 3  # the fastest counts
 
+pytestmark = pytest.mark.attack("Texts that make a pattern slow")
+
 
 def modules() -> Iterator[Path]:
     for room in ROOMS:
