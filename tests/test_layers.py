@@ -31,8 +31,8 @@ LAYERS = (
     {"cli"},
 )
 NEVER = {("grading", "lab"), ("graders", "lab"), ("classroom", "lab")}  # grading runs on a bare server
-# Where Python and IPython come in; whatever they call lies below them, and nothing imports them.
-ENTRANCES = {"course_kit", "course_kit.__main__", "course_kit.autoload"}
+# Where Python, IPython and instructors' files come in; whatever they call lies below them, and nothing imports them.
+ENTRANCES = {"course_kit", "course_kit.__main__", "course_kit.autoload", "course_kit.nbgrader", "course_kit.otter"}
 
 
 def module_of(path: Path, kit: Path = KIT) -> str:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _WIDTH = 80
 _HEAD = """\
 # Made by: course-kit otter {command}
-from course_kit.integrations.otter import check
+from course_kit.otter import check
 from otter.test_files import test_case
 
 OK_FORMAT = False

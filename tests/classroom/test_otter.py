@@ -150,7 +150,7 @@ def test_under_otter_the_cells_of_a_submission_are_joined(kernel: Kernel) -> Non
 )
 def test_what_an_instructor_misspells_is_named(kernel: Kernel, call: str, sentence: str) -> None:
     kernel.run(f"%%submission {QUICK}\nanswers = {{}}")
-    done = kernel.run(f"from course_kit.integrations.otter import check\n{call}")
+    done = kernel.run(f"from course_kit.otter import check\n{call}")
     assert "GradingError" in done.error
     assert sentence in done.error
 
