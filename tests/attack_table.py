@@ -54,7 +54,7 @@ class AttackTable:
 
     def _sections(self) -> Iterable[str]:
         for about, rows in sorted(self._rows.items()):
-            yield from ("", f"## {about}", "", "| attack, tried with the isolation this machine allows | |", "|---|---|")
+            yield from ("", f"## {about}", "", "| tried with the isolation that this machine allows | |", "|---|---|")
             for attack, held in sorted(rows.items()):
                 yield f"| {attack} | {'held' if held else '**not held**'} |"
 
