@@ -72,7 +72,7 @@ def line() -> Iterator[tuple[Channel, Channel]]:
 
 
 def problem_of(line: tuple[Channel, Channel], launches: int) -> str:
-    """What the supervisor says of a grading whose grader_process starts the submission so often."""
+    """What the supervisor says of a grading whose grader process starts the submission so often."""
     ours, grader_process = line
     for _ in range(launches):
         grader_process.send({"do": "launch", "arguments": [], "files": {}, "variables": {}})

@@ -1,4 +1,4 @@
-"""The grader process's process: joins the graph, runs the checks of one exercise, reports each as it is known."""
+"""The grader process: joins the graph, runs the checks of one exercise, reports each as it is known."""
 
 from __future__ import annotations
 
