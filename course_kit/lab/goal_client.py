@@ -35,7 +35,7 @@ _STATUS = {
 _ORDER = ("ACCEPTED", "EXECUTING", "CANCELING")  # a status message may be older than what is known already
 
 
-class GoalClient(ActionClient):  # type: ignore[misc] # rclpy has no type information
+class GoalClient(ActionClient):
     """An action client that keeps track of its goals.
 
     Args:

@@ -147,9 +147,8 @@ class GraderNode:
         """What `make` has made on first use, and what has taken every message on a topic since."""
         if topic not in self._heard:
             self._heard[topic] = heard = make()
-            made = self.node.create_subscription(
-                interface, topic, heard.take, qos, event_callbacks=_NO_SUBSCRIPTION_EVENTS
-            )
+            take: Any = heard.take  # of two arguments, which rclpy allows and its types do not tell
+            made = self.node.create_subscription(interface, topic, take, qos, event_callbacks=_NO_SUBSCRIPTION_EVENTS)
             self._receiver.add_subscription(made, heard.take)
         listener: Listener = self._heard[topic]
         return listener

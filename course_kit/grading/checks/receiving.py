@@ -49,7 +49,7 @@ class Receiver:
             if taken is not None:
                 take(*taken)
         for pointer in ready.get_ready_entities("client"):
-            client = self._clients[pointer]
+            client: Any = self._clients[pointer]  # the type of a service's class does not say that it has parts
             header, response = client.handle.take_response(client.srv_type.Response)
             if header is not None:  # else the response was for another client of the same service
                 with suppress(KeyError):  # a second answer to the same request

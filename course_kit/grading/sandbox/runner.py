@@ -209,14 +209,15 @@ def _spin(node_class: Any) -> None:
     import rclpy
     from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 
-    class Executor(MultiThreadedExecutor):  # type: ignore[misc]
+    class Executor(MultiThreadedExecutor):
         """Ends with a callback's exception at once; the stock one notices it with the next event only."""
 
         def wait_for_ready_callbacks(self, *args: Any, **kwargs: Any) -> Any:
-            task, entity, node = super().wait_for_ready_callbacks(*args, **kwargs)
+            found: tuple[Any, Any, Any] = super().wait_for_ready_callbacks(*args, **kwargs)
+            task, entity, _ = found
             if entity is not None:  # a callback; what follows is a task itself and must not be followed again
                 task.add_done_callback(lambda _: None)  # its own event: wakes the executor, which then looks
-            return task, entity, node
+            return found
 
     if not rclpy.ok():
         rclpy.init(args=sys.argv)

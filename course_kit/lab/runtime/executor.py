@@ -51,7 +51,7 @@ class FailureListener(Protocol):
         """A service's callback gave no response to this request; `callback_crashed` follows."""
 
 
-class LabExecutor(Executor):  # type: ignore[misc] # rclpy has no type information
+class LabExecutor(Executor):
     """Runs callbacks one after the other on the thread that calls `run`.
 
     Differs from rclpy's SingleThreadedExecutor in what happens when a callback raises: it is reported and the
@@ -83,9 +83,10 @@ class LabExecutor(Executor):  # type: ignore[misc] # rclpy has no type informati
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Wait for one callback and run it."""
         try:
-            handler, entity, node = self.wait_for_ready_callbacks(timeout_sec, None, self._stop.is_set)
+            found: tuple[Any, Any, Any] = self.wait_for_ready_callbacks(timeout_sec, None, self._stop.is_set)
         except (TimeoutException, ConditionReachedException):
             return
+        handler, entity, node = found
         self._run_handler(handler, Turn(entity, node, time.monotonic()))
 
     def spin_once_until_future_complete(self, future: Any, timeout_sec: Any = None) -> None:

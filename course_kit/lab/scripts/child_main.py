@@ -106,7 +106,7 @@ def tap(reports: Reports) -> None:
             reported = role
             reports.send(spins=role)
         if role == "server":  # that is final, while a client may become one
-            Executor.wait_for_ready_callbacks = wait
+            setattr(Executor, "wait_for_ready_callbacks", wait)  # noqa: B010 - mypy forbids to assign to a method
         return wait(executor, *arguments, **options)
 
     patches.set(Node, "__init__", initialise_seen)
