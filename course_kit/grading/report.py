@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.output import encodable
+from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
     from course_kit.grading.exchange_log import Step

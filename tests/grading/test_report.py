@@ -14,8 +14,9 @@ from course_kit import environment
 from course_kit.grading import CheckReport, Report, exit_code, render_html, render_text
 from course_kit.grading.diagnosis.catalogue import catalogue, complete
 from course_kit.grading.exchange_log import GRADER, NODE, Step
-from course_kit.grading.output import Output, printable
+from course_kit.grading.output import Output
 from course_kit.grading.render.sequence import sequence_svg
+from course_kit.text.sanitize import printable
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -6,7 +6,7 @@ import itertools
 import textwrap
 from typing import TYPE_CHECKING
 
-from course_kit.grading.output import printable
+from course_kit.text.sanitize import printable
 
 if TYPE_CHECKING:
     from course_kit.grading.report import CheckReport, Report
