@@ -15,7 +15,7 @@ from course_kit.text.templates import render
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.exchange_log import Step
+    from course_kit.ros.arrows import Arrow
 
 _TEMPLATE = Path(__file__).with_name("templates") / "sequence.svg"
 _TOP = 34  # user units, one of which is a pixel where there is room; above it stand the names
@@ -25,7 +25,7 @@ _GAP = 6  # below a note
 _COLUMNS = 68  # characters of 12 px monospace between the two lifelines
 
 
-def sequence_svg(steps: Sequence[Step]) -> str:
+def sequence_svg(steps: Sequence[Arrow]) -> str:
     """The diagram as an `svg` element, which templates take as it is; empty without steps.
 
     Args:
@@ -43,7 +43,7 @@ def sequence_svg(steps: Sequence[Step]) -> str:
     return render(_TEMPLATE, rows=rows, places=places, line=_LINE, height=y + 2, summary=summary(steps))
 
 
-def summary(steps: Sequence[Step]) -> str:
+def summary(steps: Sequence[Arrow]) -> str:
     """What the diagram shows, in one sentence."""
     count = sum(step.kind != "note" for step in steps)
     failed = " The last one failed." if any(step.kind == "failure" for step in steps) else ""
