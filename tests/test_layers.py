@@ -20,8 +20,9 @@ ROOT = Path(__file__).resolve().parent.parent
 KIT = ROOT / "course_kit"
 # Lowest first. A package imports from itself and from layers before its own.
 LAYERS = (
-    {"environment", "reader"},
+    {"environment", "reader", "text"},
     {"interfaces"},
+    {"ros"},
     {"lab", "quiz", "robot", "launch"},
     {"panels", "ros2cli", "grading"},
     {"classroom", "graders"},

@@ -47,6 +47,8 @@ def test_it_has_the_course_and_none_of_the_answers(student: Path) -> None:
     assert os.access(student / "course", os.X_OK)
     for name in release.LEFT_OUT:
         assert not (student / name).exists(), name
+    for path in REPOSITORY.glob("course_kit/**/templates/*"):
+        assert (student / path.relative_to(REPOSITORY)).is_file(), path
     answers = {path.read_bytes() for path in REPOSITORY.glob("solutions/*/*.*")}
     assert answers
     assert not [path for path in student.rglob("*") if path.is_file() and path.read_bytes() in answers]

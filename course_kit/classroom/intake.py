@@ -13,9 +13,9 @@ from course_kit.classroom import arrangement, listing, students
 from course_kit.classroom.archive import Archive
 from course_kit.classroom.records import Entry
 from course_kit.grading.errors import GradingError
-from course_kit.grading.output import one_line
 from course_kit.grading.reading import Reader
 from course_kit.grading.submission import Copy, UnreadableError
+from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from course_kit.environment import write_atomically
-from course_kit.grading.output import encodable
+from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -19,9 +19,9 @@ from course_kit.classroom.records import Records
 from course_kit.environment import write_atomically
 from course_kit.grading import engine
 from course_kit.grading.errors import GradingError
-from course_kit.grading.output import one_line
 from course_kit.grading.reading import Reader, ReadingStoppedError
-from course_kit.grading.render.page import render_page
+from course_kit.grading.render.html import render_page
+from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.listing import FOLDER
-from course_kit.grading.output import one_line
+from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _say(text: str) -> None:
     """Tell a person something in which names of strangers may stand."""
-    from course_kit.grading.output import printable
+    from course_kit.text.sanitize import printable
 
     print(printable(text), file=sys.stderr)
 
@@ -172,7 +172,7 @@ def _read_seeds(path: Path) -> dict[str, int]:
         GradingError: the file is missing or holds something else.
     """
     from course_kit.grading import GradingError
-    from course_kit.grading.output import one_line
+    from course_kit.text.sanitize import one_line
 
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:

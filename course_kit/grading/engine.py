@@ -14,12 +14,12 @@ from course_kit import environment
 from course_kit.grading import bounds, exercise, needs, submission
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.exchange_log import Step
 from course_kit.grading.job import Job
 from course_kit.grading.reading import Reader
 from course_kit.grading.report import CheckReport, Report
 from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.workers.worker import Worker
+from course_kit.ros.arrows import Arrow
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -253,7 +253,7 @@ def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
         message=message,
         hint=hints[0] if hints else None,
         told=result["message"],
-        steps=tuple(Step(**step) for step in result["steps"]),
+        steps=tuple(Arrow(**step) for step in result["steps"]),
         more_hints=hints[1:],
     )
 

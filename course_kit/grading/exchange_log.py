@@ -10,10 +10,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ros.arrows import Arrow
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from course_kit.grading.checks.check import Evidence
+    from course_kit.ros.arrows import Kind
 
 GRADER, NODE = "grader", "your node"
 _MOST = 8  # steps; what happened before them is left out, and that is said
@@ -23,55 +26,31 @@ _FEW = 4  # fields; of larger messages only those are told that are not zero
 _DIGITS, _FEWER_DIGITS = 10, 4  # of numbers, in small and in large messages
 
 
-@dataclass(frozen=True)
-class Step:
-    """One thing that happened, or did not.
-
-    Attributes:
-        sender: GRADER or NODE.
-        receiver: the other one; for a note the sender itself.
-        kind: "request", "response", "message" (on a topic, or feedback), "failure" (it never came) or "note".
-        text: what was sent, in words.
-    """
-
-    sender: str
-    receiver: str
-    kind: str
-    text: str
-
-    def line(self) -> str:
-        """The step as a sentence of a list."""
-        if self.kind == "note":
-            return self.text
-        arrow = "--x" if self.kind == "failure" else "->"
-        return f"{self.sender} {arrow} {self.receiver}: {self.text}"
-
-
 @dataclass
 class Exchange:
     """Something the grader has sent, and what came back for it."""
 
     about: str = ""
     minor: bool = False
-    steps: list[tuple[float, Step]] = field(default_factory=list)
+    steps: list[tuple[float, Arrow]] = field(default_factory=list)
 
-    def came(self, text: str, kind: str = "response") -> None:
+    def came(self, text: str, kind: Kind = "response") -> None:
         """Keep what the node has sent."""
-        self._keep(Step(NODE, GRADER, kind, _cut(text)))
+        self._keep(Arrow(NODE, GRADER, kind, _cut(text)))
 
     def missed(self, text: str) -> None:
         """Keep what should have come and has not."""
-        self._keep(Step(NODE, GRADER, "failure", _cut(text)))
+        self._keep(Arrow(NODE, GRADER, "failure", _cut(text)))
 
     def like(self, other: Exchange) -> bool:
         """Whether the same was sent and came: the grader tried again."""
         return [step for _, step in self.steps] == [step for _, step in other.steps]
 
-    def _keep(self, step: Step) -> None:
+    def _keep(self, step: Arrow) -> None:
         self.steps.append((time.time(), step))
 
 
-Followed = tuple[float, Step]
+Followed = tuple[float, Arrow]
 """A step and when it happened, in seconds of the system's clock."""
 
 
@@ -87,7 +66,7 @@ class ExchangeLog:
         """Forget everything: another check begins. What still comes for an old turn is not seen any more."""
         self._turns, self._followed = [], []
 
-    def sent(self, text: str, kind: str = "request", *, about: str = "", minor: bool = False) -> Exchange:
+    def sent(self, text: str, kind: Kind = "request", *, about: str = "", minor: bool = False) -> Exchange:
         """Keep what the grader sends.
 
         Args:
@@ -97,10 +76,10 @@ class ExchangeLog:
             minor: only worth telling when nothing else follows, as the question for the present values.
         """
         turn = self._turn(about, minor=minor)
-        turn.steps.append((time.time(), Step(GRADER, NODE, kind, _cut(text))))
+        turn.steps.append((time.time(), Arrow(GRADER, NODE, kind, _cut(text))))
         return turn
 
-    def came(self, text: str, kind: str = "message") -> None:
+    def came(self, text: str, kind: Kind = "message") -> None:
         """Keep what the node has sent by itself."""
         self._turn().came(text, kind)
 
@@ -118,7 +97,7 @@ class ExchangeLog:
         finally:
             self._looking = before
 
-    def steps(self, evidence: Evidence) -> tuple[Step, ...]:
+    def steps(self, evidence: Evidence) -> tuple[Arrow, ...]:
         """The steps that led to a verdict: the turn it is about, else the last ones, and what was missed or wanted."""
         turns = [turn for turn in self._turns if turn.about and turn.about == evidence.sent][-1:]
         if not turns:
@@ -130,7 +109,7 @@ class ExchangeLog:
         if not found:
             return ()
         if (before := len(found) - _MOST) > 0:
-            found = [Step(GRADER, GRADER, "note", f"({before} earlier steps left out)"), *found[before:]]
+            found = [Arrow(GRADER, GRADER, "note", f"({before} earlier steps left out)"), *found[before:]]
         return (*found, *_end(found[-1], evidence))
 
     def _turn(self, about: str = "", *, minor: bool = False) -> Exchange:
@@ -140,11 +119,11 @@ class ExchangeLog:
         return turn
 
 
-def _end(last: Step, evidence: Evidence) -> Iterator[Step]:
+def _end(last: Arrow, evidence: Evidence) -> Iterator[Arrow]:
     if last.sender == GRADER and evidence.got:
-        yield Step(NODE, GRADER, "failure", _cut(evidence.got))
+        yield Arrow(NODE, GRADER, "failure", _cut(evidence.got))
     if evidence.expected:
-        yield Step(GRADER, GRADER, "note", _cut(f"expected: {evidence.expected}"))
+        yield Arrow(GRADER, GRADER, "note", _cut(f"expected: {evidence.expected}"))
 
 
 def in_one_line(message: Any) -> str:

@@ -6,10 +6,10 @@ import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.output import encodable
+from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
-    from course_kit.grading.exchange_log import Step
+    from course_kit.ros.arrows import Arrow
 
 FORMAT_VERSION = 1
 _DIGITS = 6
@@ -39,7 +39,7 @@ class CheckReport:
     message: str = ""
     hint: str | None = None
     told: str = ""
-    steps: tuple[Step, ...] = ()
+    steps: tuple[Arrow, ...] = ()
     more_hints: tuple[str, ...] = ()
 
 

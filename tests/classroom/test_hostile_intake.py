@@ -18,7 +18,7 @@ import pytest
 from course_kit.classroom import archive, intake, layouts, listing
 from course_kit.classroom.listing import FILE, FOLDER, Item
 from course_kit.grading import GradingError, exercise
-from course_kit.grading.output import one_line
+from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

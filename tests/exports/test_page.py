@@ -10,8 +10,9 @@ from urllib.parse import unquote
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.exports import counts, markup, page, texts
+from course_kit.classroom.exports import counts, page
 from course_kit.classroom.records import Records, safe_name
+from course_kit.text.sanitize import escaped
 from tests.exports import books
 from tests.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, check, good, not_graded, record, unreadable
 
@@ -179,15 +180,15 @@ def test_diagnoses_are_counted_by_exercise_and_by_score() -> None:
 
 def test_a_link_is_the_reports_path() -> None:
     one = good("Jörg #1?")
-    assert unquote(markup.report(one)) == f"students/{safe_name('Jörg #1?')}/temperature_service.html"
-    assert not set(markup.report(one)) & set("#? ")
+    assert unquote(page.report_link(one)) == f"students/{safe_name('Jörg #1?')}/temperature_service.html"
+    assert not set(page.report_link(one)) & set("#? ")
 
 
 def test_three_hundred_students_are_on_it_and_in_every_file(tmp_path: Path) -> None:
     gradebook = books.large_book(300)
     text = exports.write_all(gradebook, tmp_path).read_text(encoding="utf-8")
     document = Document(text)
-    assert all(texts.html(student) in document.text for student in gradebook.students)
+    assert all(escaped(student) in document.text for student in gradebook.students)
     assert len(text) < 2_000_000
     assert len((tmp_path / "grades.csv").read_text(encoding="utf-8").splitlines()) == 301
     assert len(list((tmp_path / "exports" / "gradescope").rglob("results.json"))) == 600

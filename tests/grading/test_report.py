@@ -13,9 +13,11 @@ import pytest
 from course_kit import environment
 from course_kit.grading import CheckReport, Report, exit_code, render_html, render_text
 from course_kit.grading.diagnosis.catalogue import catalogue, complete
-from course_kit.grading.exchange_log import GRADER, NODE, Step
-from course_kit.grading.output import Output, printable
+from course_kit.grading.exchange_log import GRADER, NODE
+from course_kit.grading.output import Output
 from course_kit.grading.render.sequence import sequence_svg
+from course_kit.ros.arrows import Arrow
+from course_kit.text.sanitize import printable
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,11 +36,11 @@ FAILED = CheckReport(
     "Think.",
     told="The factor is upside down & more.",
     steps=(
-        Step(GRADER, NODE, "request", "request /convert: value=100.0"),
-        Step(NODE, GRADER, "response", "response: <script>alert(2)</script>"),
-        Step(GRADER, NODE, "message", "/cmd_vel_in: " + "linear.x=1.0 " * 20),
-        Step(NODE, GRADER, "failure", "no answer within 5 s"),
-        Step(GRADER, GRADER, "note", "expected: 212.0"),
+        Arrow(GRADER, NODE, "request", "request /convert: value=100.0"),
+        Arrow(NODE, GRADER, "response", "response: <script>alert(2)</script>"),
+        Arrow(GRADER, NODE, "message", "/cmd_vel_in: " + "linear.x=1.0 " * 20),
+        Arrow(NODE, GRADER, "failure", "no answer within 5 s"),
+        Arrow(GRADER, GRADER, "note", "expected: 212.0"),
     ),
     more_hints=("Think <again>.", "Think at last."),
 )

@@ -10,7 +10,8 @@ from geometry_msgs.msg import Twist
 
 from course_kit import grading
 from course_kit.grading.checks.check import Evidence
-from course_kit.grading.exchange_log import GRADER, NODE, ExchangeLog, Step, in_one_line
+from course_kit.grading.exchange_log import GRADER, NODE, ExchangeLog, in_one_line
+from course_kit.ros.arrows import Arrow
 from tests.grading.conftest import ROOT
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def lines(record: ExchangeLog, evidence: Evidence) -> list[str]:
-    return [step.line() for step in record.steps(evidence)]
+    return [str(step) for step in record.steps(evidence)]
 
 
 def test_an_unanswered_request_ends_at_what_came_instead() -> None:
@@ -67,7 +68,7 @@ def test_a_question_that_nothing_follows_is_told() -> None:
 def test_what_is_followed_stands_where_it_happened_in_time() -> None:
     record = ExchangeLog()
     turn = record.sent("goal")
-    record.follow(lambda: [(turn.steps[0][0] + 1e-9, Step(NODE, GRADER, "message", "feedback"))])
+    record.follow(lambda: [(turn.steps[0][0] + 1e-9, Arrow(NODE, GRADER, "message", "feedback"))])
     record.sent("cancel").missed("nothing came")
     assert [step.text for step in record.steps(Evidence())] == ["goal", "feedback", "cancel", "nothing came"]
 
@@ -92,7 +93,7 @@ def test_messages_are_told_with_their_fields() -> None:
 
 
 def steps_of(report: grading.Report, check: str) -> list[str]:
-    return [step.line() for one in report.checks if one.id == check for step in one.steps]
+    return [str(step) for one in report.checks if one.id == check for step in one.steps]
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Text of strangers on its way into CSV, XML and HTML: it arrives, and it steers nothing."""
+"""Text of strangers on its way into CSV, XML and JSON: it arrives, and it steers nothing."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ import csv
 import io
 import json
 import re
-from html import escape
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.output import printable
+from course_kit.text.sanitize import escaped, printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -51,7 +50,7 @@ def cell(value: str | float | None) -> str:
         return number(value)
     if isinstance(value, Identifier) and _HARMLESS.fullmatch(value):
         return value
-    text = plain(value)
+    text = printable(value)
     return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
 
 
@@ -67,29 +66,19 @@ def csv_text(rows: Iterable[Sequence[str | float | None]], *, mark: bool = False
     return ("\ufeff" if mark else "") + file.getvalue()
 
 
-def plain(text: str) -> str:
-    """Text that can be written and shown: nothing in it steers a terminal, a page or the reader's eye."""
-    return printable(text.replace("\r\n", "\n"))
-
-
 def json_text(value: Any) -> str:
-    """A JSON document of which each text is `plain`."""
-    return json.dumps(_plain(value), indent=1, ensure_ascii=False)
+    """A JSON document of which each text is printable."""
+    return json.dumps(_printable(value), indent=1, ensure_ascii=False)
 
 
-def _plain(value: Any) -> Any:
+def _printable(value: Any) -> Any:
     if isinstance(value, str):
-        return plain(value)
+        return printable(value)
     if isinstance(value, dict):
-        return {key: _plain(one) for key, one in value.items()}
-    return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
+        return {key: _printable(one) for key, one in value.items()}
+    return [_printable(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 
 def xml(text: str) -> str:
     """Text within XML elements and attributes; line ends and tabs survive in both."""
-    return escape(plain(text)).replace("\n", "&#10;").replace("\t", "&#9;")
-
-
-def html(text: str) -> str:
-    """Text within HTML elements and attributes; joined emoji and the joiners of Persian and Hindi stay whole."""
-    return escape(plain(text))
+    return escaped(text).replace("\n", "&#10;").replace("\t", "&#9;")

@@ -10,7 +10,8 @@ import inspect
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.exchange_log import GRADER, Step
+from course_kit.grading.exchange_log import GRADER
+from course_kit.ros.arrows import Arrow
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -125,7 +126,7 @@ class Result:
     got: str = ""
     diagnosis: str | None = None
     message: str = ""
-    steps: tuple[Step, ...] = ()
+    steps: tuple[Arrow, ...] = ()
 
     def to_mapping(self) -> dict[str, Any]:
         """The result as plain data."""
@@ -177,9 +178,9 @@ def _run(one: Check, context: CheckContext) -> Result:
     return Result(one.id, one.title, status, one.points, *told)
 
 
-def _exchange(context: CheckContext, seen: Evidence) -> tuple[Step, ...]:
+def _exchange(context: CheckContext, seen: Evidence) -> tuple[Arrow, ...]:
     """The steps that led to a verdict; whatever goes wrong in telling them leaves the verdict as it is."""
     try:
         return context.record.steps(seen)
     except Exception as problem:  # noqa: BLE001 - as above
-        return (Step(GRADER, GRADER, "note", f"The grader could not tell the exchange ({problem!r})."),)
+        return (Arrow(GRADER, GRADER, "note", f"The grader could not tell the exchange ({problem!r})."),)

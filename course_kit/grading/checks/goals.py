@@ -16,7 +16,8 @@ from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
 from course_kit.grading.checks.retry import RESEND_AFTER_S
 from course_kit.grading.diagnosis import goals, hangs
-from course_kit.grading.exchange_log import GRADER, NODE, Exchange, Followed, Step, in_one_line
+from course_kit.grading.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
+from course_kit.ros.arrows import Arrow
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -216,7 +217,7 @@ class Goal:
         for number in sorted({1, len(all_told)} if all_told else ()):
             told = all_told[number - 1]
             text = f"feedback {number} after {told.came_s - begin:.2f} s: {in_one_line(told.feedback)}"
-            steps.append((told.came_s, Step(NODE, GRADER, "message", text)))
+            steps.append((told.came_s, Arrow(NODE, GRADER, "message", text)))
         return steps
 
     def _follow(self) -> None:

@@ -6,7 +6,7 @@ import itertools
 import textwrap
 from typing import TYPE_CHECKING
 
-from course_kit.grading.output import printable
+from course_kit.text.sanitize import printable
 
 if TYPE_CHECKING:
     from course_kit.grading.report import CheckReport, Report
@@ -64,7 +64,7 @@ def _steps(check: CheckReport) -> list[tuple[str, str]]:
     if sum(step.kind != "note" for step in steps) <= _ONE_EXCHANGE:
         return []
     numbers = itertools.count(1)
-    lines = [step.line() if step.kind == "note" else f"{next(numbers)}. {step.line()}" for step in steps]
+    lines = [str(step) if step.kind == "note" else f"{next(numbers)}. {step}" for step in steps]
     return [("exchange", lines[0]), *(("", line) for line in lines[1:])]
 
 

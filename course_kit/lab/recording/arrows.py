@@ -9,15 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from course_kit.lab.recording.arrow import NOBODY, UNSEEN, Arrow
-from course_kit.lab.recording.goal_arrows import goal_arrows
+from course_kit.lab.recording.goal_arrows import UNSEEN, goal_arrows
 from course_kit.lab.recording.wording import in_words
+from course_kit.ros.arrows import Arrow
 
 if TYPE_CHECKING:
-    from course_kit.lab.recording.arrow import Timed
     from course_kit.lab.recording.events import Event
+    from course_kit.lab.recording.goal_arrows import Timed
 
-__all__ = ["NOBODY", "UNSEEN", "Arrow", "arrows_of"]
+NOBODY = "nobody"
 
 
 @dataclass
@@ -113,16 +113,16 @@ def _draw_exchange(exchange: _Exchange) -> list[Timed]:
     request, client = exchange.request, exchange.client
     drawn = []
     for leg in exchange.legs or [_Leg(UNSEEN)]:
-        asked = Arrow(client, leg.server, request.channel, "request", in_words(request.value))
+        asked = Arrow(client, leg.server, "request", in_words(request.value), request.channel)
         drawn.append(((request.at, 0), asked))
         ending = leg.ending or (exchange.answer if not exchange.legs else None)
         if ending is None:
-            drawn.append(((request.at, 1), Arrow(leg.server, client, request.channel, "failure", "no answer so far")))
+            drawn.append(((request.at, 1), Arrow(leg.server, client, "failure", "no answer so far", request.channel)))
         elif ending.kind == "callback_failed":
             text = f"no answer: {ending.value}"
-            drawn.append(((ending.at, 2), Arrow(leg.server, client, request.channel, "failure", text)))
+            drawn.append(((ending.at, 2), Arrow(leg.server, client, "failure", text, request.channel)))
         else:
-            answer = Arrow(leg.server, client, request.channel, "response", in_words(ending.value))
+            answer = Arrow(leg.server, client, "response", in_words(ending.value), request.channel)
             drawn.append(((ending.at, 2), answer))
     return drawn
 
@@ -130,6 +130,6 @@ def _draw_exchange(exchange: _Exchange) -> list[Timed]:
 def _draw_message(message: _Message) -> list[Timed]:
     event = message.event
     return [
-        ((event.at, number), Arrow(message.sender, receiver, event.channel, "message", in_words(event.value)))
+        ((event.at, number), Arrow(message.sender, receiver, "message", in_words(event.value), event.channel))
         for number, receiver in enumerate(sorted(message.receivers) or [NOBODY])
     ]

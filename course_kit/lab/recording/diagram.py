@@ -15,7 +15,7 @@ from course_kit.lab.recording.wording import short_name
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.lab.recording.arrows import Arrow
+    from course_kit.ros.arrows import Arrow
 
 MERMAID = "text/vnd.mermaid"
 WIDTH = 80
@@ -67,7 +67,7 @@ class Diagram:
         if self.left_out:
             lines.append(f"    Note over {keys[names[0]]}: {self._missing()}")
         for arrow in self.arrows:
-            ends = f"{keys[arrow.sender]}{_LINES[arrow.style]}{keys[arrow.receiver]}"
+            ends = f"{keys[arrow.sender]}{_LINES[arrow.kind]}{keys[arrow.receiver]}"
             lines.append(f"    {ends}: {_escape(_label(arrow))}")
         return "\n".join(lines) + "\n"
 
@@ -78,7 +78,7 @@ class Diagram:
         lines = [self._missing()] if self.left_out else []
         digits = len(str(len(self.arrows)))
         for number, arrow in enumerate(self.arrows, 1):
-            ends = f"{number:>{digits}}. {short_name(arrow.sender)} {_pointer(arrow)} {short_name(arrow.receiver)}"
+            ends = f"{number:>{digits}}. {short_name(arrow.sender)} {arrow.sign} {short_name(arrow.receiver)}"
             lines += textwrap.wrap(
                 f"{ends}  {_line(_label(arrow))}", WIDTH, subsequent_indent=" " * (digits + 4), break_on_hyphens=False
             )
@@ -102,13 +102,9 @@ class Diagram:
 
 
 def _label(arrow: Arrow) -> str:
-    if arrow.style in _UNNAMED:
+    if arrow.kind in _UNNAMED:
         return f"{arrow.channel} {arrow.text}"
-    return f"{arrow.channel} {arrow.style}" + (f": {arrow.text}" if arrow.text else "")
-
-
-def _pointer(arrow: Arrow) -> str:
-    return "--x" if arrow.style == "failure" else "->"
+    return f"{arrow.channel} {arrow.kind}" + (f": {arrow.text}" if arrow.text else "")
 
 
 def _line(text: str) -> str:

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.lab.recording.arrow import UNSEEN, Arrow
 from course_kit.lab.recording.wording import in_words
+from course_kit.ros.arrows import Arrow
 
 if TYPE_CHECKING:
-    from course_kit.lab.recording.arrow import Timed
     from course_kit.lab.recording.events import Event
 
 _FROM_SERVER = frozenset(
@@ -35,7 +34,10 @@ _AS_CLIENT_SAW_IT = {
     "result_sent": "result_received",
 }
 KINDS = _FROM_SERVER | _FROM_CLIENT
+UNSEEN = "another program"  # takes part, and nobody has told us its name
 RUN = 4  # feedback messages in a row that are all drawn
+
+Timed = tuple[tuple[int, int], Arrow]  # when it crossed, in nanoseconds, and its place among those of that moment
 
 
 class _Goal:
@@ -43,7 +45,6 @@ class _Goal:
 
     def __init__(self, events: list[Event]) -> None:
         self.events = events
-        self.label = ""
         self.channel = events[0].channel
         self.client = next((one.node for one in events if one.kind in _FROM_CLIENT), UNSEEN)
         servers = dict.fromkeys(one.node for one in events if one.kind in _FROM_SERVER)
@@ -75,22 +76,22 @@ def _number(goals: list[_Goal]) -> None:
     """Tell goals of one action apart that were on their way at the same time."""
     if any(one.overlaps(other) for one in goals for other in goals if one is not other):
         for number, goal in enumerate(goals, 1):
-            goal.label = f" (goal {number})"
+            goal.channel += f" (goal {number})"
 
 
 def _draw(goal: _Goal, server: str) -> list[Timed]:
     steps = _ask(goal, server) + _answers(goal, server) + _feedback(goal, server) + _cancelling(goal, server)
     for event in goal.of("result_sent", server)[:1]:
         text = f"{event.value['status']}, {in_words(event.value['result'])}"
-        steps.append(((event.at, 3), Arrow(server, goal.client, goal.channel, "result", text)))
-    return [(at, arrow._replace(channel=goal.channel + goal.label)) for at, arrow in steps]
+        steps.append(((event.at, 3), Arrow(server, goal.client, "result", text, goal.channel)))
+    return steps
 
 
 def _ask(goal: _Goal, server: str) -> list[Timed]:
     sent = [one for one in goal.events if one.kind == "goal_sent"]
     received = [one for one in goal.events if one.kind == "goal_received" and one.node == server]
     return [
-        ((event.at, 0), Arrow(goal.client, server, goal.channel, "goal", in_words(event.value)))
+        ((event.at, 0), Arrow(goal.client, server, "goal", in_words(event.value), goal.channel))
         for event in (sent or received)[:1]
     ]
 
@@ -101,10 +102,10 @@ def _answers(goal: _Goal, server: str) -> list[Timed]:
         # A server's report of a rejection is made when it has been sent; the client may have reported it before.
         at = min(one.at for one in [*seen, *goal.of("goal_answered", UNSEEN)])
         text = "accepted" if seen[0].value["accepted"] else "rejected"
-        return [((at, 1), Arrow(server, goal.client, goal.channel, "goal response", text))]
+        return [((at, 1), Arrow(server, goal.client, "goal response", text, goal.channel))]
     asked = [one for one in goal.events if one.kind in {"goal_sent", "goal_received"}]
     return [
-        ((event.at, 1), Arrow(server, goal.client, goal.channel, "failure", "no answer so far")) for event in asked[:1]
+        ((event.at, 1), Arrow(server, goal.client, "failure", "no answer so far", goal.channel)) for event in asked[:1]
     ]
 
 
@@ -122,7 +123,7 @@ def _fold(goal: _Goal, server: str, run: list[Event]) -> list[Timed]:
     texts = [(event.at, in_words(event.value)) for event in run]
     if len(run) > RUN:
         texts = [texts[0], (run[1].at, f"... {len(run) - 2} more"), texts[-1]]
-    return [((at, 2), Arrow(server, goal.client, goal.channel, "feedback", text)) for at, text in texts]
+    return [((at, 2), Arrow(server, goal.client, "feedback", text, goal.channel)) for at, text in texts]
 
 
 def _cancelling(goal: _Goal, server: str) -> list[Timed]:
@@ -130,10 +131,10 @@ def _cancelling(goal: _Goal, server: str) -> list[Timed]:
     received = [one for one in goal.events if one.kind == "cancel_received" and one.node == server]
     asking = [one.node for one in sent] or [UNSEEN] * len(received)
     drawn = [
-        ((event.at, 0), Arrow(client, server, goal.channel, "cancel request", ""))
+        ((event.at, 0), Arrow(client, server, "cancel request", "", goal.channel))
         for client, event in zip(asking, sent or received, strict=True)
     ]
     for client, event in zip(asking, goal.of("cancel_answered", server), strict=False):
         text = "accepted" if event.value["accepted"] else "refused"
-        drawn.append(((event.at, 1), Arrow(server, client, goal.channel, "cancel response", text)))
+        drawn.append(((event.at, 1), Arrow(server, client, "cancel response", text, goal.channel)))
     return drawn

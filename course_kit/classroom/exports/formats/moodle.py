@@ -11,7 +11,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.exports.results import feedback
-from course_kit.classroom.exports.texts import csv_text, html
+from course_kit.classroom.exports.texts import csv_text
+from course_kit.text.sanitize import escaped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -45,7 +46,7 @@ def files(book: Gradebook) -> Iterator[tuple[str, str]]:
 def _rows(records: Sequence[Record]) -> Iterator[Sequence[str | float | None]]:
     yield HEADER
     for record in records:
-        comments = "<br>".join(html(paragraph).replace("\n", "<br>") for paragraph in feedback(record))
+        comments = "<br>".join(escaped(paragraph).replace("\n", "<br>") for paragraph in feedback(record))
         identifier = f"Participant {record.entry.platform[_NUMBER]}"
         # Moodle finds the participant by the identifier; the name is for people, and may get an apostrophe.
         status = "Submitted for grading - Graded"

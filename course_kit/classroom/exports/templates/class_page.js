@@ -1,8 +1,3 @@
-"""What the class page can do where JavaScript runs: sort its tables, find a student, unfold itself for paper."""
-
-from __future__ import annotations
-
-SCRIPT = """
 'use strict';
 const told = document.getElementById('told');
 const keyOf = cell => cell.dataset.value ?? cell.textContent.trim();
@@ -59,4 +54,3 @@ addEventListener('beforeprint', () => {
   for (const one of folded) one.open = true;
 });
 addEventListener('afterprint', () => { for (const one of folded) one.open = false; });
-"""
