@@ -17,8 +17,9 @@ from rclpy.validate_topic_name import validate_topic_name
 
 from course_kit.lab.errors import LabError
 from course_kit.lab.goal_client import GoalClient
-from course_kit.lab.graph import actions_run, full_action_name
+from course_kit.lab.graph import actions_run
 from course_kit.lab.messages import type_name
+from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable

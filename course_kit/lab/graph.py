@@ -3,29 +3,14 @@
 from __future__ import annotations
 
 import contextlib
-import difflib
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from course_kit.ros.names import full_name, is_hidden, is_of_every_node, nearest
 
 _SETTLING = 3.0  # seconds; a killed participant's lease lasts 2
 _POLL = 0.01
-# Every node has these; they are nobody's answer to a misspelt name.
-_OF_EVERY_NODE = frozenset(
-    {
-        "describe_parameters",
-        "get_parameter_types",
-        "get_parameters",
-        "get_type_description",
-        "list_parameters",
-        "set_parameters",
-        "set_parameters_atomically",
-    }
-)
-_OF_ROS = frozenset({"/parameter_events", "/rosout", "/clock"})  # topics
 
 
 def served(node: Any, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
@@ -41,43 +26,6 @@ def served(node: Any, except_by: frozenset[str] = frozenset()) -> dict[str, list
             if not is_of_every_node(service) and not is_hidden(service):
                 found.setdefault(service, []).extend(kind for kind in types if kind not in found.get(service, []))
     return found
-
-
-def is_of_every_node(service: str) -> bool:
-    """Whether a service is one that each node has, such as /talker/get_parameters."""
-    return service.rpartition("/")[2] in _OF_EVERY_NODE
-
-
-def is_of_ros(topic: str) -> bool:
-    """Whether a topic is one that ROS itself keeps, such as /rosout."""
-    return topic in _OF_ROS
-
-
-def is_hidden(name: str) -> bool:
-    """Whether a part of a name begins with an underscore, such as those of an action's own topics."""
-    return "/_" in name
-
-
-def full_name(name: str, namespace: str) -> str:
-    """A node's fully qualified name."""
-    return f"{namespace.rstrip('/')}/{name}"
-
-
-def full_action_name(node: Any, action: str) -> str:
-    """An action's full name, as a node sees it; its services are renamed with it."""
-    goals = "/_action/send_goal"
-    return str(node.resolve_service_name(action + goals)).removesuffix(goals)
-
-
-def nearest(wanted: str, names: Iterable[str]) -> str | None:
-    """The name most like the wanted one: the same last part in another namespace, or a spelling near it."""
-    candidates = sorted(names)
-    last = wanted.rpartition("/")[2]
-    for name in candidates:
-        if name.rpartition("/")[2] == last:
-            return name
-    near = difflib.get_close_matches(wanted, candidates, n=1, cutoff=0.5)
-    return near[0] if near else None
 
 
 def no_service(node: Any, service: str, wanted_type: str, waited: float, except_by: frozenset[str]) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from course_kit.lab import graph
+from course_kit.ros import names
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -106,10 +106,10 @@ def read(node: Any, *, plumbing: bool = False) -> Overview:
         plumbing: include what ROS itself brings along: the services each node has for its parameters, /rosout and
             the like, the parts of actions, and whatever has a hidden name.
     """
-    listed = sorted(graph.full_name(*one) for one in node.get_node_names_and_namespaces())
-    names = [name for name in listed if plumbing or not graph.is_hidden(name)]
-    uses = {use for name in set(names) for use in _uses(node, name) if plumbing or not _is_plumbing(use)}
-    return Overview(tuple(names), tuple(sorted(uses, key=_order)))
+    seen = sorted(names.full_name(*one) for one in node.get_node_names_and_namespaces())
+    shown = [name for name in seen if plumbing or not names.is_hidden(name)]
+    uses = {use for name in set(shown) for use in _uses(node, name) if plumbing or not _is_plumbing(use)}
+    return Overview(tuple(shown), tuple(sorted(uses, key=_order)))
 
 
 def _order(use: Use) -> tuple[str, int, bool, str]:
@@ -117,9 +117,9 @@ def _order(use: Use) -> tuple[str, int, bool, str]:
 
 
 def _is_plumbing(use: Use) -> bool:
-    if use.role.kind == "service" and graph.is_of_every_node(use.channel):
+    if use.role.kind == "service" and names.is_of_every_node(use.channel):
         return True
-    return graph.is_hidden(use.channel) or graph.is_of_ros(use.channel)
+    return names.is_hidden(use.channel) or names.is_of_ros(use.channel)
 
 
 def _uses(node: Any, full_name: str) -> Iterator[Use]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from course_kit.lab import graph
 from course_kit.lab.errors import LabError, NodeNotFoundError, ParameterNotFoundError, ServiceNotFoundError
 from course_kit.lab.parameter_events import ParameterEventWait
 from course_kit.lab.parameter_values import (
@@ -23,6 +22,8 @@ from course_kit.lab.parameter_values import (
     own_first,
     to_message,
 )
+from course_kit.ros.names import full_name as full_node_name
+from course_kit.ros.names import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -203,7 +204,7 @@ def _describing() -> Steps[Descriptors]:
 
 
 def _declared(node: str, name: str, known: list[str]) -> str:
-    near = graph.nearest(name, known)
+    near = nearest(name, known)
     meant = f" Did you mean {near!r}?" if near else ""
     own = [one for one in known if not is_of_every_node(one)]
     return f"{node} has {', '.join(own or known) or 'none'}.{meant}"
@@ -254,12 +255,12 @@ def _of(node: str, question: Question) -> tuple[str, Any]:
 def _no_node(lab: Lab, node: str) -> NodeNotFoundError:
     """Why the parameter services of a node were not found."""
     looking = lab.engine.node
-    names = {graph.full_name(*one) for one in looking.get_node_names_and_namespaces()} - lab.engine.own_names
+    names = {full_node_name(*one) for one in looking.get_node_names_and_namespaces()} - lab.engine.own_names
     if node in names:
         return NodeNotFoundError(f"{node} is on the graph and offers no parameter services.")
     services = {name for name, _ in looking.get_service_names_and_types()}
     having = sorted(name for name in names if name + _SERVICE in services and "/_" not in name)
-    near = graph.nearest(node, having)
+    near = nearest(node, having)
     if near:
         return NodeNotFoundError(f"There is no node {node}. The nearest name on the graph is {near}.")
     if having:

@@ -19,6 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.receiving import Receiver
+from course_kit.ros.names import full_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -177,7 +178,7 @@ class GraderNode:
 
     def nodes(self) -> list[str]:
         """Full names of all other nodes; a name stands as often as nodes carry it."""
-        return sorted(f"{space.rstrip('/')}/{name}" for name, space in self._others())
+        return sorted(full_name(name, space) for name, space in self._others())
 
     def services(self) -> list[Offer]:
         """The services that other nodes offer, but for those every node has for its parameters."""
@@ -197,7 +198,7 @@ class GraderNode:
     def _offers(self, ask: Callable[[str, str], list[tuple[str, list[str]]]]) -> list[Offer]:
         found = []
         for name, space in self._others():
-            node = f"{space.rstrip('/')}/{name}"
+            node = full_name(name, space)
             try:
                 offered = ask(name, space)
             except Exception:  # noqa: BLE001, S112 - NodeNameNonExistentError or RCLError: it has just left the graph

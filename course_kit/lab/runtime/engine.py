@@ -29,6 +29,7 @@ from course_kit.lab.runtime.executor import Turn
 from course_kit.lab.runtime.executor_thread import Spinner
 from course_kit.lab.runtime.failures import Failures
 from course_kit.lab.runtime.nodes import Nodes
+from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -155,7 +156,7 @@ class Engine:
         try:
             return self.clients.goal_client(action_type, action)
         except OtherTypeError:
-            full = graph.full_action_name(self.node, action)
+            full = full_action_name(self.node, action)
             raise ActionNotFoundError(graph.no_action(self.node, full, type_name(action_type), 0.0)) from None
 
     def do(self, function: Callable[[], None]) -> None:
