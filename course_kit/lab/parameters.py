@@ -18,7 +18,7 @@ from course_kit.lab.errors import (
 )
 from course_kit.lab.parameter_events import ParameterEventWait
 from course_kit.lab.parameter_values import Descriptors, Outcome, Values
-from course_kit.ros import errors, names, parameters
+from course_kit.ros import errors, graph, names, parameters
 
 if TYPE_CHECKING:
     from course_kit.ros.parameters import Question, Steps
@@ -207,7 +207,7 @@ def _no_node(node: str) -> NodeNotFoundError:
 
     engine = current().engine
     looking = engine.node
-    nodes = {names.full_name(*one) for one in looking.get_node_names_and_namespaces()} - engine.own_names
+    nodes = set(graph.nodes(looking)) - engine.own_names
     if node in nodes:
         return NodeNotFoundError(f"{node} is on the graph and offers no parameter services.")
     services = {name for name, _ in looking.get_service_names_and_types()}

@@ -9,12 +9,12 @@ import anywidget
 import traitlets
 
 from course_kit import lab
-from course_kit.lab import overview
 from course_kit.panels.base import RATE, Panel, of_files
+from course_kit.ros import graph
 from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
-    from course_kit.lab.overview import Overview, Use
+    from course_kit.ros.graph import Overview, Use
 
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
@@ -70,7 +70,7 @@ class GraphView(Panel):
 
     def describe(self) -> str:
         """The graph in lines: each node, what it does, and what may be amiss."""
-        return in_lines(overview.read(self._node))
+        return in_lines(graph.read(self._node))
 
     def _watch(self) -> None:
         while not self._ended.wait(_PAUSE):
@@ -78,7 +78,7 @@ class GraphView(Panel):
 
     def _look(self) -> None:
         with self._lock:  # the page and the thread may ask at the same time
-            seen = overview.read(self._node, plumbing=self._widget.plumbing)
+            seen = graph.read(self._node, plumbing=self._widget.plumbing)
             if seen == self._shown:
                 return
             before, self._shown = self._shown, seen
