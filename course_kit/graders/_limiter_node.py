@@ -12,7 +12,7 @@ from std_msgs.msg import Float64, String
 from course_kit.graders import _limiter
 from course_kit.graders._limiter import TYPES, LimiterSettings, Reaction, same_reaction
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.parameters import Outcome, Remote, ensure_served, shown
+from course_kit.grading.checks.parameters import Remote, SetResult, ensure_served, shown
 from course_kit.grading.checks.topics import Topic, TopicExchange
 from course_kit.grading.diagnosis.exceptions import INVALID_RESULT
 
@@ -191,7 +191,7 @@ def fits(settings: LimiterSettings, twist: Any, part: str, got: Reaction) -> boo
     return velocity and (part == VELOCITY or _limiter.wheel_fits(settings, got))
 
 
-def require_accepted(outcome: Outcome, values: Mapping[str, Any]) -> None:
+def require_accepted(outcome: SetResult, values: Mapping[str, Any]) -> None:
     """A valid value was accepted.
 
     Raises:
@@ -204,7 +204,7 @@ def require_accepted(outcome: Outcome, values: Mapping[str, Any]) -> None:
     raise Failed(evidence, f"Your node refused {shown(values)}, which is valid.", "validation.overzealous")
 
 
-def require_refused(outcome: Outcome, values: Mapping[str, Any], expected: str, accepted: str) -> Evidence:
+def require_refused(outcome: SetResult, values: Mapping[str, Any], expected: str, accepted: str) -> Evidence:
     """A value was refused.
 
     Raises:
@@ -216,7 +216,7 @@ def require_refused(outcome: Outcome, values: Mapping[str, Any], expected: str, 
     return evidence
 
 
-def require_proper_answer(outcome: Outcome, evidence: Evidence) -> None:
+def require_proper_answer(outcome: SetResult, evidence: Evidence) -> None:
     """A refusal is the learner's own, not rclpy's for a callback that returned something else.
 
     Raises:

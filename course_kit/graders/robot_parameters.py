@@ -30,9 +30,10 @@ from course_kit.graders._limiter_node import (
 from course_kit.graders._limiter_status import expect_rate, expect_status
 from course_kit.grading.checks.check import Check, Evidence, Failed, check
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
-from course_kit.grading.checks.parameters import NOT_SET, expect_served
+from course_kit.grading.checks.parameters import expect_served
 from course_kit.grading.checks.parameters import shown as shown_values
 from course_kit.grading.checks.topics import expect_endpoints
+from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 import sys
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.grading.limits import Limits
+from course_kit.ros.names import did_you_mean
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -115,8 +115,7 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
     folder = exercises_folder() if folder is None else folder
     known = ids(folder)
     if exercise_id not in known:
-        near = difflib.get_close_matches(exercise_id, known, 1)
-        guess = f" Did you mean {near[0]}?" if near else ""
+        guess = did_you_mean(exercise_id, known)
         raise GradingError(f"There is no exercise '{exercise_id}'.{guess} There are: {', '.join(known) or 'none'}.")
     path = folder / exercise_id / "exercise.toml"
     try:

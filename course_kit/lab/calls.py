@@ -16,6 +16,7 @@ from rclpy.exceptions import InvalidHandle
 from course_kit.lab import graph
 from course_kit.lab.errors import FieldError, NoAnswerError, ServiceFailedError, ServiceNotFoundError
 from course_kit.lab.messages import build, is_service_type, type_name
+from course_kit.ros.graph import SERVES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -130,7 +131,9 @@ class ServiceExchange:
         if time.monotonic() - self._start < waited:
             return False
         raise ServiceNotFoundError(
-            graph.no_service(self._lab.node, self._service, self._type, waited, self._lab.own_names)
+            graph.not_offered(
+                self._lab.node, graph.Wanted(SERVES, self._service, self._type), waited, self._lab.own_names
+            )
         )
 
     def send(self, completed: Callable[[], None]) -> None:

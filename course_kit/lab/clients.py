@@ -17,8 +17,9 @@ from rclpy.validate_topic_name import validate_topic_name
 
 from course_kit.lab.errors import LabError
 from course_kit.lab.goal_client import GoalClient
-from course_kit.lab.graph import actions_run, full_action_name
 from course_kit.lab.messages import type_name
+from course_kit.ros import graph
+from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -95,7 +96,7 @@ class Clients:
         def make() -> Any:
             node = self.node
             validate_topic_name(action)
-            types = actions_run(node).get(full_action_name(node, action), [])
+            types = graph.offered(node, graph.RUNS).get(full_action_name(node, action), [])
             if types and type_name(action_type) not in types:  # rclpy would make half a client, and lose it
                 raise OtherTypeError(f"{action} is in use with another type than {type_name(action_type)}.")
             # On the thread that will use it, and not while that looks through the node's entities.

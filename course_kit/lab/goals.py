@@ -15,6 +15,7 @@ from course_kit.lab.goal_client import GoalTracker
 from course_kit.lab.goal_waits import Awaited, Wait, gone, is_there
 from course_kit.lab.messages import build, is_action_type, type_name
 from course_kit.lab.recording.snapshot import snapshot
+from course_kit.ros.graph import RUNS
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -204,7 +205,7 @@ class Sending(Wait):
         if time.monotonic() - self._start < waited:
             return False
         action = self._pursuit.client.action_name
-        raise ActionNotFoundError(graph.no_action(self._lab.node, action, self._type, waited))
+        raise ActionNotFoundError(graph.not_offered(self._lab.node, graph.Wanted(RUNS, action, self._type), waited))
 
     def close(self) -> None:
         """Stop waiting; a goal that nobody will hold is cancelled should it be accepted after all."""

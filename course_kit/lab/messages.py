@@ -5,12 +5,12 @@ rclpy checks fields with assertions, whose text names neither the message nor a 
 
 from __future__ import annotations
 
-import difflib
 import re
 import textwrap
 from typing import Any
 
 from course_kit.lab.errors import FieldError
+from course_kit.ros.names import nearest
 
 _HINTS = {
     "double": "a float such as 20.0",
@@ -75,8 +75,8 @@ def _set(message: Any, name: str, value: Any, field_type: str, owner: str) -> No
 def _unknown(name: str, known: list[str], owner: str) -> str:
     if not known:
         return f"There is no field {name!r} in {owner}: it has no fields."
-    near = difflib.get_close_matches(name, known, n=1)
-    meant = f" Did you mean {near[0]!r}?" if near else ""
+    near = nearest(name, known)
+    meant = f" Did you mean {near!r}?" if near else ""
     return f"There is no field {name!r} in {owner}; it has {', '.join(known)}.{meant}"
 
 

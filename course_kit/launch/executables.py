@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.interfaces.hints import nearest
 from course_kit.launch.errors import LaunchError
+from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -148,9 +148,9 @@ def _entry_point(package: str, executable: str) -> list[str] | None:
 def _not_found(package: str, executable: str, folders: list[Path]) -> LaunchError:
     known = executables(package, folders)
     if known:
-        hint = _did_you_mean(executable, known) or f" It has {', '.join(known)}."
+        hint = did_you_mean(executable, known) or f" It has {', '.join(known)}."
         return LaunchError(f"No executable found: package '{package}' has no '{executable}'.{hint}")
-    hint = _did_you_mean(package, packages(folders))
+    hint = did_you_mean(package, packages(folders))
     places = ", ".join(dict.fromkeys(str(folder) for folder in folders[:3]))
     return LaunchError(
         f"Package '{package}' not found, nor a script {executable}.py in {places}. {hint.strip()}".rstrip()
@@ -161,8 +161,3 @@ def package_folders(package: str) -> list[Path]:
     """The folders that may hold a package's launch files."""
     shared = [lib.parent / "share" / package for lib in _installed()]
     return [*shared, *_package_places(package, list(_folders(())))]
-
-
-def _did_you_mean(name: str, names: list[str]) -> str:
-    found = nearest(name, names)
-    return f" Did you mean {found}?" if found else ""

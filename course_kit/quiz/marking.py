@@ -6,11 +6,11 @@ named and earns nothing, and the other answers count.
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from course_kit.quiz.bank import PATTERNS, bank
+from course_kit.ros import names as ros_names
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
@@ -23,10 +23,7 @@ EXAMPLE = '("topic", "reason_id")'
 MISSING, UNKNOWN, MALFORMED = "quiz.missing", "quiz.unknown", "quiz.malformed"
 _NEAR = 0.75  # how alike two ids are that one may have been meant for the other; 1.0 is the same
 _SHOWN = 60  # characters of an answer that are repeated
-_LONGEST_ID, _MOST_IDS = (
-    80,
-    200,
-)  # longer names, and more of them, are not compared: it takes the square of their length
+_MOST = 200  # ids that are compared: it takes the square of their length
 
 
 @dataclass(frozen=True)
@@ -134,9 +131,7 @@ def mark_one(scenario: Scenario, answer: object) -> Marks:
 
 def nearest(name: str, names: Collection[str]) -> str | None:
     """The one of `names` that `name` was probably meant to be."""
-    short = sorted(one for one in names if len(one) <= _LONGEST_ID)[:_MOST_IDS]
-    close = difflib.get_close_matches(name, short, n=1, cutoff=_NEAR) if len(name) <= _LONGEST_ID else []
-    return close[0] if close else None
+    return ros_names.nearest(name, sorted(names)[:_MOST], _NEAR)
 
 
 def _pattern(scenario: Scenario, given: str) -> Half:

@@ -49,13 +49,15 @@ def nodes(**about: Any) -> list[str]:
 def parameters(*, parsed_args: Any, **about: Any) -> list[str]:
     """The parameters of the node named before."""
     del about
-    from course_kit.ros2cli.graph import full_name
+    from course_kit.ros import parameters as of_a_node
+    from course_kit.ros.names import from_root
     from course_kit.ros2cli.parameters import ParameterClient
     from course_kit.ros2cli.session import Session
 
     session = Session()
     try:
-        return ParameterClient(session, full_name(parsed_args.node_name), _PATIENCE).names()
+        client = ParameterClient(session, from_root(parsed_args.node_name), _PATIENCE)
+        return sorted(client.ask(of_a_node.names()))
     finally:
         session.close()
 
@@ -132,7 +134,7 @@ def _graph() -> Graph:
 
 
 def _shown(names: list[str]) -> list[str]:
-    from course_kit.ros2cli.graph import is_hidden
+    from course_kit.ros.names import is_hidden
 
     return sorted({name for name in names if not is_hidden(name)})
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from course_kit.ros2cli.errors import CommandError, did_you_mean
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

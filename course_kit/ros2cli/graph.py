@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from course_kit.ros.names import is_hidden
+
 Names = dict[str, list[str]]  # name -> its types
 
 _ACTION_FEEDBACK = "/_action/feedback"
@@ -83,16 +85,6 @@ def actions_among(topics: Names) -> Names:
     }
 
 
-def is_hidden(name: str) -> bool:
-    """Whether a part of the name begins with an underscore ("Topic and service names" in the ROS 2 design articles)."""
-    return any(part.startswith("_") for part in name.split("/"))
-
-
 def visible(names: Names, *, hidden_too: bool = False) -> Names:
     """`names` in order, without the hidden ones unless asked for."""
     return {name: types for name, types in sorted(names.items()) if hidden_too or not is_hidden(name)}
-
-
-def full_name(name: str) -> str:
-    """A name as the graph has it; relative names are taken from the root as the real command does."""
-    return name if name.startswith("/") else f"/{name}"

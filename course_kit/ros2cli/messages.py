@@ -9,8 +9,9 @@ from collections import deque
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli import types
-from course_kit.ros2cli.errors import CommandError, did_you_mean
+from course_kit.ros2cli.errors import CommandError
 
 if TYPE_CHECKING:
     from course_kit.ros2cli.session import Session

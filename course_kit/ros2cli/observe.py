@@ -7,6 +7,7 @@ import time
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ros.names import full_name
 from course_kit.ros2cli import sockets
 from course_kit.ros2cli.graph import Entities, Graph
 
@@ -126,14 +127,14 @@ class Observer:
 
     def _read(self) -> Graph:
         rcl, node = self._rcl, self._node
-        pairs = [(n, ns) for n, ns in node.get_node_names_and_namespaces() if _joined(ns, n) != self.name]
+        pairs = [(n, ns) for n, ns in node.get_node_names_and_namespaces() if full_name(n, ns) != self.name]
         topics = dict(rcl.rclpy_get_topic_names_and_types(node, False))
         services = dict(rcl.rclpy_get_service_names_and_types(node))
         return Graph(
-            nodes=[_joined(namespace, name) for name, namespace in pairs],
+            nodes=[full_name(name, namespace) for name, namespace in pairs],
             topics=topics,
             services=services,
-            entities={_joined(namespace, name): self._entities(name, namespace) for name, namespace in pairs},
+            entities={full_name(name, namespace): self._entities(name, namespace) for name, namespace in pairs},
             endpoints={topic: self._endpoints(topic) for topic in topics},
             counts={name: (node.get_count_clients(name), node.get_count_services(name)) for name in services},
         )
@@ -174,10 +175,6 @@ def observer(context: Any = None, name: str | None = None) -> Iterator[Observer]
     finally:
         if own:
             context.try_shutdown()
-
-
-def _joined(namespace: str, name: str) -> str:
-    return f"{namespace.rstrip('/')}/{name}"
 
 
 def _participant_of(info: dict[str, Any]) -> bytes:

@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from course_kit.ros2cli.errors import CommandError, did_you_mean
+from course_kit.ros import parameters
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
 
 if TYPE_CHECKING:
     from course_kit.ros2cli.graph import Graph
     from course_kit.ros2cli.session import Session
 
-# By rcl_interfaces/msg/ParameterType: the name of the type, what `param get` prints, the field with the value.
-KINDS = {
-    0: ("not set", "Parameter not set", ""),
-    1: ("boolean", "Boolean value is:", "bool_value"),
-    2: ("integer", "Integer value is:", "integer_value"),
-    3: ("double", "Double value is:", "double_value"),
-    4: ("string", "String value is:", "string_value"),
-    5: ("byte array", "Byte values are:", "byte_array_value"),
-    6: ("boolean array", "Boolean values are:", "bool_array_value"),
-    7: ("integer array", "Integer values are:", "integer_array_value"),
-    8: ("double array", "Double values are:", "double_array_value"),
-    9: ("string array", "String values are:", "string_array_value"),
-}
-PARAMETER_SERVICE = "/list_parameters"
+T = TypeVar("T")
 
 
 class ParameterClient:
@@ -39,25 +28,13 @@ class ParameterClient:
     def __init__(self, session: Session, node_name: str, timeout: float) -> None:
         self._session, self._name, self._timeout = session, node_name, timeout
 
-    def names(self, prefixes: list[str] | None = None) -> list[str]:
-        """The names of all parameters, in order; with `prefixes` only those below them."""
-        answer = self._ask("ListParameters", "list_parameters", prefixes=prefixes or [])
-        return sorted(answer.result.names)
+    def ask(self, steps: parameters.Steps[T]) -> T:
+        """What one of the verbs of `course_kit.ros.parameters` returns.
 
-    def values(self, names: list[str]) -> list[Any]:
-        """The rcl_interfaces/msg/ParameterValue of each name; of type 0 where there is none."""
-        return list(self._ask("GetParameters", "get_parameters", names=names).values)
-
-    def descriptors(self, names: list[str]) -> list[Any]:
-        """The rcl_interfaces/msg/ParameterDescriptor of each name."""
-        return list(self._ask("DescribeParameters", "describe_parameters", names=names).descriptors)
-
-    def set(self, values: dict[str, Any]) -> list[Any]:
-        """Set ParameterValues by name; an rcl_interfaces/msg/SetParametersResult for each."""
-        from rcl_interfaces.msg import Parameter
-
-        parameters = [Parameter(name=name, value=value) for name, value in values.items()]
-        return list(self._ask("SetParameters", "set_parameters", parameters=parameters).results)
+        Raises:
+            CommandError: the node has no parameter services, or does not answer.
+        """
+        return parameters.driven(steps, self._answer)
 
     def require(self, name: str) -> Any:
         """The ParameterValue of `name`.
@@ -65,24 +42,18 @@ class ParameterClient:
         Raises:
             CommandError: the node has no such parameter.
         """
-        found = self.values([name])
-        if not found or found[0].type == 0:
-            raise self.not_set(name)
-        return found[0]
+        (found,) = self.ask(parameters.values([name]))
+        if found.type == 0:
+            near = did_you_mean(name, self.ask(parameters.names()))
+            raise CommandError(f"Parameter not set: {self._name} has no {name!r}.{near}")
+        return found
 
-    def not_set(self, name: str) -> CommandError:
-        """What to say when there is no parameter of this name."""
-        return CommandError(f"Parameter not set: {self._name} has no {name!r}.{did_you_mean(name, self.names())}")
-
-    def _ask(self, type_name: str, service: str, **fields: Any) -> Any:
-        import rcl_interfaces.srv
-
-        service_type = getattr(rcl_interfaces.srv, type_name)
-        client = self._session.node.create_client(service_type, f"{self._name}/{service}")
+    def _answer(self, question: parameters.Question) -> Any:
+        client = self._session.node.create_client(question.interface, f"{self._name}/{question.service}")
         try:
             if not self._session.wait_on_graph(client.service_is_ready, self._timeout):
                 raise CommandError(f"{self._name} offers no parameter services within {self._timeout:g} s.")
-            request = service_type.Request(**fields)
+            request = question.interface.Request(**question.fields)
             return self._session.answer_of(client, request, self._timeout, self._name)
         finally:
             self._session.node.destroy_client(client)
@@ -91,7 +62,7 @@ class ParameterClient:
 def nodes_with_parameters(graph: Graph, *, hidden_too: bool = False) -> list[str]:
     """The nodes that have parameter services, in order."""
     names = visible({node: [] for node in graph.nodes}, hidden_too=hidden_too)
-    return [node for node in names if f"{node}{PARAMETER_SERVICE}" in graph.services]
+    return [node for node in names if f"{node}{parameters.LIST_SERVICE}" in graph.services]
 
 
 def find_node(name: str, graph: Graph) -> str:
@@ -105,33 +76,37 @@ def find_node(name: str, graph: Graph) -> str:
     return name
 
 
-def value_of(value: Any) -> Any:
-    """What a ParameterValue holds, None when it is not set."""
-    field = KINDS[value.type][2]
-    return getattr(value, field) if field else None
+def type_in_words(value: Any) -> str:
+    """The type of a value or a descriptor as the real command calls it."""
+    return parameters.type_of(value).replace("bool", "boolean").replace("_", " ")
+
+
+def value_in_words(value: Any) -> str:
+    """What `param get` prints before a value."""
+    kind = type_in_words(value)
+    return f"{kind.removesuffix(' array').capitalize()} {'values are' if 'array' in kind else 'value is'}:"
 
 
 def plain_value(value: Any) -> Any:
-    """The same for YAML: arrays as lists, bytes as numbers."""
-    held = value_of(value)
-    if isinstance(held, (bool, int, float, str)) or held is None:
-        return held
-    return [element[0] if isinstance(element, bytes) else element for element in held]
+    """What a ParameterValue holds for YAML: arrays as lists, bytes as numbers."""
+    found = parameters.from_message(value)
+    return [one[0] if isinstance(one, bytes) else one for one in found] if isinstance(found, list) else found
 
 
-def parse(text: str) -> Any:
-    """A ParameterValue from what was typed, by ROS 2's rules: YAML decides the type, a mixed list is a string."""
+def parse(name: str, text: str) -> Any:
+    """A parameter from what was typed, by ROS 2's rules: YAML decides the type, a mixed list is a string."""
+    from rcl_interfaces.msg import Parameter
     from rclpy.parameter import get_parameter_value
     from yaml import YAMLError
 
     try:
-        return get_parameter_value(text)
+        return Parameter(name=name, value=get_parameter_value(text))
     except (YAMLError, AssertionError, ValueError, OverflowError) as error:
         raise CommandError(f"{text!r} is no value of a parameter: {str(error).splitlines()[0]}.") from error
 
 
-def load_file(path: str, node: str, *, use_wildcard: bool) -> dict[str, Any]:
-    """The ParameterValues for `node` in a parameter file, by name.
+def load_file(path: str, node: str, *, use_wildcard: bool) -> list[Any]:
+    """The parameters for `node` in a parameter file, as rcl_interfaces/msg/Parameter.
 
     Raises:
         CommandError: the file cannot be read, or has nothing for this node.
@@ -145,4 +120,4 @@ def load_file(path: str, node: str, *, use_wildcard: bool) -> dict[str, Any]:
         raise CommandError(f"{path}: {error.strerror}.") from error
     except (RuntimeError, YAMLError, AttributeError, TypeError, ValueError) as error:
         raise CommandError(f"{path} is no parameter file for {node}: {str(error).strip()}") from error
-    return {name: parameter.value for name, parameter in loaded.items()}
+    return list(loaded.values())

@@ -9,7 +9,7 @@ import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from course_kit.ros2cli.errors import did_you_mean
+from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

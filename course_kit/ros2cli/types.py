@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from course_kit.ros2cli.errors import CommandError, did_you_mean
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
 
 _WORDS = {"msg": "message", "srv": "service", "action": "action"}
 

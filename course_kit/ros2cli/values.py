@@ -6,7 +6,8 @@ import math
 import re
 from typing import Any
 
-from course_kit.ros2cli.errors import CommandError, did_you_mean
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
 
 _INTEGER = re.compile(r"(u?)int(\d+)")
 _ARRAY = re.compile(r"(?P<element>[^\[]+)\[(?P<length>\d+)\]")

@@ -20,8 +20,8 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import Float64, String
 
 from course_kit import lab
-from course_kit.lab.parameter_values import Descriptor, Range
 from course_kit.lab.recording import attaching
+from course_kit.ros.parameters import Descriptor, Range
 
 if TYPE_CHECKING:
     from course_kit.lab.runtime.core import Lab

@@ -8,7 +8,6 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import rclpy
-from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.context import Context
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.executors import ExternalShutdownException
@@ -19,9 +18,10 @@ from rclpy.signals import SignalHandlerOptions
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.receiving import Receiver
+from course_kit.ros import graph
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from rclpy.client import Client
     from rclpy.publisher import Publisher
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 _KEPT = 1000  # messages of a topic; a program in a hurry sends more in a second
 DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
 _OF_EVERY_NODE = ("/rosout", "/parameter_events")
+_FOR_PARAMETERS = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
 NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an underscore are
 # What every node has unless it is switched off, costs at each turn of the executor, and nobody asks the grader for.
 _NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
@@ -176,16 +177,15 @@ class GraderNode:
 
     def nodes(self) -> list[str]:
         """Full names of all other nodes; a name stands as often as nodes carry it."""
-        return sorted(f"{space.rstrip('/')}/{name}" for name, space in self._others())
+        return [name for name in graph.nodes(self.node) if not name.endswith(f"/{NAME}")]
 
     def services(self) -> list[Offer]:
         """The services that other nodes offer, but for those every node has for its parameters."""
-        found = self._offers(self.node.get_service_names_and_types_by_node)
-        return [offer for offer in found if not _is_for_parameters(offer)]
+        return [offer for offer in self._offers(graph.SERVES) if not offer.type.startswith(_FOR_PARAMETERS)]
 
     def actions(self) -> list[Offer]:
         """The actions that other nodes offer."""
-        return self._offers(lambda name, space: get_action_server_names_and_types_by_node(self.node, name, space))
+        return self._offers(graph.RUNS)
 
     def close(self) -> None:
         """Leave the graph. Safe to call twice."""
@@ -193,24 +193,10 @@ class GraderNode:
             self.node.destroy_node()
             self._context.try_shutdown()
 
-    def _offers(self, ask: Callable[[str, str], list[tuple[str, list[str]]]]) -> list[Offer]:
-        found = []
-        for name, space in self._others():
-            node = f"{space.rstrip('/')}/{name}"
-            try:
-                offered = ask(name, space)
-            except Exception:  # noqa: BLE001, S112 - NodeNameNonExistentError or RCLError: it has just left the graph
-                continue
-            found += [Offer(server, kind, node) for server, kinds in offered for kind in kinds]
-        return found
-
-    def _others(self) -> Iterator[tuple[str, str]]:
-        return ((name, space) for name, space in self.node.get_node_names_and_namespaces() if name != NAME)
+    def _offers(self, role: graph.Role) -> list[Offer]:
+        uses = (use for name in self.nodes() for use in graph.uses_of(self.node, name, role))
+        return [Offer(use.channel, kind, use.node) for use in uses for kind in use.types]
 
 
 def _endpoints(found: Any) -> list[Endpoint]:
     return [Endpoint(one.node_name, one.topic_type, one.qos_profile) for one in found if one.node_name != NAME]
-
-
-def _is_for_parameters(offer: Offer) -> bool:
-    return offer.type.startswith(("rcl_interfaces/srv/", "type_description_interfaces/srv/"))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import TYPE_CHECKING
 
 from course_kit.grading.diagnosis import exits, hangs
+from course_kit.ros.names import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
 
 
-_LONGEST, _MOST = 100, 200  # names that are compared: it takes the product of their lengths
+_MOST = 200  # names that are compared
+_VAGUELY = 0.3  # how alike two names are at least: whatever there is beside what was looked for is of interest
 _MOST_LISTED = 20
 
 
@@ -37,9 +38,8 @@ def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
 
 def closest(wanted: str, names: Sequence[str]) -> str:
     """A sentence that names what comes nearest to `wanted`, with a space before it; nothing without names."""
-    short = [name for name in names if len(name) <= _LONGEST][:_MOST]
-    close = difflib.get_close_matches(wanted, short, n=1, cutoff=0.3) or list(names)[:1]
-    return f" The closest is {close[0]}." if close else ""
+    near = nearest(wanted, names[:_MOST], _VAGUELY) or next(iter(names), "")
+    return f" The closest is {near}." if near else ""
 
 
 def listed(names: Sequence[str], what: str) -> str:

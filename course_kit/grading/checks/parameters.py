@@ -6,11 +6,9 @@ See rcl_interfaces/srv/ListParameters, GetParameters, SetParameters and SetParam
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
-from rclpy.parameter import Parameter, parameter_value_to_python
 
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import graph
@@ -18,19 +16,19 @@ from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
 from course_kit.grading.checks.retry import wait_for_match
 from course_kit.grading.diagnosis import exceptions, hangs
+from course_kit.ros import parameters
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from rcl_interfaces.msg import Parameter as ParameterMessage
-
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.ros.parameters import Question, Steps
 
 INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
 _VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
 _QUESTIONS = _VERBS[:2]
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has the name it will have
-NOT_SET = "not set"  # the type of a parameter without a value
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -42,7 +40,7 @@ class Value:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class SetResult:
     """How an attempt to set went: rcl_interfaces/msg/SetParametersResult."""
 
     successful: bool
@@ -71,41 +69,33 @@ class Remote:
 
     def names(self) -> list[str]:
         """The names of all parameters of the node."""
-        evidence = Evidence("list_parameters", "the names of all parameters")
-        return list(self._call("list_parameters", ListParameters.Request(), evidence).result.names)
+        return self._ask(parameters.names())
 
     def values(self, names: Sequence[str]) -> dict[str, Value]:
         """The values of these parameters; one that is not declared, or has no value yet, counts as not set."""
-        found = self._get(names)
-        if len(found) != len(names):  # rclpy answers for all or for none
-            found = [next(iter(self._get([name])), ParameterValue()) for name in names]
-        return {name: _value(value) for name, value in zip(names, found, strict=True)}
+        return dict(zip(names, map(_value, self._ask(parameters.values(names))), strict=True))
 
-    def set(self, name: str, value: Any) -> Outcome:
+    def set(self, name: str, value: Any) -> SetResult:
         """Set one parameter."""
-        request = SetParameters.Request(parameters=[_message(name, value)])
-        evidence = Evidence(f"set_parameters: {shown({name: value})}", "an answer: accepted, or refused and why")
-        results = self._call("set_parameters", request, evidence).results
-        return Outcome(results[0].successful, results[0].reason) if results else Outcome(successful=False, reason="")
+        results = self._ask(parameters.set_each([parameters.to_message(name, value)]))
+        return _result(results[0]) if results else SetResult(successful=False, reason="")
 
-    def set_together(self, values: Mapping[str, Any]) -> Outcome:
+    def set_together(self, values: Mapping[str, Any]) -> SetResult:
         """Set several at once, all or none, in this order."""
-        request = SetParametersAtomically.Request(parameters=[_message(*pair) for pair in values.items()])
-        evidence = Evidence(f"set_parameters_atomically: {shown(values)}", "an answer: accepted, or refused and why")
-        result = self._call("set_parameters_atomically", request, evidence).result
-        return Outcome(result.successful, result.reason)
+        messages = [parameters.to_message(*pair) for pair in values.items()]
+        return _result(self._ask(parameters.set_together(messages)))
 
-    def _get(self, names: Sequence[str]) -> list[ParameterValue]:
-        evidence = Evidence(f"get_parameters: {', '.join(names)}", "their values")
-        return list(self._call("get_parameters", GetParameters.Request(names=list(names)), evidence).values)
+    def _ask(self, steps: Steps[T]) -> T:
+        return parameters.driven(steps, self._answer)
 
-    def _call(self, verb: str, request: Any, evidence: Evidence) -> Any:
-        context = self._context
+    def _answer(self, question: Question) -> Any:
+        context, request = self._context, question.interface.Request(**question.fields)
+        evidence = _evidence(question)
         context.require_time(evidence)
-        turn = context.record.sent(evidence.sent, minor=verb in _QUESTIONS)
+        turn = context.record.sent(evidence.sent, minor=question.service in _QUESTIONS)
         clock = context.clock()
         with exceptions.explained(context, evidence):
-            future = self._clients[verb].call_async(request)
+            future = self._clients[question.service].call_async(request)
             if context.wait_until(future.done, hangs.ANSWER_S):
                 response = bounded(future.result())
                 turn.came(_told(request, response))
@@ -177,6 +167,16 @@ def _not_served(context: CheckContext, node: str, expected: str) -> Failed:
     return Failed(evidence, *graph.why_empty(context, node)[::-1])
 
 
+def _evidence(question: Question) -> Evidence:
+    """What is asked and expected, as the learner is shown it."""
+    if question.service == "list_parameters":
+        return Evidence(question.service, "the names of all parameters")
+    if question.service == "get_parameters":
+        return Evidence(f"get_parameters: {', '.join(question.fields['names'])}", "their values")
+    values = {one.name: parameters.from_message(one.value) for one in question.fields["parameters"]}
+    return Evidence(f"{question.service}: {shown(values)}", "an answer: accepted, or refused and why")
+
+
 def _told(request: Any, response: Any) -> str:
     """A response of one of the services as the learner is shown it."""
     if isinstance(response, ListParameters.Response):
@@ -187,18 +187,12 @@ def _told(request: Any, response: Any) -> str:
             return "no values: something that was asked for is not declared, or not set"
         return shown(dict(zip(request.names, values, strict=True)))
     results = response.results if isinstance(response, SetParameters.Response) else [response.result]
-    return "; ".join(Outcome(one.successful, one.reason).shown() for one in results)
+    return "; ".join(_result(one).shown() for one in results)
 
 
-def _value(message: ParameterValue) -> Value:
-    if message.type == Parameter.Type.NOT_SET.value:
-        return Value(NOT_SET, None)
-    try:
-        kind = Parameter.Type(message.type)
-    except ValueError:  # by a node that answers these requests itself
-        return Value(f"of the unknown type {message.type}", None)
-    return Value(str(kind.name).lower(), parameter_value_to_python(message))
+def _result(message: Any) -> SetResult:
+    return SetResult(message.successful, message.reason)
 
 
-def _message(name: str, value: Any) -> ParameterMessage:
-    return Parameter(name, value=value).to_parameter_msg()
+def _value(message: Any) -> Value:
+    return Value(parameters.type_of(message), parameters.from_message(message))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import pkgutil
 import re
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 from course_kit.grading.submission import where
+from course_kit.ros.names import nearest
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import ProcessStatus
@@ -26,7 +26,6 @@ _INTERFACE_PACKAGES = ("course_interfaces", "example_interfaces")
 # What is imported to see what is in it. What a traceback names is the submission's choice, and importing is running.
 _HARMLESS = re.compile(r"rclpy(?:\.\w+)*|course_kit\.robot|\w+_(?:msgs|srvs|interfaces)\.(?:msg|srv|action)")
 _LONGEST_LINE = 200  # characters of a learner's line that are repeated
-_LONGEST_NAME = 80  # comparing names takes the product of their lengths
 
 Cause = tuple["str | None", str]
 """A diagnosis, or None when the cause is not established, and what happened in one or two sentences."""
@@ -160,9 +159,8 @@ def _nearest(raised: Raised) -> str:
         wanted, known = match["name"], _names_in(match["module"])
     else:
         return ""
-    close = difflib.get_close_matches(wanted[:_LONGEST_NAME], sorted(known), n=3)
-    alike = [name for name in close if name[0] == wanted[0]] or close  # slips rarely change the first letter
-    return f"The nearest name there is: {alike[0]}." if alike else ""
+    near = nearest(wanted, known)
+    return f"The nearest name there is: {near}." if near else ""
 
 
 def _names_in(module: str) -> set[str]:

@@ -15,8 +15,8 @@ from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient, ActionServer
 from rclpy.action.server import GoalEvent, ServerGoalHandle
 
-from course_kit.lab.graph import full_action_name
 from course_kit.lab.messages import type_name
+from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
     from course_kit.lab.overrides.patches import Patches

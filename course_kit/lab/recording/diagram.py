@@ -10,7 +10,7 @@ import re
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from course_kit.lab.recording.wording import short_name
+from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -14,11 +14,6 @@ def in_words(value: Any) -> str:
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
-def short_name(node: str) -> str:
-    """A node's name without the slash of the root namespace."""
-    return node[1:] if node.startswith("/") and node.count("/") == 1 else node
-
-
 def _fields(fields: dict[str, Any]) -> str:
     if not fields:
         return "(empty)"

@@ -11,6 +11,7 @@ from course_kit.lab.errors import LabError
 from course_kit.lab.notebook.cells import Notebook
 from course_kit.lab.notebook.output import Output
 from course_kit.lab.recording.events import Recorder, Taps
+from course_kit.ros import graph as ros_graph
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Hashable
@@ -218,8 +219,7 @@ class Lab:
     def _let_scripts_end(self) -> None:
         if self._scripts is not None and self._engine is not None:
             node = self._engine.node
-            seen = {graph.full_name(*one) for one in node.get_node_names_and_namespaces()}
-            self._scripts.wait_for_end_of_those_without_node(seen)
+            self._scripts.wait_for_end_of_those_without_node(set(ros_graph.nodes(node)))
 
     def _require_recorder(self) -> Recorder:
         if self._recorder is None:

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from course_kit.lab.graph import is_of_every_node, is_of_ros
 from course_kit.lab.messages import type_name
+from course_kit.ros.names import is_of_every_node, is_of_ros, short_name
 
 
 def describe_node(node: Any) -> str:
     """One line for the node and one for each service, action and topic it has made."""
-    lines = [f"{display_name(node.get_fully_qualified_name())} ({type(node).__name__})"]
+    lines = [f"{short_name(node.get_fully_qualified_name())} ({type(node).__name__})"]
     lines += sorted(_services(node)) + sorted(_actions(node)) + sorted(_topics(node))
     return "\n    ".join(lines)
-
-
-def display_name(full_name: str) -> str:
-    """A node's name as a learner writes it: without the slash of the root namespace."""
-    return full_name[1:] if full_name.count("/") == 1 else full_name
 
 
 def channels_of(node: Any) -> set[str]:

@@ -29,6 +29,8 @@ from course_kit.lab.runtime.executor import Turn
 from course_kit.lab.runtime.executor_thread import Spinner
 from course_kit.lab.runtime.failures import Failures
 from course_kit.lab.runtime.nodes import Nodes
+from course_kit.ros.graph import RUNS, SERVES
+from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -126,7 +128,9 @@ class Engine:
         except OtherTypeError:
             full = self.node.resolve_service_name(service)
             wanted = type_name(service_type)
-            raise ServiceNotFoundError(graph.no_service(self.node, full, wanted, 0.0, self.own_names)) from None
+            raise ServiceNotFoundError(
+                graph.not_offered(self.node, graph.Wanted(SERVES, full, wanted), 0.0, self.own_names)
+            ) from None
 
     def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
         """A new subscription of the lab's node."""
@@ -155,8 +159,10 @@ class Engine:
         try:
             return self.clients.goal_client(action_type, action)
         except OtherTypeError:
-            full = graph.full_action_name(self.node, action)
-            raise ActionNotFoundError(graph.no_action(self.node, full, type_name(action_type), 0.0)) from None
+            full = full_action_name(self.node, action)
+            raise ActionNotFoundError(
+                graph.not_offered(self.node, graph.Wanted(RUNS, full, type_name(action_type)), 0.0)
+            ) from None
 
     def do(self, function: Callable[[], None]) -> None:
         """Have the lab's thread call a function between two callbacks; does not wait for it."""

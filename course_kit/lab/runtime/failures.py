@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.lab.errors import DeadlockError, ServiceFailedError
 from course_kit.lab.runtime.callback_errors import Crash, examine
-from course_kit.lab.runtime.describe import display_name, is_alive
+from course_kit.lab.runtime.describe import is_alive
 from course_kit.lab.runtime.executor import Turn
+from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
     from course_kit.lab.notebook.output import Output
@@ -82,7 +83,7 @@ class Failures:
         if turn is not None:  # before its caller goes on, so that the two are shown in this order
             self.callback_crashed(error, Turn(service, turn.node, turn.since))
         crash = examine(error, service, None, self._locate)
-        owner = display_name(self._tapping.where(service)[0])
+        owner = short_name(self._tapping.where(service)[0])
         place = f" ({crash.place})" if crash.place else ""
         text = f"{owner} sent no response: {crash.callback or 'its callback'} {crash.error}{place}"
         asking = [client for client in self._lab.all_clients() if client.service_name == service.service_name]

@@ -22,8 +22,8 @@ from rclpy.action import ActionClient, ActionServer
 
 from course_kit.lab.clients import HIDDEN_NAME, incompatible
 from course_kit.lab.errors import LabError
-from course_kit.lab.graph import full_name
 from course_kit.lab.runtime.describe import channels_of
+from course_kit.ros.names import full_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -117,7 +117,7 @@ def _role(nodes: list[Any]) -> str:
     """Whether these nodes wait for others ("server") or only for answers to what they have asked ("client")."""
     from rclpy.action import ActionClient
 
-    from course_kit.lab.graph import is_of_every_node
+    from course_kit.ros.names import is_of_every_node
 
     waits = asks = False
     for node in nodes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ros.names import from_root
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph_source import graph_for
 
@@ -40,4 +41,4 @@ def checked_name(name: str) -> str:
             f"{name!r} cannot be a name on the graph: parts begin with a letter, followed by letters, digits and _, "
             "with / between."
         )
-    return name if name.startswith("/") else f"/{name}"
+    return from_root(name)

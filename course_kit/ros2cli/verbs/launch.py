@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_kit.ros2cli.errors import CommandError, did_you_mean
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.parser import add_named
 
 if TYPE_CHECKING:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any
 
-from course_kit.ros2cli.errors import CommandError, did_you_mean
-from course_kit.ros2cli.graph import actions_among, is_hidden, visible
+from course_kit.ros.names import did_you_mean, is_hidden
+from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.graph import actions_among, visible
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb, add_verbs
 from course_kit.ros2cli.verbs._listing import checked_name, graph_of
 

@@ -6,9 +6,10 @@ import re
 import sys
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ros import parameters
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph_source import graph_for
-from course_kit.ros2cli.parameters import KINDS, ParameterClient, find_node, nodes_with_parameters
+from course_kit.ros2cli.parameters import ParameterClient, find_node, nodes_with_parameters, type_in_words
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb, add_verbs
 from course_kit.ros2cli.verbs._listing import checked_name
 
@@ -69,36 +70,35 @@ def _list(options: Any, session: Session) -> None:
         nodes = nodes_with_parameters(graph, hidden_too=options.include_hidden_nodes)
     for node in nodes:
         client = ParameterClient(session, node, options.timeout)
-        names = [name for name in client.names(options.param_prefixes) if pattern.search(name)]
+        listed = client.ask(parameters.names(options.param_prefixes))
+        names = [name for name in sorted(listed) if pattern.search(name)]
         if not options.node_name:
             print(f"{node}:")
-        types = [KINDS[value.type][0] for value in client.values(names)] if options.param_type else []
+        types = [type_in_words(value) for value in client.ask(parameters.values(names))] if options.param_type else []
         for index, name in enumerate(names):
             print(f"  {name} (type: {types[index]})" if types else f"  {name}")
 
 
 def _get(options: Any, session: Session) -> None:
-    from course_kit.ros2cli.parameters import value_of
+    from course_kit.ros2cli.parameters import value_in_words
 
     value = _client(options, session).require(options.parameter_name)
-    label = "" if options.hide_type else f"{KINDS[value.type][1]} "
-    print(f"{label}{value_of(value)}")
+    label = "" if options.hide_type else f"{value_in_words(value)} "
+    print(f"{label}{parameters.held(value)}")
 
 
 def _set(options: Any, session: Session) -> None:
     from course_kit.ros2cli.parameters import parse
 
-    value = parse(options.value)
-    (result,) = _client(options, session).set({options.parameter_name: value})
+    message = parse(options.parameter_name, options.value)
+    (result,) = _client(options, session).ask(parameters.set_each([message]))
     _report(result, "Set parameter successful", "Setting parameter failed")
 
 
 def _delete(options: Any, session: Session) -> None:
-    from rcl_interfaces.msg import ParameterValue
-
     client = _client(options, session)
     client.require(options.parameter_name)
-    (result,) = client.set({options.parameter_name: ParameterValue()})
+    (result,) = client.ask(parameters.set_each([parameters.to_message(options.parameter_name, None)]))
     _report(result, "Deleted parameter successfully", "Deleting parameter failed")
 
 
@@ -116,9 +116,9 @@ def _describe(options: Any, session: Session) -> None:
     client = _client(options, session)
     for name in options.parameter_names:
         client.require(name)
-    for descriptor in client.descriptors(options.parameter_names):
+    for descriptor in client.ask(parameters.descriptors(options.parameter_names)):
         print(f"Parameter name: {descriptor.name}")
-        print(f"  Type: {KINDS[descriptor.type][0]}")
+        print(f"  Type: {type_in_words(descriptor)}")
         if descriptor.description:
             print(f"  Description: {descriptor.description}")
         if constraints := list(_constraints(descriptor)):
@@ -141,15 +141,15 @@ def _dump(options: Any, session: Session) -> None:
     from course_kit.ros2cli.parameters import plain_value
 
     client = _client(options, session)
-    names = client.names()
-    parameters: dict[str, Any] = {}
-    for name, value in zip(names, client.values(names), strict=True):
+    names = sorted(client.ask(parameters.names()))
+    found: dict[str, Any] = {}
+    for name, value in zip(names, client.ask(parameters.values(names)), strict=True):
         *groups, last = name.split(".")
-        place = parameters
+        place = found
         for group in groups:
             place = place.setdefault(group, {})
         place[last] = plain_value(value)
-    print(yaml.safe_dump({checked_name(options.node_name): {"ros__parameters": parameters}}, default_flow_style=False))
+    print(yaml.safe_dump({checked_name(options.node_name): {"ros__parameters": found}}, default_flow_style=False))
 
 
 def _load(options: Any, session: Session) -> None:
@@ -157,6 +157,6 @@ def _load(options: Any, session: Session) -> None:
 
     client = _client(options, session)
     node = checked_name(options.node_name)
-    values = load_file(options.parameter_file, node, use_wildcard=not options.no_use_wildcard)
-    for name, result in zip(values, client.set(values), strict=True):
-        _report(result, f"Set parameter {name} successful", f"Set parameter {name} failed")
+    loaded = load_file(options.parameter_file, node, use_wildcard=not options.no_use_wildcard)
+    for one, result in zip(loaded, client.ask(parameters.set_each(loaded)), strict=True):
+        _report(result, f"Set parameter {one.name} successful", f"Set parameter {one.name} failed")

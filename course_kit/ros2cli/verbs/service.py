@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
-from course_kit.ros2cli.errors import CommandError, did_you_mean
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_timeout, add_verb, add_verbs
 from course_kit.ros2cli.verbs._listing import checked_name, graph_of, print_names

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from course_kit.ros2cli.errors import CommandError, did_you_mean
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import Graph, visible
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_timeout, add_verb, add_verbs
 from course_kit.ros2cli.qos import add_qos

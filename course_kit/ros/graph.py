@@ -1,17 +1,16 @@
-"""The whole ROS graph at one moment: which node offers what, and which one uses it.
+"""The ROS graph at one moment, as this process has discovered it: which node offers what, and which one uses it.
 
-What a node does is told by the verbs of `lab.nodes()`. Unlike that list, an overview has the nodes of all
-processes, as this process has discovered them.
+`Node.get_service_names_and_types` lists clients' names as well, so the nodes are asked one by one.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from course_kit.lab import graph
+from course_kit.ros import names
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
 
 class Role(NamedTuple):
@@ -106,10 +105,9 @@ def read(node: Any, *, plumbing: bool = False) -> Overview:
         plumbing: include what ROS itself brings along: the services each node has for its parameters, /rosout and
             the like, the parts of actions, and whatever has a hidden name.
     """
-    listed = sorted(graph.full_name(*one) for one in node.get_node_names_and_namespaces())
-    names = [name for name in listed if plumbing or not graph.is_hidden(name)]
-    uses = {use for name in set(names) for use in _uses(node, name) if plumbing or not _is_plumbing(use)}
-    return Overview(tuple(names), tuple(sorted(uses, key=_order)))
+    shown = [name for name in nodes(node) if plumbing or not names.is_hidden(name)]
+    uses = {use for name in set(shown) for use in uses_of(node, name) if plumbing or not _is_plumbing(use)}
+    return Overview(tuple(shown), tuple(sorted(uses, key=_order)))
 
 
 def _order(use: Use) -> tuple[str, int, bool, str]:
@@ -117,28 +115,50 @@ def _order(use: Use) -> tuple[str, int, bool, str]:
 
 
 def _is_plumbing(use: Use) -> bool:
-    if use.role.kind == "service" and graph.is_of_every_node(use.channel):
+    if use.role.kind == "service" and names.is_of_every_node(use.channel):
         return True
-    return graph.is_hidden(use.channel) or graph.is_of_ros(use.channel)
+    return names.is_hidden(use.channel) or names.is_of_ros(use.channel)
 
 
-def _uses(node: Any, full_name: str) -> Iterator[Use]:
+def nodes(node: Any) -> list[str]:
+    """Full names of all nodes in alphabetical order; a name stands as often as nodes carry it."""
+    return sorted(names.full_name(*one) for one in node.get_node_names_and_namespaces())
+
+
+def offered(node: Any, role: Role, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
+    """What has a server or a publisher on the graph, with its types; that of the nodes `except_by` is left out."""
+    found: dict[str, list[str]] = {}
+    for name in set(nodes(node)) - except_by:
+        for use in uses_of(node, name, role):
+            known = found.setdefault(use.channel, [])
+            known += [kind for kind in use.types if kind not in known]
+    return found
+
+
+def uses_of(node: Any, full_name: str, *roles: Role) -> Iterator[Use]:
+    """What a node does, as another node sees it; nothing more once it has gone.
+
+    Args:
+        node: looks at the graph.
+        full_name: of the node in question.
+        roles: the ones of interest; all of them without any.
+    """
     from rclpy import action
-    from rclpy.node import NodeNameNonExistentError
+    from rclpy.impl.implementation_singleton import rclpy_implementation
 
     namespace, _, name = full_name.rpartition("/")
     where = (name, namespace or "/")
-    readers: tuple[tuple[Role, Callable[[], Any]], ...] = (
-        (SERVES, lambda: node.get_service_names_and_types_by_node(*where)),
-        (CALLS, lambda: node.get_client_names_and_types_by_node(*where)),
-        (RUNS, lambda: action.get_action_server_names_and_types_by_node(node, *where)),
-        (SENDS_GOALS, lambda: action.get_action_client_names_and_types_by_node(node, *where)),
-        (PUBLISHES, lambda: node.get_publisher_names_and_types_by_node(*where)),
-        (LISTENS, lambda: node.get_subscriber_names_and_types_by_node(*where)),
-    )
-    for role, look in readers:
+    readers = {
+        SERVES: lambda: node.get_service_names_and_types_by_node(*where),
+        CALLS: lambda: node.get_client_names_and_types_by_node(*where),
+        RUNS: lambda: action.get_action_server_names_and_types_by_node(node, *where),
+        SENDS_GOALS: lambda: action.get_action_client_names_and_types_by_node(node, *where),
+        PUBLISHES: lambda: node.get_publisher_names_and_types_by_node(*where),
+        LISTENS: lambda: node.get_subscriber_names_and_types_by_node(*where),
+    }
+    for role in roles or readers:
         try:
-            found = look()
-        except NodeNameNonExistentError:  # it has gone meanwhile
+            found = readers[role]()
+        except (rclpy_implementation.RCLError, ValueError):  # it has gone meanwhile, or has no proper name yet
             return
         yield from (Use(full_name, role, channel, tuple(sorted(types))) for channel, types in found)
