@@ -77,7 +77,7 @@ def test_an_untouched_exercise_is_left_alone(course: Course, file: Path) -> None
     before = sorted(file.parent.iterdir())
     done = course.run("reset", TEMPERATURE)
     assert done.returncode == 0
-    assert "as at the beginning already" in done.stdout
+    assert "already matches the starter" in done.stdout
     assert sorted(file.parent.iterdir()) == before
 
 

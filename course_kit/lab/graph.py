@@ -86,7 +86,7 @@ def no_service(node: Any, service: str, wanted_type: str, waited: float, except_
     types = services.get(service)
     if types and wanted_type not in types:
         return (
-            f"{service} has the type {' and '.join(sorted(types))}, and was called as {wanted_type}. "
+            f"{service} has the type {' and '.join(sorted(types))}, but you called it with {wanted_type}. "
             "Client and server must use the same type."
         )
     message = f"No node serves {service} (waited {waited:g} s). "
@@ -99,7 +99,7 @@ def no_action(node: Any, action: str, wanted_type: str, waited: float) -> str:
     types = actions.get(action)
     if types and wanted_type not in types:
         return (
-            f"{action} has the type {' and '.join(sorted(types))}, and the goal was one of {wanted_type}. "
+            f"{action} has the type {' and '.join(sorted(types))}, but the goal was one of {wanted_type}. "
             "Client and server must use the same type."
         )
     message = f"No node runs the action {action} (waited {waited:g} s). "

@@ -256,7 +256,7 @@ def _no_node(lab: Lab, node: str) -> NodeNotFoundError:
     looking = lab.engine.node
     names = {graph.full_name(*one) for one in looking.get_node_names_and_namespaces()} - lab.engine.own_names
     if node in names:
-        return NodeNotFoundError(f"{node} is on the graph and offers no parameter services.")
+        return NodeNotFoundError(f"{node} is on the graph but offers no parameter services.")
     services = {name for name, _ in looking.get_service_names_and_types()}
     having = sorted(name for name in names if name + _SERVICE in services and "/_" not in name)
     near = graph.nearest(node, having)

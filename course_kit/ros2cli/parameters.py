@@ -127,7 +127,7 @@ def parse(text: str) -> Any:
     try:
         return get_parameter_value(text)
     except (YAMLError, AssertionError, ValueError, OverflowError) as error:
-        raise CommandError(f"{text!r} is no value of a parameter: {str(error).splitlines()[0]}.") from error
+        raise CommandError(f"{text!r} is not a parameter value: {str(error).splitlines()[0]}.") from error
 
 
 def load_file(path: str, node: str, *, use_wildcard: bool) -> dict[str, Any]:
@@ -144,5 +144,5 @@ def load_file(path: str, node: str, *, use_wildcard: bool) -> dict[str, Any]:
     except OSError as error:
         raise CommandError(f"{path}: {error.strerror}.") from error
     except (RuntimeError, YAMLError, AttributeError, TypeError, ValueError) as error:
-        raise CommandError(f"{path} is no parameter file for {node}: {str(error).strip()}") from error
+        raise CommandError(f"{path} is not a parameter file for {node}: {str(error).strip()}") from error
     return {name: parameter.value for name, parameter in loaded.items()}

@@ -7,6 +7,7 @@ from typing import Any
 from course_kit.ros2cli.errors import CommandError, did_you_mean
 
 _WORDS = {"msg": "message", "srv": "service", "action": "action"}
+_ARTICLES = {"msg": "a message", "srv": "a service", "action": "an action"}
 
 
 def find_type(name: str, kind: str) -> Any:
@@ -32,7 +33,7 @@ def find_type(name: str, kind: str) -> Any:
         near = did_you_mean(wanted, interfaces.types(kind=kind))
         raise CommandError(f"{text}there is no {wanted}.{near}") from problem
     if f"/{kind}/" not in wanted:
-        raise CommandError(f"The passed {_WORDS[kind]} type is invalid: {wanted} is no {_WORDS[kind]}.")
+        raise CommandError(f"The passed {_WORDS[kind]} type is invalid: {wanted} is not {_ARTICLES[kind]} type.")
     return interface
 
 

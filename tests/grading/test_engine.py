@@ -142,7 +142,7 @@ def test_a_check_that_breaks_leaves_no_grade() -> None:
     outcome = {"results": results, "problem": "", "stdout": "", "stderr": "", "timings": {}}
     report = engine._report(exercise.load(EXERCISE), "shown", outcome, "", time.monotonic())
     assert (report.status, report.score, report.passed) == ("error", 0.0, False)
-    assert report.problem == 'The grading did not come to its end, at the check "B". about b'
+    assert report.problem == 'The grading did not finish: it stopped at the check "B". about b'
     assert grading.exit_code(report) == 2
     assert "Not graded" in grading.render_text(report)
 
@@ -176,7 +176,7 @@ def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None
 
     watcher = threading.Thread(target=watch)
     watcher.start()
-    with pytest.raises(grading.GradingError, match="ended while it was at work"):
+    with pytest.raises(grading.GradingError, match="ended while it was grading"):
         grading.grade(EXERCISE, path, worker=worker)
     watcher.join()
     assert len(below) >= 5

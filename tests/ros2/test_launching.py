@@ -69,7 +69,7 @@ def test_arguments_reach_the_launch_file(capfd: pytest.CaptureFixture[str]) -> N
     ("line", "text", "expected"),
     [
         ("broken", "1 / 0", "broken.launch.py, line 1: ZeroDivisionError: division by zero"),
-        ("hello you", ARGUMENT, "'you' is no argument of a launch file: write name:=value."),
+        ("hello you", ARGUMENT, "'you' is not an argument for a launch file: write name:=value."),
         ("robot", LAUNCH.replace("'parameter_node'", "'parameter_nod'"), "nor a script parameter_nod.py"),
     ],
 )

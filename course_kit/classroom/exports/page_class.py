@@ -50,7 +50,9 @@ def _scores(book: Gradebook) -> str:
     figures = "".join(
         _figure(exercise, records) for exercise in book.exercises if (records := book.graded(exercise.id))
     )
-    return f'{charts.hatching()}<div class="charts">{figures}</div>' if figures else "<p>Nobody has a grade yet.</p>"
+    return (
+        f'{charts.hatching()}<div class="charts">{figures}</div>' if figures else "<p>No student has a grade yet.</p>"
+    )
 
 
 def _figure(exercise: Exercise, records: list[Record]) -> str:
@@ -64,7 +66,7 @@ def _figure(exercise: Exercise, records: list[Record]) -> str:
     name = html(f"Distribution of scores, {exercise.title}. The numbers are in the table below.")
     rows = [(f"{bar.label} points", amount(bar.count)) for bar in bars]
     numbers = table(
-        f"{html(exercise.title)}: how many have how many points", ["Points", "Submissions"], rows, kind="plain"
+        f"{html(exercise.title)}: number of submissions by points", ["Points", "Submissions"], rows, kind="plain"
     )
     return (
         f"<figure><figcaption>{html(exercise.title)}<small>{told}</small></figcaption>"
@@ -84,7 +86,7 @@ def _check_table(exercise: Exercise, records: list[Record]) -> str:
     columns = ["Check", "Points", "Not passed", "Of those run", "Passed", "Not run"]
     errors = any(check.by_status["error"] for check in found)
     rows = [_check_row(check, errors=errors) for check in found]
-    title = f"{html(exercise.title)}: which check fails how often"
+    title = f"{html(exercise.title)}: how often each check fails"
     return table(title, [*columns, "Grader's error"] if errors else columns, rows)
 
 
@@ -98,7 +100,7 @@ def _check_row(check: counts.CheckCount, *, errors: bool) -> list[TableCell | st
 
 def _students(book: Gradebook) -> str:
     if not book.students:
-        return "<p>Nobody has handed in anything.</p>"
+        return "<p>No student has handed in anything.</p>"
     find = (
         '<p class="find" hidden><label for="find">Find a student</label><input id="find" type="search" '
         'autocomplete="off"><span id="found" role="status"></span></p>'

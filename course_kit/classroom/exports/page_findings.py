@@ -46,7 +46,7 @@ def absent(book: Gradebook) -> list[Part]:
     return [
         Part("odd", "Entries that do not fit the layout", _odd(book)),
         Part("missing", "Missing submissions", _missing(book)),
-        Part("left", "Files that are no submissions", _left(book)),
+        Part("left", "Files that were not recognised as submissions", _left(book)),
     ]
 
 
@@ -93,8 +93,8 @@ def _alike(book: Gradebook) -> str:
         return ""
     found = lookalikes.find(book)
     warning = (
-        '<p class="note"><strong>Similarity is no proof.</strong> A small exercise has few good solutions, and pairs '
-        "may have been allowed to work together. Look at both programs before you say a word.</p>"
+        '<p class="note"><strong>Similarity is not proof.</strong> A small exercise has few good solutions, and pairs '
+        "may have been allowed to work together. Compare both programs before you draw a conclusion.</p>"
     )
     several = len(book.exercises) > 1
     return warning + _identical(found, several=several) + _similar(found, several=several) + _unseen(book, found)
@@ -141,13 +141,15 @@ def _pair(pair: lookalikes.Pair) -> list[TableCell | str]:
 def _unseen(book: Gradebook, found: lookalikes.LookAlikes) -> str:
     told = []
     if book.root is None:
-        told.append("The submissions are not at hand, so that only identical ones could be found.")
+        told.append("The submissions are no longer available, so only identical ones could be found.")
     elif found.unread:
-        told.append(f"{many(found.unread, 'program')} could not be read or had too little of its own to compare.")
+        told.append(
+            f"{many(found.unread, 'program')} could not be read or had too little code of their own to compare."
+        )
     if found.pairs:
-        told.append("In the pairs one stands for all that are the same as it.")
+        told.append("In each pair, one program stands for all that are identical to it.")
     if found.left_out:
-        told.append(f"Not compared, as good answers are the same: {html(', '.join(found.left_out))}.")
+        told.append(f"Not compared, because good answers are all alike: {html(', '.join(found.left_out))}.")
     return f'<p class="quiet">{" ".join(told)}</p>' if told else ""
 
 
@@ -177,26 +179,28 @@ def _failed(book: Gradebook) -> str:
     if not book.not_graded:
         return ""
     rows = [[*_who(one), shown(problem(one))] for one in book.not_graded]
-    told = "<p>That is our fault, not the students'. Run the same command again with <code>--resume</code>.</p>"
+    told = (
+        "<p>That is the grader's fault, not the students'. Run the same command again with <code>--resume</code>.</p>"
+    )
     return told + table("No grade, and in no export", ["Student", "Exercise", "What happened"], rows)
 
 
 def _dropped(book: Gradebook) -> str:
     rows = [(shown(student), shown(reason)) for student, reason in book.dropped]
-    return table("Look at what these students have handed in", ["Student", "Reason"], rows) if rows else ""
+    return table("Check what these students handed in", ["Student", "Reason"], rows) if rows else ""
 
 
 def _odd(book: Gradebook) -> str:
     rows = [(shown(student), shown(reason)) for student, reason in book.odd]
-    return table("Graded, each as a student for itself", ["Student", "Reason"], rows) if rows else ""
+    return table("Graded, each entry as a separate student", ["Student", "Reason"], rows) if rows else ""
 
 
 def _missing(book: Gradebook) -> str:
     titles = {exercise.id: exercise.title for exercise in book.exercises}
     rows = [(shown(student), html(titles.get(exercise, exercise))) for student, exercise in book.missing]
-    return table("Students who have handed in something else only", ["Student", "Exercise"], rows) if rows else ""
+    return table("Students who handed in only something else", ["Student", "Exercise"], rows) if rows else ""
 
 
 def _left(book: Gradebook) -> str:
     rows = [(f"<code>{shown(path)}</code>", shown(reason)) for path, reason in book.left]
-    return table("What else was in the folder, and why it was not graded", ["File", "Reason"], rows) if rows else ""
+    return table("Other files in the folder, and why they were not graded", ["File", "Reason"], rows) if rows else ""

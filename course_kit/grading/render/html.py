@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from course_kit import environment
-from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.output import escaped
 from course_kit.grading.render.card_style import STYLE
 from course_kit.grading.render.sequence import sequence_svg
@@ -20,6 +19,7 @@ from course_kit.grading.render.sequence import sequence_svg
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.report import CheckReport, Report
 
 _STATES = {
@@ -94,7 +94,7 @@ def _bar(check: CheckReport, most: float) -> str:
 def _body(check: CheckReport, base: Path) -> str:
     if check.status == "passed":
         return ""
-    found = catalogue.catalogue().get(check.diagnosis or "")
+    found = check.known
     happened = check.told or check.message
     rows = [("We sent", check.sent, True), ("Expected", check.expected, True), ("We got", check.got, True)]
     rows += [("What happened" if check.status == "failed" else "Why", happened, False)]
@@ -114,7 +114,7 @@ def _row(name: str, text: str, *, code: bool) -> str:
     return f"<dt>{name}</dt><dd>{content}</dd>"
 
 
-def _link(found: catalogue.Diagnosis, base: Path) -> str:
+def _link(found: Diagnosis, base: Path) -> str:
     """A link to the lesson; JupyterLab opens it beside the notebook, at the heading."""
     lesson = environment.lesson(found.notebook, base)
     if lesson is None:
