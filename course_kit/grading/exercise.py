@@ -143,7 +143,7 @@ def _parse(table: dict[str, Any], folder: Path) -> Exercise:
     if not 0 < pass_mark <= points:
         raise ValueError(f"the pass mark {pass_mark:g} is not between 0 and {points:g} points")
     hints = tuple(Hint(tuple(hint["for"]), str(hint["text"])) for hint in table.get("hints", []))
-    diagnoses = {code: catalogue.reworded(code, fields) for code, fields in table.get("diagnoses", {}).items()}
+    diagnoses = _diagnoses(table.get("diagnoses", {}))
     texts = {name: table[name] for name in _TEXTS}
     goal = {name: str(table.get(name, "")) for name in ("class_name", "variable")}
     if bool(goal["class_name"]) == bool(goal["variable"]):
@@ -164,3 +164,9 @@ def _parse(table: dict[str, Any], folder: Path) -> Exercise:
         **goal,
         **texts,
     )
+
+
+def _diagnoses(tables: Any) -> dict[str, Diagnosis]:
+    if not isinstance(tables, dict) or not all(isinstance(fields, dict) for fields in tables.values()):
+        raise ValueError("'diagnoses' has to hold a table for each code")
+    return {code: catalogue.reworded(code, fields) for code, fields in tables.items()}

@@ -271,12 +271,12 @@ def test_points_of_the_checks_are_those_of_the_exercise() -> None:
     assert sum(check.points for check in grader.CHECKS) == task.points
     known = {check.id for check in grader.CHECKS}
     for check in known:
-        assert task.next_hint(check), f"the ladder has no rung for {check}"
+        assert task.ladder(check), f"the ladder has no rung for {check}"
 
 
-def test_ladder_is_climbed_and_ends_at_its_last_rung() -> None:
+def test_ladder_has_its_rungs_in_order() -> None:
     task = exercise.load(EXERCISE)
-    rungs = [task.next_hint("answers", seen) for seen in range(4)]
-    assert rungs[0] != rungs[1]
-    assert rungs[1] == rungs[2] == rungs[3]
-    assert task.next_hint("no_such_topic") is None
+    first, second = task.ladder("answers")
+    assert "empty response to fill in" in first
+    assert "Begin with one direction" in second
+    assert task.ladder("no_such_topic") == ()
