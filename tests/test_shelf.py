@@ -141,7 +141,7 @@ def test_progress_is_forgotten_only_on_request(course: Course, file: Path) -> No
     assert TEMPERATURE in course.progress.read_text()
     done = course.run("reset", TEMPERATURE, "--yes", "--progress")
     assert done.returncode == 0
-    assert "forgotten" in done.stdout
+    assert "is deleted" in done.stdout
     assert json.loads(course.progress.read_text())["exercises"] == {}
 
 

@@ -594,7 +594,7 @@ def test_unpacking_again_leaves_nothing_of_before(tmp_path: Path) -> None:
 
 def test_a_folder_that_is_not_ours_is_not_emptied(tmp_path: Path) -> None:
     lay_out(tmp_path / "workspace", ["precious.txt"])
-    with pytest.raises(GradingError, match=r"is there already\. Move it away first"):
+    with pytest.raises(GradingError, match=r"but that already exists\. Move it away first"):
         collect(Zip(tmp_path / "all.zip").close())
     assert (tmp_path / "workspace/precious.txt").is_file()
 

@@ -165,7 +165,7 @@ def test_an_error_repeated_by_a_timer_is_shown_three_times(capsys: pytest.Captur
 def test_a_slow_callback_is_named_when_time_is_over() -> None:
     faulty = lab.start(Faulty)
     with pytest.raises(
-        lab.NoAnswerError, match=r"within 0.5 s. faulty is still in blocks \(nodes.py, line \d+: self.rel"
+        lab.NoAnswerError, match=r"within 0.5 s. faulty has been in blocks \(nodes.py, line \d+: self.rel"
     ):
         call("blocks", timeout=0.5)
     faulty.release.set()
