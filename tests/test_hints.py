@@ -37,6 +37,9 @@ text = "A shove."
 [[hints]]
 for = ["end"]
 text = "The end."
+[diagnoses."limit.time"]
+notebook = "notebooks/02_actions.ipynb"
+section = "Cancelling"
 """
 
 
@@ -101,10 +104,17 @@ def test_where_to_read_on_comes_with_the_last_rung(folder: Path) -> None:
     assert "%hint walk --again" in text
 
 
+def test_where_to_read_on_is_where_the_exercise_says(folder: Path) -> None:
+    failed("nowhere", "limit.time")
+    text, _ = hints.hint("walk", "%hint", folder=folder)
+    assert "notebooks/02_actions.ipynb#Cancelling" in text
+    assert catalogue.catalogue()["limit.time"].notebook not in text
+
+
 def test_a_check_without_hints_says_so(folder: Path) -> None:
     failed("nowhere")
     text, _ = hints.hint("walk", "%hint", folder=folder)
-    assert "There are none" in text
+    assert "There are no hints for this one" in text
     assert "last one" not in text
 
 

@@ -77,7 +77,7 @@ def test_an_untouched_exercise_is_left_alone(course: Course, file: Path) -> None
     before = sorted(file.parent.iterdir())
     done = course.run("reset", TEMPERATURE)
     assert done.returncode == 0
-    assert "as at the beginning already" in done.stdout
+    assert "already matches the starter" in done.stdout
     assert sorted(file.parent.iterdir()) == before
 
 
@@ -141,7 +141,7 @@ def test_progress_is_forgotten_only_on_request(course: Course, file: Path) -> No
     assert TEMPERATURE in course.progress.read_text()
     done = course.run("reset", TEMPERATURE, "--yes", "--progress")
     assert done.returncode == 0
-    assert "forgotten" in done.stdout
+    assert "is deleted" in done.stdout
     assert json.loads(course.progress.read_text())["exercises"] == {}
 
 

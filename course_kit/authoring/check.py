@@ -146,8 +146,8 @@ def _unstable(runs: Sequence[Run]) -> Iterator[Fault]:
             first = runs[0].reports[submission]
             if rules.verdict(report) != rules.verdict(first):
                 text = (
-                    f"another verdict the {number}. time (seed {run.seed}): {rules.outcome(report)}. "
-                    f"The first time (seed {runs[0].seed}): {rules.outcome(first)}."
+                    f"a different verdict in run {number} (seed {run.seed}): {rules.outcome(report)}. "
+                    f"In the first run (seed {runs[0].seed}): {rules.outcome(first)}."
                 )
                 yield rules.Fault(submission.exercise, "stable", f"{submission.kind} {submission.name}", text)
 
@@ -180,14 +180,14 @@ def main(arguments: Sequence[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="course-kit dev check",
-        description="Grade every submission in the tests and see that each gets the verdict it is there for.",
+        description="Grade every submission in the tests and check that each gets the verdict it is there for.",
     )
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="only these exercises; all when none is named")
     parser.add_argument(
-        "--repeat", type=_positive, default=1, metavar="N", help="so often; the verdicts must be the same"
+        "--repeat", type=_positive, default=1, metavar="N", help="number of runs; the verdicts must be the same"
     )
     parser.add_argument("--load", action="store_true", help="keep every processor busy meanwhile")
-    parser.add_argument("--workers", type=_positive, default=0, metavar="N", help="so many gradings at a time")
+    parser.add_argument("--workers", type=_positive, default=0, metavar="N", help="number of gradings at the same time")
     parser.add_argument("--seed", type=int, help="draw the same random values again")
     parser.add_argument("--format", choices=("text", "json"), default="text")
     return parser
@@ -196,5 +196,5 @@ def _parser() -> argparse.ArgumentParser:
 def _positive(text: str) -> int:
     number = int(text)
     if number < 1:
-        raise argparse.ArgumentTypeError("a number from 1 on is wanted")
+        raise argparse.ArgumentTypeError("it has to be a number from 1 up")
     return number

@@ -36,7 +36,7 @@ MOST_OF_ONE = 1000  # files unpacked of one student
 DEEPEST = 40  # parts of a path
 _LONGEST_PART = 255  # bytes of a part of a path: Linux's NAME_MAX
 _BLOCK = 1024 * 1024
-_ALSO_A_FOLDER = "the archive holds a folder of this name, too"
+_ALSO_A_FOLDER = "the archive also holds a folder with this name"
 _SEALED = 0x1  # the flag of an encrypted member
 # Others, such as bzip2 and LZMA, are unpacked by Python in steps whose size the archive determines.
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
@@ -73,7 +73,7 @@ class Archive:
             self._zip = zipfile.ZipFile(self._file)
         except (*_BROKEN, OSError) as problem:
             self._file.close()
-            raise GradingError(f"{path.name} is no zip archive that can be read: {problem}.") from problem
+            raise GradingError(f"{path.name} cannot be read as a zip archive: {problem}.") from problem
         self._file.names_are_read()
         try:
             self._take_in()
@@ -117,8 +117,8 @@ class Archive:
             size += member.file_size
             if size > LARGEST_OF_ONE or place >= MOST_OF_ONE:
                 problems[item.path] = (
-                    f"it is too much: of one student at most {MOST_OF_ONE} files of {LARGEST_OF_ONE // 1024**2} MB "
-                    "together are unpacked"
+                    f"it is too much: at most {MOST_OF_ONE} files of {LARGEST_OF_ONE // 1024**2} MB "
+                    "together are unpacked for one student"
                 )
                 continue
             self._left -= member.file_size
@@ -138,14 +138,14 @@ class Archive:
             parts = [part for part in member.filename.split("/") if part not in ("", ".")]
             path = "/".join(parts)
             if member.filename.startswith("/") or ".." in parts:
-                self._lose(member.filename, "its name leads out of the archive")
+                self._lose(member.filename, "its name leads outside the archive")
             elif len(parts) > DEEPEST:
                 self._add_file(Item(path, FILE, f"it lies in more than {DEEPEST} folders within folders"), parts[0])
             elif member.filename.endswith("/"):
                 self._add_folder(path)
             elif parts:
                 if path in self._members:
-                    self.left.append((path, "the archive holds a second file of this name, which was taken"))
+                    self.left.append((path, "the archive holds a second file with this name, and that one was used"))
                 self._members[path] = member
                 kind = _kind(member)
                 self._add_file(Item(path, kind, _problem(member, path, kind)), path.rpartition("/")[0])
@@ -180,10 +180,10 @@ class Archive:
                 while block := source.read(min(_BLOCK, left + 1)):
                     left -= len(block)
                     if left < 0:
-                        raise zipfile.BadZipFile("it unpacks to more than it says")
+                        raise zipfile.BadZipFile("it unpacks to more than its declared size")
                     file.write(block)
         except FileExistsError:
-            return "it cannot be unpacked: a file of this name is there already"
+            return "it cannot be unpacked: a file with this name already exists"
         except (*_BROKEN, OSError, RuntimeError) as problem:
             if isinstance(problem, OSError) and problem.errno not in _ITS_NAMES_FAULT:
                 raise  # a full disk is nobody's fault
@@ -204,11 +204,11 @@ def _kind(member: zipfile.ZipInfo) -> str:
 def _problem(member: zipfile.ZipInfo, path: str, kind: str) -> str:
     """Why a member is not unpacked, as far as its head tells."""
     if kind != FILE:
-        return "it is a link" if kind == LINK else "it is no ordinary file"
+        return "it is a link" if kind == LINK else "it is not an ordinary file"
     if member.flag_bits & _SEALED:
         return "it is encrypted"
     if member.compress_type not in _METHODS:
-        return "it is compressed by a method that is not unpacked here"
+        return "it is compressed with a method that is not supported here"
     if any(len(part.encode(errors="surrogatepass")) > _LONGEST_PART for part in path.split("/")):
         return "its name is too long"
     return ""
@@ -225,7 +225,9 @@ def _empty(workspace: Path) -> None:
     """Make the folder, or empty the one of an earlier run; a file beside it marks it, as any name may be in it."""
     mark = workspace.with_name(f".{workspace.name}_is_unpacked")
     if not mark.exists() and workspace.exists() and any(workspace.iterdir()):
-        raise GradingError(f"An archive is unpacked into {workspace}, and that is there already. Move it away first.")
+        raise GradingError(
+            f"The archive has to be unpacked into {workspace}, but that already exists. Move it away first."
+        )
     workspace.mkdir(parents=True, exist_ok=True)
     mark.touch()
     shutil.rmtree(workspace)

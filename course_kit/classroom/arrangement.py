@@ -57,7 +57,7 @@ def arrange(listing: Listing, layout: str, called: str) -> Arrangement:
             around them.
     """
     if layout not in (AUTO, *layouts.LAYOUTS):
-        raise GradingError(f"There is no layout '{layout}'. There are: {AUTO}, {', '.join(layouts.LAYOUTS)}.")
+        raise GradingError(f"There is no layout '{layout}'. Choose one of: {AUTO}, {', '.join(layouts.LAYOUTS)}.")
     left: Left = []
     folder, called = _enter(listing, layout, called)
     items = _entries(listing, folder, left)

@@ -29,7 +29,7 @@ _NAMED, _CALLED_ALIKE, _BY_CONTENT, _ONLY_ONE = 4, 3, 2, 1  # how sure it is tha
 _MOST_OPENED = 200  # files of one student into which is looked for what they are for
 _MOST_LISTED = 50  # files of one student that are listed one by one
 _MOST_TOLD = 3  # problems of one student in a sentence
-_NOT_FOUND = "nothing of it is for the exercises"
+_NOT_FOUND = "none of it belongs to these exercises"
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def _open(source: Path, workspace: Path, stack: ExitStack) -> tuple[Path, Listin
         raise GradingError(f"{source} cannot be read: {problem.strerror}.") from problem
     if is_file:
         return workspace, stack.enter_context(Archive(source, workspace))
-    raise GradingError(f"There is no folder or zip {source}.")
+    raise GradingError(f"There is no folder or zip file {source}.")
 
 
 class _Choice:
@@ -175,14 +175,14 @@ class _Choice:
             best = candidates[-1].file
             if best.problem:
                 lost.append(f"{one_line(best.path)}: {best.problem}")
-                why = f"{best.path} would have been taken, and cannot be had"
+                why = f"{best.path} would have been used, but cannot be read"
             else:
                 entries.append(_entry(student, exercise, best))
-                why = f"{best.path} was taken"
+                why = f"{best.path} was used"
             reasons.update((one.file.path, why) for one in candidates if not one.file.problem)
         taken = {entry.source for entry in entries}
-        rest = [(file.path, reasons.get(file.path, "it is for none of the exercises")) for file in files]
-        self._leave(student, [one for one in rest if one[0] not in taken], "they are for none of the exercises")
+        rest = [(file.path, reasons.get(file.path, "it belongs to none of these exercises")) for file in files]
+        self._leave(student, [one for one in rest if one[0] not in taken], "they belong to none of these exercises")
         handed_in = {entry.exercise for entry in entries}
         self.missing += [(student, exercise.id) for exercise in self._exercises if exercise.id not in handed_in]
         self.entries += entries
@@ -235,7 +235,7 @@ def _not_followed(item: Item, unit: Unit) -> str:
     """Why a student's own entry is not opened: a link may lead to anybody's work."""
     if item is not unit.item or item.kind == listing.FILE:
         return ""
-    return "it is a link, which is not followed" if item.kind == listing.LINK else "it is no ordinary file"
+    return "it is a link, and links are not followed" if item.kind == listing.LINK else "it is not an ordinary file"
 
 
 def _together(problems: Sequence[str]) -> str:

@@ -95,7 +95,7 @@ def read_moodle(item: Item, _: str = "") -> Unit | None:
     rest = item.name[mark.end() :]
     if len(found) > 1:
         numbers = " or ".join(one["number"] for one in found[:_MOST_NUMBERS])
-        return Unit(item, item.name, odd=f"its name can be read as that of participant {numbers}")
+        return Unit(item, item.name, odd=f"its name can also be read as that of participant {numbers}")
     if item.kind == FOLDER and rest not in ("", "_"):
         return None
     number = mark["number"]

@@ -132,7 +132,7 @@ def look_through(listing: Listing, top: Item) -> Found:
     unseen: Left = []
     for seen, (item, depth) in enumerate(_walk(listing, top, unseen), start=1):
         if seen > MOST:
-            unseen.append((top.path, f"it holds more than {MOST} files and folders; the rest was not looked at"))
+            unseen.append((top.path, f"it holds more than {MOST} files and folders; the rest was not read"))
             break
         if reason := of_a_tool(item):
             tools.append((item.path, reason))
@@ -141,7 +141,7 @@ def look_through(listing: Listing, top: Item) -> Found:
         elif item.kind in (FILE, OTHER) or item.is_program:
             files.append(item)
         elif item.kind == LINK:
-            unseen.append((item.path, "it is a link, which is not followed"))
+            unseen.append((item.path, "it is a link, and links are not followed"))
     return Found(tuple(files), tuple(tools), tuple(unseen))
 
 
@@ -153,7 +153,7 @@ def _walk(listing: Listing, top: Item, unseen: Left) -> Iterator[tuple[Item, int
         try:
             children = listing.children(folder, MOST + 1)
         except OSError as problem:
-            unseen.append((folder, f"it cannot be looked into: {problem.strerror}"))
+            unseen.append((folder, f"it cannot be listed: {problem.strerror}"))
             continue
         for item in children:
             yield item, depth

@@ -36,7 +36,7 @@ class Progress:
         self._total, self._before = total, len(ready)
         self._counts.update(outcome(record) for record in ready)
         self._began = self._clock()
-        known = f", {len(ready)} of them have their result from an earlier run" if ready else ""
+        known = f", {len(ready)} of them already have a result from an earlier run" if ready else ""
         self._print(f"{total} submission{'s' * (total != 1)}{known}.")
 
     def done(self, record: Record) -> None:
@@ -56,7 +56,7 @@ class Progress:
 
     def stopping(self, under_way: int) -> None:
         """See `run.Watcher`."""
-        self._print(f"Stopping: {under_way} under way are finished first. Ctrl-C again gives them up.")
+        self._print(f"Stopping once {under_way} running gradings have finished. Press Ctrl-C again to abandon them.")
 
     def end(self) -> None:
         """Leave the last state standing."""

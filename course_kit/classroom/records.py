@@ -63,7 +63,7 @@ class Record:
         seed: what the checks drew from.
         report: the report as `Report.to_mapping` gives it.
         title: the exercise's title.
-        isolation: which walls stood, in one line.
+        isolation: what kept the submission apart from the machine, in one line.
         wall_s: how long the grading took, in seconds.
         same_as: the student whose identical submission was graded in its place; empty when this one was graded.
     """
@@ -113,10 +113,10 @@ class Record:
         try:
             values = json.loads(text)
             if values.pop("format_version") != FORMAT_VERSION:
-                raise ValueError("it is a record of another version")
+                raise ValueError("it was written by another version of the course kit")
             return cls(entry=Entry(**values.pop("entry")), **values)
         except (KeyError, TypeError, AttributeError) as problem:
-            raise ValueError(f"it is no record: {problem}") from problem
+            raise ValueError(f"it is not a valid record: {problem}") from problem
 
 
 class Records:

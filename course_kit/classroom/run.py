@@ -142,12 +142,12 @@ class ClassRun:
         before = _seed_of_run(self._plan.out / RUN_FILE)
         if not self._plan.resume and (before is not None or any(self._records)):
             raise GradingError(
-                f"{self._plan.out} holds the results of an earlier run. Add --resume to go on with it, or name "
+                f"{self._plan.out} holds the results of an earlier run. Add --resume to continue it, or name "
                 "another folder."
             )
         self._require_all_exercises()
         if before is not None and asked not in (None, before):
-            raise GradingError(f"The earlier run has used the seed {before}. Leave --seed out to go on with it.")
+            raise GradingError(f"The earlier run used the seed {before}. Leave --seed out to continue it.")
         return next(one for one in (before, asked, secrets.randbits(31)) if one is not None)
 
     def _require_all_exercises(self) -> None:
@@ -165,9 +165,9 @@ class ClassRun:
         seen = [*self.intake.dropped, *self.intake.left][:_NAMED]
         wanted = ", ".join(exercise.id for exercise in self._plan.exercises)
         raise GradingError(
-            f"{self._plan.source} holds no submission of {wanted}, read by the layout '{self.intake.layout}'. "
-            f"What is there: {'; '.join(f'{one_line(what)} ({one_line(why)})' for what, why in seen) or 'nothing'}. "
-            "Name the exercise that was set, or the layout with --layout."
+            f"{self._plan.source} holds no submission for {wanted}, read with the layout '{self.intake.layout}'. "
+            f"It holds: {'; '.join(f'{one_line(what)} ({one_line(why)})' for what, why in seen) or 'nothing'}. "
+            "Name the right exercise with --exercise, or the layout with --layout."
         )
 
     def _take_stock(self) -> list[list[Handed]]:

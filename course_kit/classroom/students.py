@@ -65,7 +65,7 @@ def _without_doubtful(units: list[Unit]) -> list[Unit]:
     found = []
     for unit in units:
         doubtful = not unit.odd and len(names[unit.student]) > 1
-        odd = f"the number {unit.student} is also beside another name"
+        odd = f"the number {unit.student} also belongs to another name"
         found.append(replace(unit, student=f"{unit.student} {unit.name}", platform={}, odd=odd) if doubtful else unit)
     return found
 

@@ -25,23 +25,26 @@ def add_to(verbs: Any) -> None:
     parser = verbs.add_parser(
         "class",
         help="grade a whole class: a folder or zip of submissions",
-        epilog="After Ctrl-C, a crash or a full disk run the same command with --resume. Exit code: 0 when everything "
+        epilog="After Ctrl-C, a crash or a full disk, run the same command with --resume. Exit code: 0 when everything "
         "handed in has its grade; 2 when it could not be done, no submission was found, a student was dropped or a "
-        "submission could not be graded by no fault of its student; 130 when it was stopped.",
+        "submission could not be graded through no fault of its student; 130 when it was stopped.",
     )
     parser.add_argument("submissions", type=Path, help="a folder or zip, as your learning platform gives it")
     parser.add_argument(
         "--exercise", action="append", required=True, metavar="ID", help="an exercise that was set; give it repeatedly"
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="the folder for all results")
-    parser.add_argument("--resume", action="store_true", help="go on where an earlier run into DIR has ended")
+    parser.add_argument("--resume", action="store_true", help="continue an earlier run into DIR")
     parser.add_argument("--layout", default="auto", help="canvas, moodle, nbgrader, github, folders or files")
     parser.add_argument("--seed", type=int, help="draw the same random values as an earlier run")
     parser.add_argument("--seeds", type=Path, metavar="CSV", help="two columns, student and seed, as for exercise 4")
     parser.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
-        "--workers", type=_positive, metavar="N", help="gradings side by side here, more while they only wait"
+        "--workers",
+        type=_positive,
+        metavar="N",
+        help="number of gradings at the same time on this machine, more while they only wait",
     )
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://10.0.0.1:8786")
     parser.set_defaults(run=run)
@@ -64,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         where = f" ({problem.filename})" if problem.filename else ""
         _say(
             f"\ncourse-kit: a result could not be written: {problem.strerror or problem}{where}. The results before it "
-            "are safe: put that right and run the same command with --resume."
+            "are safe. Fix this, then run the same command with --resume."
         )
     return FAILED
 
@@ -83,7 +86,7 @@ def _run(options: argparse.Namespace) -> int:
 
     chosen = {one: exercise.load(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
-        raise GradingError(f"{options.out} is a file. --out names the folder for the results.")
+        raise GradingError(f"{options.out} is a file. --out has to name a folder for the results.")
     if not options.scheduler:
         for one in chosen.values():
             needs.require(one.limits)
@@ -115,20 +118,20 @@ def _finish(book: Gradebook, out: Path) -> int:
     page = exports.write_all(book, out)
     if book.left:
         what = (
-            "1 file is no submission; it is"
+            "1 file was not recognised as a submission; it is"
             if len(book.left) == 1
-            else f"{len(book.left)} files are no submissions; they are"
+            else f"{len(book.left)} files were not recognised as submissions; they are"
         )
         _say(f"{what} listed in {page.name}.")
     if book.odd:
         odd = [f"{student} ({reason})" for student, reason in book.odd]
-        _say(f"Graded as a student for itself, as it does not fit the layout '{book.layout}': {_some(odd)}.")
+        _say(f"Graded as separate students, because their names do not fit the layout '{book.layout}': {_some(odd)}.")
     print(page)
     worries = list(_worries(book))
     for worry in worries:
         _say(f"course-kit: {worry}")
     if not book.complete:
-        _say("course-kit: stopped. Run the same command with --resume to go on.")
+        _say("course-kit: stopped. Run the same command with --resume to continue.")
         return INTERRUPTED
     return FAILED if worries else 0
 
@@ -141,7 +144,7 @@ def _worries(book: Gradebook) -> Iterator[str]:
     if failed := book.not_graded:
         whose = [f"{record.entry.student}, {record.entry.exercise}" for record in failed]
         yield (
-            f"{_many(whose, 'submission')} could not be graded, by no fault of the student: {_some(whose, '; ')}. "
+            f"{_many(whose, 'submission')} could not be graded, through no fault of the student: {_some(whose, '; ')}. "
             "Run the same command with --resume."
         )
 
@@ -182,7 +185,9 @@ def _read_seeds(path: Path) -> dict[str, int]:
     except OSError as problem:
         raise GradingError(f"{path} could not be read: {problem.strerror}.") from problem
     except (ValueError, csv.Error) as problem:
-        raise GradingError(f"{path} is no list of students and seeds, two columns each line: {problem}.") from problem
+        raise GradingError(
+            f"{path} is not a list of students and seeds (two columns in each line): {problem}."
+        ) from problem
 
 
 @contextmanager

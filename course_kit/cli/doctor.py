@@ -46,10 +46,12 @@ def run() -> int:
         bad += finding.verdict == "bad"
         print(render(finding), flush=True)
     print()
-    print(
-        "Everything the course needs is here." if not bad else f"{bad} of these must be mended before the course works."
-    )
+    print("Everything the course needs is here." if not bad else _to_fix(bad))
     return 1 if bad else 0
+
+
+def _to_fix(bad: int) -> str:
+    return f"{bad} problem{'s' * (bad > 1)} must be fixed before the course works."
 
 
 def render(finding: Finding) -> str:
@@ -86,7 +88,7 @@ def guarded(check: Callable[[], Finding]) -> Finding:
             subject,
             f"{type(problem).__name__}: {problem}",
             "bad",
-            "Run ./course doctor again after a new set-up: delete .venv and run ./course lab.",
+            "Set the course up again: delete .venv and run ./course lab. Then run ./course doctor again.",
         )
 
 
@@ -121,7 +123,7 @@ def course_folder() -> Finding:
     root = environment.checkout()
     if root is None or not (root / "exercises").is_dir():
         missing = "lessons and exercises" if root is None else "exercises"
-        found = f"the {missing} are not here, only what is in {environment.PACKAGE}"
+        found = f"the {missing} are missing; there is only the package in {environment.PACKAGE}"
         return Finding("course folder", found, "bad", _ONLY_THE_PACKAGE)
     if workspace.is_shared(root):
         advice = f"{environment.command()} lab opens a copy of your own: {workspace.copy_folder()}"
@@ -135,7 +137,7 @@ def own_files() -> Finding:
     if folder == environment.usual_state_dir():
         return Finding("your files", f"progress and logs are kept in {folder}")
     found = f"progress and logs are kept in {folder}, because your home directory cannot be written"
-    advice = "They may be gone after a restart. Set XDG_STATE_HOME to a folder that you can write and that stays."
+    advice = "They may be gone after a restart. Set XDG_STATE_HOME to a folder that you can write to and that is kept."
     return Finding("your files", found, "note", advice)
 
 
@@ -144,7 +146,7 @@ def settings() -> Finding:
     try:
         chosen = environment.apply()
     except environment.DomainError as problem:
-        return Finding("ROS graph", str(problem), "bad", "Nodes of the course cannot run before that is put right.")
+        return Finding("ROS graph", str(problem), "bad", "The course's nodes cannot run until this is fixed.")
     reach = "this machine only" if chosen.only_this_machine else "other machines can see it"
     found = f"domain {chosen.domain_id}, chosen by {chosen.domain_chosen_by}; {reach}"
     if chosen.only_this_machine:
@@ -173,7 +175,7 @@ def rclpy_itself() -> Finding:
     try:
         return Finding("rclpy", f"{importlib.metadata.version('ros-rclpy')} from PyPI wheels")
     except importlib.metadata.PackageNotFoundError:
-        return Finding("rclpy", f"of the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {done.stdout.strip()}")
+        return Finding("rclpy", f"from the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {done.stdout.strip()}")
 
 
 def middleware() -> Finding:
@@ -185,9 +187,7 @@ def middleware() -> Finding:
         return Finding("RMW", name, "bad", environment.middleware.unsupported() or _OTHER_RMW)
     if not (replaced := environment.middleware.replaced()):
         return Finding("RMW", name)
-    advice = (
-        f"Nothing has to be done. Unset {replaced.partition('=')[0]} and the course says nothing about it any more."
-    )
+    advice = f"Nothing has to be done. Unset {replaced.partition('=')[0]} to be rid of this note."
     return Finding("RMW", f"{name}, because {replaced} is not installed here", "note", advice)
 
 
@@ -242,7 +242,7 @@ def discovery() -> Finding:
         seconds = discovery_trial.seconds()
     except environment.NoDomainError as problem:
         advice = "Run ./course doctor again when fewer courses and graders are at work."
-        return Finding("discovery", f"not tried, for want of a domain to try it on. {problem}", "note", advice)
+        return Finding("discovery", f"not tried: no ROS domain is free to try it on. {problem}", "note", advice)
     if seconds is None:
         advice = "A firewall on the loopback interface, or your own Fast DDS profile, keeps the nodes apart."
         return Finding(
@@ -252,9 +252,9 @@ def discovery() -> Finding:
 
 
 def isolation() -> Finding:
-    """What holds a submission back when it is graded."""
-    from course_kit.grading.sandbox import isolation as walls
+    """What isolates a submission when it is graded."""
+    from course_kit.grading.sandbox import isolation as sandbox
 
-    found = walls.status()
-    advice = "What holds and what does not: course_kit/grading/LIMITS.md"
+    found = sandbox.status()
+    advice = "What it stops and what it does not: course_kit/grading/LIMITS.md"
     return Finding("grader isolation", found.describe(), "note" if found.reason else "ok", advice)

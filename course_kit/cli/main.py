@@ -19,7 +19,7 @@ _ON_LIMITS = (
     "A submission runs sandboxed; --exec relaxes two restrictions, and --attach has no sandbox. What holds and what "
     "does not: course_kit/grading/LIMITS.md"
 )
-_FOUND = "when left out, looked for here, then in the course's folder, or your copy where that is read-only"
+_FOUND = "when left out, it is looked for here, then in the course's folder, or in your copy where that is read-only"
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -80,20 +80,20 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     watch.add_argument("path", nargs="?", type=Path, help=f"your file; {_FOUND}")
     watch.set_defaults(run=_watch)
 
-    listing = verbs.add_parser("list", help="show the exercises and what you have reached")
+    listing = verbs.add_parser("list", help="show the exercises and your results")
     listing.add_argument("--format", choices=("text", "json"), default="text")
     listing.set_defaults(run=_list)
 
     hint = verbs.add_parser("hint", help="give one more hint for what failed last")
     hint.add_argument("exercise", help="the exercise's id")
-    hint.add_argument("--again", action="store_true", help="repeat the hints you have had")
+    hint.add_argument("--again", action="store_true", help="repeat the hints you have already seen")
     hint.set_defaults(run=_hint)
 
-    reset = verbs.add_parser("reset", help="put an exercise's starter back, or make it; your files are kept beside it")
+    reset = verbs.add_parser("reset", help="restore an exercise's starter, or create it; your files are kept beside it")
     reset.add_argument("exercise", help="the exercise's id")
-    reset.add_argument("path", nargs="?", type=Path, help=f"your file, or a folder, also a new one; {_FOUND}")
+    reset.add_argument("path", nargs="?", type=Path, help=f"your file, or a folder (it may be new); {_FOUND}")
     reset.add_argument("--yes", action="store_true", help="do not ask")
-    reset.add_argument("--progress", action="store_true", help="forget its best score, tries and hints, too")
+    reset.add_argument("--progress", action="store_true", help="also forget its best score, tries and hints")
     reset.set_defaults(run=_reset)
 
     copy = verbs.add_parser("copy", help="make your own copy of the lessons and exercises, where the course is shared")

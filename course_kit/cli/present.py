@@ -37,7 +37,7 @@ def run(arguments: Sequence[str]) -> int:
     """Replace this process by JupyterLab on fresh copies; 2 if they could not be made."""
     root = environment.checkout()
     if root is None or not (root / FIRST_DEMO).is_file():
-        print("course-kit: the demos are not here. Run ./course present in the course's folder.", file=sys.stderr)
+        print("course-kit: the demos are missing. Run ./course present in the course's folder.", file=sys.stderr)
         return 2
     stage = environment.state_dir() / "present"
     try:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.authoring import release
-from course_kit.dev import matrix_table, pythons
+from course_kit.dev import matrix_table, notebooks, pythons
 from course_kit.dev.steps import CommandStep, StepResult, StepRunner
 from course_kit.grading import exercise
 from course_kit.ros2cli import delegation
@@ -149,6 +149,8 @@ def steps_of(combination: Combination, course: Path) -> Iterator[CommandStep]:
             command = ["./course", "grade", name, str(solution), "--format", "json"]
             yield CommandStep(name, command, _GRADE_S, full_marks)
     if combination.notebooks:
+        install = [str(course / ".venv/bin/python"), "-m", "pip", "install", "--quiet", notebooks.requirement()]
+        yield CommandStep("nbval", install, _SET_UP_S)
         yield CommandStep("notebooks", ["./course", "dev", "notebooks"], _NOTEBOOKS_S)
     if combination.tests:
         tests = [f"tests/{name}" for name in FAST_TESTS]

@@ -211,7 +211,7 @@ def _domain_set_by_user(environ: os._Environ[str]) -> int | None:
         return None
     if value not in map(str, range(_HIGHEST_DOMAIN + 1)):  # more is read by ROS as something: 010 as the octal 8
         raise SettingsError(
-            f"ROS_DOMAIN_ID is set to '{value}', and it has to be a whole number from 0 to {_HIGHEST_DOMAIN}, without "
+            f"ROS_DOMAIN_ID is set to '{value}', but it has to be a whole number from 0 to {_HIGHEST_DOMAIN}, without "
             "leading zeros. Correct it, or unset it and the course chooses one."
         )
     return int(value)

@@ -60,7 +60,7 @@ def _put(entries: dict[Any, Any], key: str, text: str, problem: str) -> None:
     try:
         value = Unusable(text, problem) if problem else _literal(text)
     except _NO_LITERAL:
-        value = Unusable(text, "An answer consists of plain texts, and this is something else.")
+        value = Unusable(text, "An answer has to be plain texts, but this is something else.")
     try:
         entries[_literal(key)] = value
     except _NO_LITERAL:
@@ -69,5 +69,5 @@ def _put(entries: dict[Any, Any], key: str, text: str, problem: str) -> None:
 
 def _literal(text: str) -> Any:
     if len(text) > _LONGEST:
-        raise ValueError("nobody writes an answer that long")
+        raise ValueError("the answer is too long to be read")
     return ast.literal_eval(text)

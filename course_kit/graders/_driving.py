@@ -120,7 +120,7 @@ def send(context: CheckContext, target: MovePlace, z: float = 0.0) -> Goal:
 
 
 def set_off(context: CheckContext, target: MovePlace, z: float = 0.0) -> Goal:
-    """Send a goal that can be reached, and have it accepted.
+    """Send a reachable goal and have it accepted.
 
     Raises:
         Failed: it was not.
@@ -210,10 +210,14 @@ def reject_all_or_some(context: CheckContext, goal: Goal, others: list[MovePlace
         again.wait_for_answer("the goal accepted")
         if again.accepted:
             context.spoil()
-            return Failed(evidence, f"It lies in the arena, and {other} was accepted.", "validation.overzealous")
+            return Failed(
+                evidence,
+                f"This target lies in the arena, and so does {other}, which your server accepted.",
+                "validation.overzealous",
+            )
     message = f"Each of {len(others) + 1} goals in the arena was rejected."
     if _NO_RESPONSE in process.stderr:
-        message += " Your goal callback returned something that is no GoalResponse; rclpy takes that as a no."
+        message += " Your goal callback did not return a GoalResponse; rclpy takes that as a rejection."
     return Failed(evidence, message, "action.rejects_all")
 
 
@@ -227,9 +231,9 @@ def _rejected(context: CheckContext, goal: Goal, target: MovePlace, z: float) ->
         context.spoil()
         if fresh.accepted:
             message = (
-                "No goal was running any more, and started anew your node accepts this very goal: "
-                "it still believes that an earlier one runs."
+                "No goal was running any more, and after a fresh start your node accepts this same goal: "
+                "it never clears its mark that a goal is running."
             )
             return Failed(evidence, message)
-    message = "This goal can be reached: it lies in the arena, the walls belong to it, and z does not matter."
+    message = "This goal can be reached: it lies in the arena, whose edges count as inside, and z does not matter."
     return Failed(evidence, message, "validation.overzealous")

@@ -1,4 +1,4 @@
-"""What may come between a goal and its end in exercise 2: a second goal, and the wish to cancel."""
+"""What may come between a goal and its end in exercise 2: a second goal, and a request to cancel."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _both_accepted(context: CheckContext, first: Goal, second: Goal, waited_s: f
 
     context.wait_until(lambda: interleaved() or first.over_at is not None, allowed_s(_FIRST_M))
     if interleaved():
-        message = "Feedback of both goals came in turns: one robot is being driven to two targets."
+        message = "Feedback of both goals arrived in turns: your node drives one robot to two targets."
         return Failed(evidence, message, "action.concurrent_goals")
     context.wait_until(lambda: bool(second.statuses), hangs.LOOK_S)
     over = first.over_at
@@ -101,10 +101,12 @@ def _both_accepted(context: CheckContext, first: Goal, second: Goal, waited_s: f
         return Failed(evidence, "Your server accepted a second goal while the first was running.")
     if any(status == SUCCEEDED for _, status in first.statuses):
         if waited_s > _PROMPT_S:
-            message = f"Nobody answered the second goal for {waited_s:.1f} s, until the first was over."
+            message = f"Your server did not answer the second goal for {waited_s:.1f} s, until the first was over."
             return HastyError(evidence, message, "action.cancel_blocked")
-        return HastyError(evidence, f"The first goal, {_FIRST_M:g} m long, was over before the second came.")
-    return Failed(evidence, "Your server ended the first goal when the second came. It is to reject the second.")
+        return HastyError(evidence, f"The first goal, {_FIRST_M:g} m long, was over before the second arrived.")
+    return Failed(
+        evidence, "Your server ended the first goal when the second arrived. It has to reject the second instead."
+    )
 
 
 def _have_it_accepted(context: CheckContext, goal: Goal, length: float, expected: str) -> None:
@@ -123,17 +125,23 @@ def _have_it_accepted(context: CheckContext, goal: Goal, length: float, expected
     if goal.is_cancelled_by(answer.result()):
         if late:
             evidence = Evidence(goal.shown, expected, f"accepted after {waited_s:.1f} s")
-            message = f"The request to cancel was answered after {waited_s:.1f} s: a robot cannot be stopped that late."
+            message = (
+                f"Your server answered the request to cancel only after {waited_s:.1f} s: that is too "
+                "late to stop a robot."
+            )
             raise HastyError(evidence, message, "action.cancel_blocked")
         return
     if goal.over_at is None:
-        message = "Your server answered that it will not cancel the goal, and the goal went on."
+        message = "Your server refused to cancel the goal, and the goal went on."
         raise Failed(Evidence(goal.shown, expected, "cancelling refused"), message, "action.cancel_refused")
     evidence = Evidence(goal.shown, expected, f"an answer after {waited_s:.1f} s, when the goal was over")
     if waited_s > _PROMPT_S:
-        message = "The request to cancel was not answered before the move was over."
+        message = "Your server did not answer the request to cancel before the move was over."
         raise HastyError(evidence, message, "action.cancel_blocked")
-    raise HastyError(evidence, f"The move, {length:.1f} m long, was over before the request came: what sets the speed?")
+    raise HastyError(
+        evidence,
+        f"The move, {length:.1f} m long, was over before the request to cancel arrived: is your robot too fast?",
+    )
 
 
 def _require_canceled(
@@ -145,9 +153,11 @@ def _require_canceled(
     if at_target and ended.status in (SUCCEEDED, CANCELED):
         seen = _last_seen(goal, begin, target)
         if seen is not None and math.dist(seen, target) > _NEAR_M:
-            message = f"The result says that the robot is at the target. The last feedback said that it was at {seen}."
+            message = (
+                f"The result says that the robot is at the target, but the last feedback said that it was at {seen}."
+            )
             raise HastyError(evidence, message)
-        message = "Your server agreed to cancel the goal, and the robot drove on to its target."
+        message = "Your server agreed to cancel the goal, but the robot drove on to its target."
         raise HastyError(evidence, message, "action.cancel_ignored")
     process = goal.process()
     cause = goals.of_exception(process, context.job)
@@ -162,12 +172,14 @@ def _require_stopped(goal: Goal, ended: Ended, evidence: Evidence, begin: MovePl
     """The final position can be where the robot has stopped."""
     stopped, seen = place_of(ended.result.final_position), _last_seen(goal, begin, target)
     if is_blank(ended.result):
-        raise Failed(evidence, "The result is as ROS 2 has made it: nothing was filled in when the goal was cancelled.")
+        raise Failed(
+            evidence, "The result is as ROS 2 creates it: your callback filled in nothing when the goal was cancelled."
+        )
     if not beside(begin, target, stopped) <= BESIDE:
-        message = f"The robot was driving from {begin} to {target}, and cannot have stopped there."
+        message = f"The robot was driving from {begin} to {target}, so it cannot have stopped there."
         raise Failed(evidence, message)
     if seen is not None and math.dist(begin, stopped) < math.dist(begin, seen) - BESIDE:
-        message = f"The last feedback said {seen}, and the result says {stopped}: the robot does not drive back."
+        message = f"The last feedback said {seen}, but the result says {stopped}: the robot cannot have driven back."
         raise Failed(evidence, message)
 
 

@@ -121,11 +121,17 @@ def explain_velocity(settings: LimiterSettings, twist: Any, got: Reaction) -> tu
         return None, "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."
     pairs = zip(_OTHERS, right[1:], got.fields[1:], strict=True)
     if changed := [name for name, one, two in pairs if not _same(one, two)]:
-        return None, f"Only linear.x is to be limited, and the others pass: look at {' and '.join(changed)}."
+        return (
+            None,
+            f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(changed)}.",
+        )
     if _same(got.fields[0], asked):
-        return "math.formula", f"It came through as it was, beyond max_velocity={settings.max_velocity:g}."
+        return (
+            "math.formula",
+            f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}.",
+        )
     if _same(got.fields[0], -right[0]):
-        return "math.formula", "The size is right and the sign is not: what drives backwards has to go on backwards."
+        return "math.formula", "The size is right but the sign is wrong: a command to drive backwards has to stay one."
     return "math.formula", f"linear.x has to be {right[0]:g} here, with max_velocity={settings.max_velocity:g}."
 
 
@@ -136,7 +142,7 @@ def explain_wheel(settings: LimiterSettings, twist: Any, got: Reaction, *, floor
         settings: the settings in force.
         twist: the command.
         got: what came out for it.
-        floors: whether `//` stands in the learner's program.
+        floors: whether the learner's program uses `//`.
     """
     speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields_of(twist)[0]
     slips = (
@@ -148,14 +154,14 @@ def explain_wheel(settings: LimiterSettings, twist: Any, got: Reaction, *, floor
         (speed, "This is the speed itself, in m/s; the topic wants rad/s."),
     )
     if not settings.enabled:
-        return "math.formula", "With enabled=False the robot stands still, and its wheels as well."
+        return "math.formula", "With enabled=False the robot stands still, and so do its wheels."
     for value, told in slips:
         if _same(got.wheel, value):
             return "math.formula", told
     off = abs(got.wheel - right_wheel(settings, speed))
     if off <= 1.0 and (got.wheel == round(got.wheel) or floors):
-        return "math.integer_division", "Digits were lost on the way: look for //, int() and round()."
-    return "math.formula", "It fits none of the usual slips; work it out by hand: rad/s = (m/s) / radius in m."
+        return "math.integer_division", "Digits were lost in the calculation: look for //, int() and round()."
+    return "math.formula", "It matches none of the usual mistakes; work it out by hand: rad/s = (m/s) / radius in m."
 
 
 def read_status(text: str) -> tuple[str, float] | None:
@@ -202,7 +208,7 @@ def missing_in_reason(name: str, reason: str) -> str:
         return f"It does not name the parameter, {name}."
     numbers = {float(number) for number in _NUMBER.findall(reason)}
     if name in BOUNDS and not numbers & set(BOUNDS[name]):
-        return f"It does not tell the range: {RANGES[name]}."
+        return f"It does not give the range: {RANGES[name]}."
     return ""
 
 

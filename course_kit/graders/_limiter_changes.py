@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 @check(points=1.0, depends_on=["limits"])
 def change_velocity(context: CheckContext) -> Evidence:
-    """A change of max_velocity acts on the next command."""
+    """A change of max_velocity affects the next command."""
     with Limiter(context) as limiter:
         limiter.driving()
         evidence = Evidence()
@@ -53,7 +53,7 @@ def change_velocity(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["wheel_speed"])
 def change_diameter(context: CheckContext) -> Evidence:
-    """A change of wheel_diameter acts on the next command."""
+    """A change of wheel_diameter affects the next command."""
     with Limiter(context) as limiter:
         twist = command(limiter.driving().max_velocity)
         evidence = Evidence()
@@ -66,7 +66,7 @@ def change_diameter(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["reacts"])
 def change_enabled(context: CheckContext) -> Evidence:
-    """With enabled false the robot stands still, with true it drives again."""
+    """With enabled=False the robot stands still, with enabled=True it drives again."""
     with Limiter(context) as limiter:
         twist = command(limiter.driving().max_velocity * 0.6, **rest(context))
         drove = _seen(limiter, twist)
@@ -75,7 +75,7 @@ def change_enabled(context: CheckContext) -> Evidence:
         again = Evidence(f"enabled=False, then enabled=True; {shown_command(twist)}", drove.shown())
         got = limiter.react(twist, again)
         if not same_reaction(drove, got):
-            message = "Enabled again, the node does not do what it did before."
+            message = "After enabled=True the node does not do what it did before."
             raise Failed(replace(again, got=got.shown()), message, None if any(got.fields) else "parameter.read_once")
         return evidence
 
@@ -94,7 +94,7 @@ def change_status(context: CheckContext) -> Evidence:
 
 @check(points=2.0, depends_on=["reacts"], deadline_s=12.0)
 def refuses(context: CheckContext) -> Evidence:
-    """An invalid value is refused with a reason, and the old one stays in force."""
+    """An invalid value is refused with a reason, and the old one stays."""
     evidence = Evidence()
     velocities = (-1.0, context.random.uniform(5.1, 20.0), math.inf, math.nan)
     diameters = (0.0, -0.1, context.random.uniform(1.1, 20.0))
@@ -109,7 +109,7 @@ def refuses(context: CheckContext) -> Evidence:
             evidence = require_refused(outcome, {name: value}, expected, "validation.missing")
             require_proper_answer(outcome, evidence)
             if lacks := missing_in_reason(name, outcome.reason):
-                message = f"Refusing is right; but whoever has set the value needs to know why. {lacks}"
+                message = f"Your node was right to refuse, but the reason has to say why. {lacks}"
                 raise Failed(evidence, message, "validation.no_reason")
             _require_unchanged(limiter, before, was, evidence)
     return evidence
@@ -128,7 +128,7 @@ def wrong_type(context: CheckContext) -> Evidence:
 
 @check(points=0.5, depends_on=["declared"])
 def undeclared(context: CheckContext) -> Evidence:
-    """A parameter that is not declared is refused."""
+    """Setting a parameter that is not declared is refused."""
     name = f"wheel_count_{context.random.randrange(100, 1000)}"
     outcome = Limiter(context).remote.set(name, 4)
     return require_refused(outcome, {name: 4}, "refused: there is no such parameter", "parameter.undeclared")
@@ -136,7 +136,7 @@ def undeclared(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["reacts"])
 def atomic(context: CheckContext) -> Evidence:
-    """Set atomically, a valid and an invalid value change nothing."""
+    """A valid and an invalid value set atomically change nothing."""
     evidence = Evidence()
     for valid, invalid in (("max_velocity", "wheel_diameter"), ("wheel_diameter", "max_velocity")):
         with Limiter(context) as limiter:
@@ -162,11 +162,11 @@ def _require_unchanged(limiter: Limiter, before: LimiterSettings, was: Reaction,
     """After a refusal nothing has changed: neither what the node reports, nor what it does."""
     if (now := limiter.settings()) != before:
         changed = {name: value for name, value in now.to_mapping().items() if value != before.to_mapping()[name]}
-        evidence = Evidence(evidence.sent, evidence.expected, f"refused, and yet now {shown(changed)}")
+        evidence = Evidence(evidence.sent, evidence.expected, f"refused, but now {shown(changed)}")
         raise Failed(evidence, "The parameter has changed although the change was refused.", "parameter.not_atomic")
     twist = command(BEYOND)
     got = limiter.react(twist, Evidence(f"{evidence.sent}; {shown_command(twist)}", evidence.expected))
     if not same_reaction(was, got):
         sent = f"{evidence.sent}; {shown_command(twist)}"
-        message = "The change was refused, and yet your node acts on it: it had kept a value before it knew the answer."
+        message = "Your node refused the change, yet it acts on it: it kept a value before it had checked all of them."
         raise Failed(Evidence(sent, was.shown(), got.shown()), message, "parameter.not_atomic")

@@ -32,7 +32,7 @@ WHEEL = Topic("/wheel_speed", Float64, "std_msgs/msg/Float64")
 STATUS = Topic("/status", String, "std_msgs/msg/String")
 VELOCITY, WHEELS, BOTH = "velocity", "wheels", "both"
 _TRIES = 2  # a node that follows its parameters through /parameter_events may be one message late
-_ACCEPTED = "it is accepted: the value is valid"
+_ACCEPTED = "accepted: the value is valid"
 
 
 class Limiter:
@@ -74,7 +74,7 @@ class Limiter:
         found = self.remote.values(list(TYPES))
         if wrong := [f"{name} is {value.type}" for name, value in found.items() if value.type != TYPES[name]]:
             expected = ", ".join(f"{name}: {kind}" for name, kind in TYPES.items())
-            message = f"{' and '.join(wrong)}. Until now each parameter had its type."
+            message = f"{' and '.join(wrong)}. Until now each parameter had the right type."
             raise Failed(Evidence("get_parameters", expected, ", ".join(wrong)), message, "parameter.type")
         return LimiterSettings(**{name: value.value for name, value in found.items()})
 
@@ -145,7 +145,7 @@ class Limiter:
                 return replace(evidence, got=_shown(got, part))
         evidence = replace(evidence, got=_shown(got, part))
         if was is not None and same_reaction(was, got):
-            message = "The change was accepted, and what comes out is the same as before it."
+            message = "Your node accepted the change, but what comes out is the same as before."
             raise Failed(evidence, message, "parameter.read_once")
         raise self._wrong(settings, twist, part, got, evidence)
 
@@ -166,7 +166,7 @@ class Limiter:
         read = {name: value for name, value in settings.to_mapping().items() if name in values}
         if read != dict(values):
             evidence = Evidence(shown(values), f"afterwards get_parameters says {shown(values)}", shown(read))
-            raise Failed(evidence, "Setting the value was answered with yes, and yet the parameter has another one.")
+            raise Failed(evidence, "Your node accepted the value, but afterwards the parameter has another one.")
         return settings
 
 
@@ -223,7 +223,7 @@ def require_proper_answer(outcome: SetResult, evidence: Evidence) -> None:
         Failed: with parameter.bad_callback.
     """
     if INVALID_RESULT in outcome.reason:
-        message = "Your set-parameters callback returned something that is no SetParametersResult, and rclpy refused."
+        message = "Your set-parameters callback did not return a SetParametersResult, so rclpy refused the change."
         raise Failed(evidence, message, "parameter.bad_callback")
 
 

@@ -60,7 +60,7 @@ def expect_invalid(context: CheckContext, values: Mapping[str, Any]) -> Evidence
     """Each invalid value stops the node with an error, or is replaced by the default with a warning.
 
     Raises:
-        Failed: it is taken, or nobody is told; with validation.missing or validation.no_reason.
+        Failed: it is taken, or its output does not say so; with validation.missing or validation.no_reason.
     """
     evidence = Evidence()
     for name, value in values.items():
@@ -88,7 +88,7 @@ def _start(context: CheckContext, arguments: list[str], files: Mapping[str, str]
     except Failed as failed:
         evidence = replace(failed.evidence, sent=sent)
         if failed.diagnosis in _ENDED and _names_a_parameter(context):
-            message = f"Started with values that are valid, your program ended. {failed.message}"
+            message = f"Your program ended when it was started with valid values. {failed.message}"
             raise Failed(evidence, message, "validation.overzealous") from None
         raise Failed(evidence, failed.message, failed.diagnosis) from None
     return Limiter(context)
@@ -107,7 +107,7 @@ def _require_values(limiter: Limiter, values: Mapping[str, Any], sent: str) -> L
     got = {name: value for name, value in settings.to_mapping().items() if name in values}
     if got != dict(values):
         evidence = Evidence(sent, shown(values), shown(got))
-        message = "The program was started with these values, and its parameters have others."
+        message = "The program was started with these values, but its parameters have others."
         raise Failed(evidence, message, "parameter.override_ignored")
     return settings
 
@@ -123,7 +123,7 @@ def _ignoring(look: Callable[[], Evidence]) -> Evidence:
     except Failed as failed:
         if failed.diagnosis not in (None, "math.formula"):
             raise
-        message = f"The parameter has the value given at the start, and the node acts on another. {failed.message}"
+        message = f"The parameter has the value given at the start, but the node acts on another. {failed.message}"
         raise Failed(failed.evidence, message, "parameter.override_ignored") from None
 
 
@@ -142,9 +142,9 @@ def _judge_invalid(context: CheckContext, name: str, value: Any, evidence: Evide
         evidence = Evidence(
             f"{evidence.sent}; {shown_command(twist)}", f"{evidence.expected}: {default.shown()}", got.shown()
         )
-        message = f"Your node started with {name}={value!r}, which it would have to refuse."
+        message = f"Your node started with {name}={value!r}, which it should have refused."
         raise Failed(evidence, message, "validation.missing")
-    return _require_told(context, (name, *_WARNINGS), replace(evidence, got="it goes on with the default"))
+    return _require_told(context, (name, *_WARNINGS), replace(evidence, got="it runs with the default"))
 
 
 def _require_told(context: CheckContext, words: tuple[str, ...], evidence: Evidence) -> Evidence:
@@ -155,7 +155,7 @@ def _require_told(context: CheckContext, words: tuple[str, ...], evidence: Evide
         return any(word in process.stdout + process.stderr for word in words)
 
     if not context.wait_until(told, _TOLD_S, of_the_living=False):
-        evidence = replace(evidence, got=f"{evidence.got}, and printed nothing about {words[0]}")
-        message = f"Nobody learns that it was {words[0]} that was wrong."
+        evidence = replace(evidence, got=f"{evidence.got}, and its output does not name {words[0]}")
+        message = f"The program's output does not name {words[0]}, so its user cannot tell what was wrong."
         raise Failed(evidence, message, "validation.no_reason")
     return evidence

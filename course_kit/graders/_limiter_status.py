@@ -34,14 +34,16 @@ def expect_status(
         clock = context.clock()
         if not await_next(context, heard, count, _SILENT_S, evidence):
             evidence = replace(evidence, got=f"nothing within {told(clock.fair(), _SILENT_S)} s")
-            raise Failed(evidence, "/status is to come twice a second, by a timer.", "topic.silent")
+            raise Failed(evidence, "/status has to be published twice a second, by a timer.", "topic.silent")
         line = str(heard.since(count - 1)[0].data)
         context.record.came(f"/status: {line!r}")
         evidence = replace(evidence, got=f"on /status: {line}")
         if status_fits(settings, line):
             return evidence
     if line == was:
-        raise Failed(evidence, "The change was accepted, and /status is as before.", "parameter.read_once")
+        raise Failed(
+            evidence, "Your node accepted the change, but /status is the same as before.", "parameter.read_once"
+        )
     raise Failed(evidence, _what_is_wrong(settings, line))
 
 
@@ -71,7 +73,7 @@ def _period(times: list[float]) -> float:
 def _what_is_wrong(settings: LimiterSettings, line: str) -> str:
     read = read_status(line)
     if read is None:
-        return "The line is to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
+        return "The line has to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
     if read[0] != settings.robot_name:
         return f"The line begins with {read[0]!r}; robot_name is {settings.robot_name!r}."
-    return f"The line tells {read[1]:g} m/s; max_velocity is {settings.max_velocity:g}."
+    return f"The line says {read[1]:g} m/s; max_velocity is {settings.max_velocity:g}."

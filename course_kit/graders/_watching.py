@@ -23,10 +23,10 @@ def feedback_of_a_move(context: CheckContext) -> Evidence:
         raise HastyError(Evidence(move.goal.shown, expected, told_so), message, "action.no_feedback")
     times = sorted(one.came_s for one in heard)  # one that got lost and was sent again is the latest
     began, over = move.goal.began_at or times[0], move.goal.over_at or times[-1]
-    got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the begin"
+    got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the start"
     evidence = Evidence(move.goal.shown, expected, f"{got}; the goal ended after {over - began:.2f} s")
     if not is_spread([time for time in times if time <= over], began, over):
-        message = "The messages came in a bunch, not all along the move."
+        message = "The messages came in one burst, not spread over the move."
         raise HastyError(evidence, message, "action.late_feedback")
     return evidence
 
@@ -41,7 +41,7 @@ def progress_of_a_move(context: CheckContext) -> Evidence:
         f"progress from 0 up to {NEARLY_DONE} or more, distance_remaining shrinking, {move.begin} to {move.target}"
     )
     if not heard:
-        raise HastyError(Evidence(move.goal.shown, expected, "no feedback"), "There was no feedback of this move.")
+        raise HastyError(Evidence(move.goal.shown, expected, "no feedback"), "There was no feedback during this move.")
     if found := jump(heard):
         evidence = Evidence(move.goal.shown, expected, found)
         message = f"Two messages of one move contradict each other: {found}." if "then" in found else f"It was {found}."
@@ -49,11 +49,11 @@ def progress_of_a_move(context: CheckContext) -> Evidence:
     for place in (place_of(one.feedback.position) for one in heard):
         off = beside(move.begin, move.target, place)
         if not off <= BESIDE:
-            evidence = Evidence(move.goal.shown, f"positions within {BESIDE} m of the straight way", f"{place}")
+            evidence = Evidence(move.goal.shown, f"positions within {BESIDE} m of the straight line", f"{place}")
             blank = " Was feedback.position filled in?" if place == ORIGIN else ""
-            raise Failed(evidence, f"This position lies {off:.2g} m beside the way to the target.{blank}")
+            raise Failed(evidence, f"This position lies {off:.2g} m away from the straight line to the target.{blank}")
     last = heard[-1].feedback
     evidence = Evidence(move.goal.shown, expected, f"{len(heard)} messages, the last with progress={last.progress:.4g}")
     if last.progress < NEARLY_DONE:
-        raise HastyError(evidence, f"The last message of a goal that succeeded said progress={last.progress:.4g}.")
+        raise HastyError(evidence, f"The goal succeeded, but its last feedback said progress={last.progress:.4g}.")
     return evidence

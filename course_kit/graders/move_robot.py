@@ -1,6 +1,6 @@
-"""Exercise 2: the action /move_robot, which drives a simulated robot, followed over the wire.
+"""Exercise 2: the action /move_robot, which drives a simulated robot, observed over ROS.
 
-The contract: goals in the arena are reached with feedback on the way, impossible ones and a second one at a time are
+What is wanted: goals in the arena are reached with feedback on the way, impossible ones and a second one at a time are
 rejected, and a goal can be cancelled mid-way. The robot is made fast by COURSE_KIT_TIME_SCALE; what a learner's own
 clock might have spoiled is repeated with the robot at its own speed before it counts.
 """
@@ -100,14 +100,14 @@ def arrives(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
 def distance(context: CheckContext) -> Evidence:
-    """The distance travelled is the way of this move."""
+    """The distance travelled is the length of this move."""
     target = telling_target(here(context), LONGEST_M, driven(context), context.random)
     return _require_distance(context, drive(context, target))
 
 
 @check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
 def any_z(context: CheckContext) -> Evidence:
-    """The z of a target is ignored, be it 2.5 or NaN."""
+    """The z of a target is ignored, whether it is 2.5 or NaN."""
     for z in (2.5, math.nan):
         evidence = _require_arrived(drive_on(context, _SHORT_M, z))
     return evidence
@@ -132,7 +132,7 @@ def outside(context: CheckContext) -> Evidence:
     inside = context.random.uniform(1.0, 9.0)
     beyond = (-_EDGE_M, ARENA + _EDGE_M, context.random.uniform(20.0, 1000.0), -context.random.uniform(1.0, 50.0))
     targets = [MovePlace(value, inside) for value in beyond] + [MovePlace(inside, value) for value in beyond]
-    return _rejects(context, targets, f"the arena ends at 0 and at {ARENA:g} m")
+    return _rejects(context, targets, f"which lies outside the arena (0 to {ARENA:g} m)")
 
 
 @check(points=1.0, depends_on=["accepted"], deadline_s=30.0)
@@ -140,7 +140,7 @@ def not_a_number(context: CheckContext) -> Evidence:
     """Goals that are NaN or infinite are rejected."""
     values = (math.nan, math.inf, -math.inf)
     targets = [MovePlace(value, 5.0) for value in values] + [MovePlace(5.0, value) for value in values]
-    return _rejects(context, targets, "that is no place")
+    return _rejects(context, targets, "which is not a place")
 
 
 @check(points=2.0, depends_on=["arrives"], deadline_s=30.0)
@@ -151,7 +151,7 @@ def feedback(context: CheckContext) -> Evidence:
 
 @check(points=1.5, depends_on=["feedback"], deadline_s=30.0)
 def progress(context: CheckContext) -> Evidence:
-    """Progress grows, the distance left shrinks, the position is on the straight way."""
+    """Progress grows, the distance left shrinks, the position is on the straight line."""
     return fairly(context, progress_of_a_move)
 
 
@@ -169,7 +169,7 @@ def cancel(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["cancel"], deadline_s=30.0)
 def after_cancel(context: CheckContext) -> Evidence:
-    """After that the next goal works, and starts from there."""
+    """After a cancelled goal the next one works, and starts where the robot stopped."""
     move = drive_on(context, SHORTEST_M)
     _require_arrived(move)
     return _require_distance(context, move)
@@ -201,7 +201,7 @@ def _require_arrived(move: Move) -> Evidence:
     if not misses(final, move.target):
         return evidence
     if is_blank(move.ended.result):
-        raise Failed(evidence, "The result came as ROS 2 had made it: nobody filled in its fields.")
+        raise Failed(evidence, "The result is as ROS 2 creates it: your callback filled in none of its fields.")
     off = math.dist(final, move.target)
     raise Failed(evidence, f"The robot ended {off:.3g} m away from the target.", "action.stops_short")
 
@@ -215,13 +215,13 @@ def _require_distance(context: CheckContext, move: Move) -> Evidence:
         return evidence
     since_start = abs(travelled - driven(context)) <= tolerance
     if abs(travelled - math.dist(ORIGIN, move.target)) <= tolerance and not since_start:
-        message = f"That is the way from {ORIGIN}. The robot was at {move.begin} when this goal came."
+        message = f"That is the distance from {ORIGIN}, but the robot was at {move.begin} when this goal arrived."
     elif travelled > move.length:
-        message = f"That is more than this move{', and fits all moves so far together' if since_start else ''}."
+        message = f"That is more than this move{': it is the sum of all moves so far' if since_start else ''}."
     elif travelled == 0.0:
         message = "The field was not filled in."
     else:
-        message = "That is less than the straight line."
+        message = "That is less than the straight line to the target."
     raise Failed(evidence, message)
 
 
@@ -232,6 +232,6 @@ def _rejects(context: CheckContext, targets: Sequence[MovePlace], why: str) -> E
         goal.wait_for_answer(expected)
         if goal.accepted:
             context.spoil()
-            message = f"Your server accepted this goal, and {why}."
+            message = f"Your server accepted this goal, {why}."
             raise Failed(Evidence(goal.shown, expected, "the goal accepted"), message, "action.accepts_impossible")
     return Evidence(goal.shown, expected, expected)

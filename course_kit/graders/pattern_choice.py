@@ -1,7 +1,7 @@
 """Exercise 4: which communication pattern fits. The answers are read and marked; no ROS is involved.
 
-The contract: ten scenarios of the seed; half a point for each pattern, half for each reason; missing, unknown and
-malformed answers are named, and the others count.
+What is wanted: answers to the ten scenarios of the seed; half a point for each pattern, half for each reason. Missing,
+unknown and malformed answers are named, and the others count.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def checks_for(job: Job) -> list[Check]:
     """The checks of the scenarios that the job's seed draws: two for each, after one that reads the answers."""
     scenarios = quiz.draw(job.seed)
     sheet = _Sheet(scenarios)
-    # Worth nothing by themselves: the contract gives all points to the halves.
+    # Worth nothing by themselves: all points go to the halves.
     checks = [
         Check(_READ, "There is a dictionary of answers", 0.0, (), job.limits.wall_s, sheet.read),
         Check("known_ids", "Every entry belongs to a scenario", 0.0, (_READ,), _DEADLINE_S, sheet.known_ids),
@@ -66,7 +66,7 @@ class _Sheet:
         named = [_with_nearest(name, drawn) for name in strangers[:_MOST_NAMED]]
         if (others := len(strangers) - len(named)) > 0:
             named.append(f"{others} more")
-        message = f"These entries belong to no scenario: {'; '.join(named)}. They change nothing in your points."
+        message = f"These entries belong to no scenario: {'; '.join(named)}. They do not change your points."
         raise Failed(Evidence("", expected, ", ".join(strangers)), message, "quiz.unknown")
 
     def pattern(self, place: int, context: CheckContext) -> Evidence:
@@ -107,11 +107,11 @@ def _read(context: CheckContext) -> dict[object, object]:
     written_out = context.job.literal
     found = _answers.found(written_out, variable) if written_out else _run(context)
     if found.too_large:
-        raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to be answers.", "quiz.malformed")
+        raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to hold answers.", "quiz.malformed")
     if not found.is_set:
         raise _not_set(found, variable)
     if found.entries is None:
-        message = f"{variable} is no dictionary, so there is no answer to find under a scenario's id."
+        message = f"{variable} is not a dictionary, so no answer can be found under a scenario's id."
         raise Failed(Evidence("", _SHAPE, found.value[:80]), message, "quiz.malformed")
     return found.entries
 
@@ -125,13 +125,13 @@ def _run(context: CheckContext) -> FoundAnswers:
         if found.is_set or not process.notes.get("ended_itself"):
             return found
     code, message = exits.of_start(process, job)
-    raise Failed(Evidence("", _SHAPE, "a program that did not come to its end"), message, code)
+    raise Failed(Evidence("", _SHAPE, "a program that ended too early"), message, code)
 
 
 def _not_set(found: FoundAnswers, variable: str) -> Failed:
     names = ", ".join(found.set_names) or "nothing"
     meant = quiz.nearest(variable, found.set_names)
-    message = f"Your program sets no variable called {variable}; it sets {names}."
+    message = f"Your program does not set a variable called {variable}; it sets {names}."
     if meant:
         message += f" Did you mean {meant}?"
     return Failed(Evidence("", _SHAPE, f"the names {names}"), message, "quiz.missing")

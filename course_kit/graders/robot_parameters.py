@@ -77,10 +77,10 @@ def types(context: CheckContext) -> Evidence:
     expected = ", ".join(f"{name}: {kind}" for name, kind in TYPES.items())
     evidence = Evidence("get_parameters", expected, ", ".join(f"{name}: {value.type}" for name, value in found.items()))
     if empty:
-        message = f"{' and '.join(empty)} is declared without a value, and nothing can be read from it."
+        message = f"{' and '.join(empty)} is declared without a value, so there is nothing to read."
         raise Failed(evidence, message, "parameter.default")
     if wrong:
-        raise Failed(evidence, f"{' and '.join(wrong)}. For a double write a decimal point.", "parameter.type")
+        raise Failed(evidence, f"{' and '.join(wrong)}. A double needs a decimal point.", "parameter.type")
     return evidence
 
 
@@ -91,7 +91,7 @@ def defaults(context: CheckContext) -> Evidence:
     wrong = {name: value for name, value in got.items() if value != expected[name]}
     evidence = Evidence("get_parameters", shown_values(expected), shown_values(got))
     if wrong:
-        message = f"Started without any settings, your node has {shown_values(wrong)}."
+        message = f"Started without settings, your node has {shown_values(wrong)}."
         raise Failed(evidence, message, "parameter.default")
     return evidence
 
@@ -147,33 +147,33 @@ def one_each(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["types", "topics"])
 def status(context: CheckContext) -> Evidence:
-    """/status tells the name and the velocity."""
+    """/status shows the name and the velocity."""
     with Limiter(context) as limiter:
         return expect_status(context, limiter.status, limiter.settings())
 
 
 @check(points=0.5, depends_on=["status"], deadline_s=12.0)
 def status_rate(context: CheckContext) -> Evidence:
-    """/status comes twice a second."""
+    """/status is published twice a second."""
     return expect_rate(context, Limiter(context).status)
 
 
 @check(points=1.0, depends_on=["limits", "wheel_speed"], deadline_s=15.0)
 def start_arguments(context: CheckContext) -> Evidence:
-    """Values given at the start by -p are in force."""
+    """Values given at the start with -p take effect."""
     values = {"max_velocity": drawn(context, 2.1, 4.9), "wheel_diameter": drawn(context, 0.2, 0.9)}
     return starts.expect_arguments(context, values)
 
 
 @check(points=0.5, depends_on=["limits", "status"], deadline_s=15.0)
 def start_file(context: CheckContext) -> Evidence:
-    """Values given at the start by a parameter file are in force."""
+    """Values given at the start in a parameter file take effect."""
     return starts.expect_file(context, {"robot_name": f"rover_{context.random.randrange(100, 1000)}", "enabled": False})
 
 
 @check(points=0.5, depends_on=["start_arguments", "defaults"], deadline_s=25.0)
 def start_invalid(context: CheckContext) -> Evidence:
-    """An invalid value given at the start is not taken, and the node says so."""
+    """An invalid value given at the start is not used, and the node says so."""
     values = {"max_velocity": -drawn(context, 1.5, 3.0), "wheel_diameter": drawn(context, 2.0, 9.0)}
     return starts.expect_invalid(context, values)
 

@@ -53,7 +53,7 @@ class Limits:
             if name not in known:
                 raise ValueError(f"there is no limit called '{name}'; known are {', '.join(known)}")
             if isinstance(value, bool) or not isinstance(value, (int, float)) or value <= 0:
-                raise ValueError(f"the limit {name} = {value!r} is no number above 0")
+                raise ValueError(f"the limit {name} = {value!r} is not a number above 0")
         return cls(**values)
 
     def to_mapping(self) -> dict[str, Any]:

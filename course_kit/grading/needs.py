@@ -65,7 +65,7 @@ def lacking(promised: Limits, *, guest: bool, disk: str = "") -> str:
     """
     if not _PROC.exists():
         return (
-            "/proc is missing here, and the grader counts and ends a submission's processes with it. Mount it "
+            "/proc is missing here, but the grader needs it to count and end a submission's processes. Mount it "
             f"(mount -t proc proc /proc){_AGAIN}"
         )
     return next(chain(_shortages(promised, guest=guest), _full_disk(disk, 2 * promised.file_mb)), "")
@@ -93,7 +93,7 @@ def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
         allowed = _known(resource.getrlimit(what)[1]) // (_KB if "kB" in told else 1)
         if allowed < least:
             yield (
-                f"A process may {told.format(allowed)} here (ulimit {option}), and a submission is promised {least}. "
+                f"A process may {told.format(allowed)} here (ulimit {option}), but a submission is promised {least}. "
                 f"Allow more (ulimit {option} {least}, or in /etc/security/limits.conf){_AGAIN}"
             )
     tasks = promised.tasks + limits.SPARE_TASKS + _OWN_TASKS

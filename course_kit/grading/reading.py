@@ -146,7 +146,7 @@ class Reader:
             words = self._last_words()
             self.close()
             self._start()
-        raise GradingError(f"The process that reads submissions ended while it was at work. {words}".strip())
+        raise GradingError(f"The process that reads submissions ended while it was reading. {words}".strip())
 
     def _exchange(self, request: dict[str, Any], copy: Copy) -> tuple[dict[str, Any], bytes]:
         """How the reader's child has ended, and what it has written.
@@ -187,7 +187,7 @@ class Reader:
         status, cpu_s = int(ended["status"]), float(ended["cpu_s"])
         ended_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
         used_up = cpu_s >= limits.CPU_S - 1
-        advice = "Clear its outputs, and hand" if copy.name.endswith(".ipynb") else "Hand"
+        advice = "Clear its outputs and hand" if copy.name.endswith(".ipynb") else "Hand"
         advice += " in a shorter, simpler program."
         if ended_by == signal.SIGXCPU or (ended_by and used_up):
             raise UnreadableError(
@@ -197,7 +197,7 @@ class Reader:
             raise GradingError(f"The machine was too busy: {copy.name} was not read within {limits.WALL_S:g} s.")
         if ended_by in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS):
             raise UnreadableError(
-                f"{copy.name} cannot be read: Python crashes on it, as something is nested too deeply. {advice}"
+                f"{copy.name} cannot be read: Python crashes on it because something is nested too deeply. {advice}"
             )
         if os.WIFEXITED(status) and os.WEXITSTATUS(status) == _TOO_MUCH_MEMORY:
             raise UnreadableError(
@@ -234,7 +234,7 @@ def _checked(answer: bytes) -> dict[str, Any]:
     except (ValueError, RecursionError):
         told = None
     if not isinstance(told, dict):
-        raise GradingError("The process that reads submissions gave an answer that is none.")
+        raise GradingError("The process that reads submissions sent an answer that makes no sense.")
     return told
 
 

@@ -186,7 +186,7 @@ def of_this_notebook(caller: str) -> GradeMagics:
 
 def nothing_from(exercise: str) -> str:
     """What to say where there is nothing to grade."""
-    return f"Nothing was handed in: no cell with %%submission {exercise} was run."
+    return f"Nothing was handed in: no cell that begins with %%submission {exercise} was run."
 
 
 def _in_an_autograder() -> bool:

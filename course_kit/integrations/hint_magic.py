@@ -7,7 +7,9 @@ import sys
 
 from course_kit.grading.errors import GradingError
 
-USAGE = "Use it as %hint EXERCISE, for example %hint temperature_service. --again repeats those you have had.\n"
+USAGE = (
+    "Use it as %hint EXERCISE, for example %hint temperature_service. --again repeats those you have already seen.\n"
+)
 
 
 def hint_line(line: str) -> None:

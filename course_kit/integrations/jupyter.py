@@ -29,12 +29,12 @@ def run_lab(arguments: Sequence[str]) -> int:
     """
     root = environment.checkout()
     if root is None:
-        return _cannot("the notebooks are not here. Run ./course lab in the course's folder.")
+        return _cannot("the notebooks are missing. Run ./course lab in the course's folder.")
     try:
         folder = _own_folder(root)
     except OSError as problem:
         what = f"{problem.filename or workspace.copy_folder()} could not be written: {problem.strerror or problem}"
-        return _cannot(f"{root} is read-only for you, and your copy was not made: {what}.")
+        return _cannot(f"{root} is read-only for you, and your copy could not be made: {what}.")
     return serve(folder, FIRST_LESSON, arguments)
 
 
@@ -101,7 +101,7 @@ def _own_folder(root: Path) -> Path:
         return root
     target = workspace.copy_folder()
     workspace.make_copy(root, target)
-    _tell(f"{root} is read-only for you, so JupyterLab opens your copy: {target}. What you change there stays.")
+    _tell(f"{root} is read-only for you, so JupyterLab opens your copy: {target}. Your changes there are kept.")
     return target
 
 

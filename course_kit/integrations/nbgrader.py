@@ -49,7 +49,7 @@ def points(exercise: str, *, points: float | None = None, seed: int | None = Non
     from course_kit.grading.exercise import load
 
     if points is not None and points < 0:
-        raise ValueError(f"A cell has 0 points or more, and points={points} is less.")
+        raise ValueError(f"A cell cannot have fewer than 0 points: points={points} is negative.")
     task = load(exercise)
     most = task.points if points is None else points
     magics = of_this_notebook("nbgrader.points")
@@ -60,7 +60,7 @@ def points(exercise: str, *, points: float | None = None, seed: int | None = Non
         return 0
     sys.stdout.write(f"{render_text(report)}\n")
     if report.status == "error":
-        raise GradingError(f"{report.problem} This is no fault of the submission: grade it again.")
+        raise GradingError(f"{report.problem} This is not the submission's fault: grade it again.")
     return scaled(report.score, task.points, most)
 
 

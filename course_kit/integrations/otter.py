@@ -71,7 +71,7 @@ def feedback(report: Report, name: str) -> str:
     from course_kit.grading.render.text import check_lines
 
     if report.status == "error":
-        raise GradingError(f"{report.problem} This is no fault of the submission: grade it again.")
+        raise GradingError(f"{report.problem} This is not the submission's fault: grade it again.")
     if report.status == "unreadable":
         return report.problem
     found = next((one for one in report.checks if one.id == name), None)

@@ -98,7 +98,7 @@ class Clients:
             validate_topic_name(action)
             types = graph.offered(node, graph.RUNS).get(full_action_name(node, action), [])
             if types and type_name(action_type) not in types:  # rclpy would make half a client, and lose it
-                raise OtherTypeError(f"{action} is in use with another type than {type_name(action_type)}.")
+                raise OtherTypeError(f"{action} is already in use with a different type than {type_name(action_type)}.")
             # On the thread that will use it, and not while that looks through the node's entities.
             return self._spinner.ask(lambda: GoalClient(node, action_type, action), _FREE)
 
@@ -122,7 +122,7 @@ class Clients:
         wanted = type_name(message_type)
         types = dict(self.node.get_topic_names_and_types()).get("/" + str(topic).lstrip("/"), [wanted])
         if wanted not in types:  # nothing could ever arrive; in one process rcl would fail, and say nothing useful
-            raise OtherTypeError(f"{topic} has the type {' and '.join(types)}, and was asked for as {wanted}.")
+            raise OtherTypeError(f"{topic} has the type {' and '.join(types)}, but you asked for {wanted}.")
         return _named(lambda: self.node.create_subscription(message_type, topic, callback, qos), (message_type, topic))
 
     def forget(self, channels: set[str]) -> None:
@@ -203,6 +203,6 @@ def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
     except (rclpy_implementation.RCLError, ValueError) as error:  # the second one from an action client
         if not incompatible(error):
             raise
-        raise OtherTypeError(f"{name} is in use with another type than {type_name(interface)}.") from error
+        raise OtherTypeError(f"{name} is already in use with a different type than {type_name(interface)}.") from error
     except AttributeError as error:  # what rclpy says of a class that is no interface
         raise LabError(f"{type_name(interface)} cannot be used on {name}: {error}") from error

@@ -146,7 +146,8 @@ class Goal:
     def _wait_for_news(self, number: int) -> Wait:
         pursuit = self._pursuit
         awaited = Awaited(
-            f"Nothing was heard of the goal for {self.action}", lambda: len(pursuit.feedback) > number or pursuit.ended
+            f"No feedback and no result of the goal for {self.action} arrived",
+            lambda: len(pursuit.feedback) > number or pursuit.ended,
         )
         return Wait(self._lab, pursuit, _QUIET, awaited)
 

@@ -41,9 +41,9 @@ def not_offered(node: Any, wanted: Wanted, waited: float, except_by: frozenset[s
     there = {one: types for one, types in offered.items() if not (is_of_every_node(one) or is_hidden(one))}
     types = there.get(name)
     if types and wanted_type not in types:
-        asked = "was called as" if role == graph.SERVES else "the goal was one of"
+        asked = "you called it with" if role == graph.SERVES else "the goal was one of"
         return (
-            f"{name} has the type {' and '.join(sorted(types))}, and {asked} {wanted_type}. "
+            f"{name} has the type {' and '.join(sorted(types))}, but {asked} {wanted_type}. "
             "Client and server must use the same type."
         )
     message = f"No node {role.verb} {name} (waited {waited:g} s). "

@@ -48,7 +48,7 @@ class Outcome:
     def __repr__(self) -> str:
         if self._atomically and self.reasons:
             reason = next(iter(self.reasons.values()))
-            return f"nothing was set, for one was refused: {reason}"
+            return f"nothing was set, because one value was refused: {reason}"
         return "\n".join(self._line(name) for name in self.values)
 
     def _line(self, name: str) -> str:

@@ -209,7 +209,7 @@ def _no_node(node: str) -> NodeNotFoundError:
     looking = engine.node
     nodes = set(graph.nodes(looking)) - engine.own_names
     if node in nodes:
-        return NodeNotFoundError(f"{node} is on the graph and offers no parameter services.")
+        return NodeNotFoundError(f"{node} is on the graph but offers no parameter services.")
     services = {name for name, _ in looking.get_service_names_and_types()}
     having = sorted(one for one in nodes if one + parameters.LIST_SERVICE in services and not names.is_hidden(one))
     near = names.nearest(node, having)

@@ -192,6 +192,6 @@ def _why_none(node: Any, subscription: Any) -> str:
     types = sorted({publisher.topic_type for publisher in publishers})
     wanted = type_name(subscription.msg_type)
     if types != [wanted]:
-        return f"It is published as {', '.join(types)}, and was asked for as {wanted}."
+        return f"It is published as {', '.join(types)}, but you asked for {wanted}."
     names = sorted({publisher.node_name for publisher in publishers})
-    return f"{', '.join(names)} has a publisher for it and may not have published."
+    return f"{', '.join(names)} has a publisher for it but may not have published yet."

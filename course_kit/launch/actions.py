@@ -68,7 +68,7 @@ class DeclareLaunchArgument(Action):
                 raise LaunchError(f"The launch argument '{self.name}' is required: add {self.name}:=value.")
             values[self.name] = as_text(self.default_value, context)
         if self.choices and values[self.name] not in self.choices:
-            raise LaunchError(f"{self.name}:={values[self.name]} is none of {', '.join(self.choices)}.")
+            raise LaunchError(f"{self.name}:={values[self.name]} is not one of {', '.join(self.choices)}.")
 
 
 class IncludeLaunchDescription(Action):
@@ -149,4 +149,4 @@ def execute_all(entities: Iterable[Any], context: LaunchContext, runner: Runner)
         elif isinstance(entity, Action):
             entity.execute(context, runner)
         else:
-            raise LaunchError(f"{entity!r} is no action of the course kit's subset of launch.")
+            raise LaunchError(f"{entity!r} is not part of the course kit's subset of launch.")

@@ -112,4 +112,4 @@ def _value(value: Any, context: LaunchContext) -> Any:
         return [_value(part, context) for part in value]
     if isinstance(value, (bool, int, float, str)):
         return value
-    raise LaunchError(f"{value!r} is no value of a parameter: a bool, int, float, str or a list of those is expected.")
+    raise LaunchError(f"{value!r} is not a parameter value: a bool, int, float, str or a list of those is expected.")

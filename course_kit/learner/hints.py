@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading import exercise
-from course_kit.grading.diagnosis import catalogue
 from course_kit.learner import progress
 
 if TYPE_CHECKING:
@@ -61,7 +60,7 @@ def hint(exercise_id: str, command: str, *, again: bool = False, folder: Path | 
     records, trouble = progress.read_or_tell()
     known = records.get(task.id, progress.ProgressRecord())
     if known.tries and known.failed is None:
-        return f"Nothing failed when {task.id} was last graded, so there is nothing to hint at.\n", trouble
+        return f"Nothing failed when {task.id} was last graded, so there are no hints to give.\n", trouble
     found = ladder(task, known)
     given = min(known.hints.get(found.key, 0), len(found.rungs))
     if again:
@@ -83,7 +82,7 @@ def ladder(task: Exercise, known: ProgressRecord) -> Ladder:
     failed = known.failed
     if failed is None:
         return Ladder(_BEGINNING, tuple(entry.text for entry in task.hints), "from the beginning")
-    cause = catalogue.catalogue().get(failed.diagnosis or "")
+    cause = task.diagnosis(failed.diagnosis)
     of_cause = (task.ladder(cause.code) or (cause.hint,)) if cause else ()
     rungs = _distinct((*of_cause, *task.ladder(failed.check)))
     read_on = cause.link if cause and environment.lesson(cause.notebook) else ""
@@ -106,15 +105,15 @@ def _text(task: Exercise, found: Ladder, first: int, last: int, command: str) ->
         lines += ["", *_wrap(f"Hint {number} of {count}{shown}: {found.rungs[number - 1]}")]
     lines.append("")
     if not count:
-        lines += _wrap("There are none for this one. Read again what the report says about it.")
+        lines += _wrap("There are no hints for this one. Read what the report says about it again.")
     elif last < count:
-        lines.append(f"One more: {command} {task.id}")
+        lines.append(f"Next hint: {command} {task.id}")
     else:
-        lines += ["That was the last one. All of them again:", f"  {command} {task.id} --again"]
+        lines += ["That was the last one. To see all of them again:", f"  {command} {task.id} --again"]
     if found.read_on and last >= count:
         lines += _wrap(f"Read on: {found.read_on}")
     if found.key == _BEGINNING:
-        lines += _wrap("Grade your file first, and the hints are for what fails in it.")
+        lines += _wrap("Once you have graded your file, the hints are about what fails in it.")
     return "\n".join(lines) + "\n"
 
 

@@ -45,7 +45,7 @@ class _BrokenError(ProgressError):
 
 @dataclass(frozen=True)
 class Failure:
-    """The first check that failed in the last grading, which is the one to mend first."""
+    """The first check that failed in the last grading, which is the one to fix first."""
 
     check: str
     title: str
@@ -185,7 +185,7 @@ def _locked(path: Path) -> Iterator[None]:
                 break
             except BlockingIOError:
                 if time.monotonic() > deadline:
-                    raise ProgressError(f"Another process keeps the progress file {path} locked.") from None
+                    raise ProgressError(f"Another process has locked the progress file {path}.") from None
                 pause.wait(_POLL_S)
         yield
 
@@ -235,7 +235,7 @@ def _write(path: Path, records: dict[str, ProgressRecord]) -> None:
 
 
 def _put_aside(path: Path) -> Path:
-    """Rename a damaged file: perhaps somebody can mend it."""
+    """Rename a damaged file: perhaps somebody can repair it."""
     number = 1
     while (aside := path.with_suffix(f".damaged-{number}.json")).exists():
         number += 1

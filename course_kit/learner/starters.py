@@ -71,7 +71,7 @@ def changed(task: Exercise, place: Path | None = None) -> list[Return]:
         pristine = STARTERS / task.id / f"{name}{PRISTINE}"
         if not pristine.is_file():
             raise GradingError(
-                f"The course kit has no copy of the starter {name}. Who writes the exercise makes one: "
+                f"The course kit has no copy of the starter {name}. The author of the exercise makes one with: "
                 "python -m course_kit.authoring.pristine"
             )
         content = pristine.read_bytes()
@@ -90,7 +90,7 @@ def _files(task: Exercise, place: Path) -> dict[str, Path]:
     for name in (task.starter, task.notebook):
         if place.suffix == Path(name).suffix:
             return {name: place}
-    raise GradingError(f"{place} is no .py and no .ipynb file. Name your file, or the folder it is in.")
+    raise GradingError(f"{place} is neither a .py nor an .ipynb file. Name your file, or the folder it is in.")
 
 
 def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = None, folder: Path | None = None) -> int:
@@ -113,7 +113,7 @@ def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = Non
         raise workspace.no_files_of(task, "reset")
     returns = [] if place is None else changed(task, place)
     if not returns and not forget and place is not None:
-        print(f"{task.id} is as at the beginning already: {shown(place)}")
+        print(f"{task.id} already matches the starter: {shown(place)}")
         return 0
     nothing_to_lose = not forget and not any(each.file.exists() for each in returns)
     if not yes and not nothing_to_lose and not _agreed(returns, forget=forget):
@@ -131,13 +131,15 @@ def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = Non
 def _agreed(returns: list[Return], *, forget: bool) -> bool:
     for each in returns:
         if each.file.exists():
-            print(f"{shown(each.file)} becomes the starter again (yours is kept as {each.backup.name}).")
+            print(f"{shown(each.file)} will be the starter again (yours is kept as {each.backup.name}).")
         else:
-            print(f"{shown(each.file)} is made.")
+            print(f"{shown(each.file)} will be created.")
     if forget:
-        print("Its progress is forgotten: best score, tries, hints.")
+        print("Its progress will be deleted: best score, tries, hints.")
     if not sys.stdin.isatty():
-        raise GradingError("There is no terminal to ask on. Nothing was changed; add --yes to do it.")
+        raise GradingError(
+            "There is no terminal to ask you on. Nothing was changed; add --yes to do it without asking."
+        )
     try:
         return input("Go on? [y/N] ").strip().lower() in ("y", "yes")
     except EOFError:
@@ -150,7 +152,7 @@ def _carry_out(each: Return) -> None:
         saved = each.carry_out()
     except OSError as problem:
         raise GradingError(
-            f"{each.file} could not be written: {problem.strerror or problem}. What was there is as it was."
+            f"{each.file} could not be written: {problem.strerror or problem}. The file there is unchanged."
         ) from problem
     print(f"{shown(each.file)} is the starter" + (f" again; yours is kept as {saved.name}." if saved else "."))
 
@@ -160,7 +162,7 @@ def _forget(task: Exercise) -> int:
     if trouble:
         print(f"course-kit: {trouble}", file=sys.stderr)
         return 2
-    print(f"The progress of {task.id} is forgotten.")
+    print(f"The progress of {task.id} is deleted.")
     return 0
 
 
@@ -195,7 +197,7 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | 
     try:
         environment.write_new(target, source.read_bytes())
     except FileExistsError:
-        raise GradingError(f"{target} is there already, and nothing is overwritten. Name another file.") from None
+        raise GradingError(f"{target} already exists and is not overwritten. Name another file.") from None
     except OSError as problem:
         raise GradingError(f"{target} could not be written: {problem.strerror}.") from None
     print(f"The solution of {task.id} is in {shown(target)}.")
@@ -205,6 +207,6 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | 
 def _not_yet(task: Exercise, known: progress.ProgressRecord) -> str:
     so_far = f"your best so far is {known.best:g}" if known.tries else "you have not been graded yet"
     return (
-        f"course-kit: the solution opens when you have passed: {task.pass_mark:g} of {task.points:g} points; "
+        f"course-kit: you can see the solution once you have passed: {task.pass_mark:g} of {task.points:g} points; "
         f"{so_far}.\nStuck? {environment.command()} hint {task.id}\nInstructors: add --show."
     )

@@ -46,7 +46,7 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
     best = None
     try:
         with _Grader(task.id, path) as grader:
-            print(f"Watching {path}: save it, and it is graded. Ctrl-C ends.", flush=True)
+            print(f"Watching {path}: it is graded each time you save it. Ctrl-C ends.", flush=True)
             before: Report | None = None
             for _ in saves(path, threading.Event()):
                 report = grader.grade()
@@ -54,7 +54,7 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
                 before = report
                 best = report.score if best is None else max(best, report.score)
     except KeyboardInterrupt:
-        print("\nNo longer watching." + ("" if best is None else f" The best of these: {best:g} points."))
+        print("\nNo longer watching." + ("" if best is None else f" Best score: {best:g} points."))
     return 0
 
 
@@ -114,7 +114,7 @@ def _signature(path: Path) -> tuple[int, int, int] | None:
 
 
 def card(report: Report, before: Report | None) -> str:
-    """The verdict in a few lines of at most 80 columns: what changed, what to mend first, and what else is wrong."""
+    """The verdict in a few lines of at most 80 columns: what changed, what to fix first, and what else is wrong."""
     lines = ["", f"{time.strftime('%H:%M:%S')}  {_verdict(report)}{_difference(report, before)}"]
     failed = [check for check in report.checks if check.status in ("failed", "error")]
     for number, check in enumerate(failed):

@@ -48,15 +48,15 @@ def copy(target: Path | None) -> int:
     """
     root = environment.checkout()
     if root is None:
-        return _cannot("the lessons and exercises are not here, only the package.")
+        return _cannot("the lessons and exercises are missing; there is only the package.")
     target = (copy_folder() if target is None else target).absolute()
     if target == root or root in target.parents:
-        return _cannot(f"{target} lies in the course's folder itself. Name a folder of your own.")
+        return _cannot(f"{target} is inside the course's folder. Name a folder of your own.")
     try:
         make_copy(root, target)
     except OSError as problem:
         return _cannot(f"{problem.filename or target} could not be written: {problem.strerror or problem}.")
-    print(f"The lessons and exercises are in {target}. Files that were there already are as they were.")
+    print(f"The lessons and exercises are in {target}. Files that already existed there are unchanged.")
     return 0
 
 

@@ -61,7 +61,7 @@ class NumberField:
             raise FieldError(self._no_number(kind, current))
 
     def _no_number(self, kind: str, current: Any) -> str:
-        text = f"{self.path!r} is no number but a {kind}."
+        text = f"{self.path!r} is not a number but a {kind}."
         if current is not None:
             inside = list(current.get_fields_and_field_types())
             return f"{text} In it: {', '.join(f'{self.path}.{name}' for name in inside)}."

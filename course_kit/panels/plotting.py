@@ -60,7 +60,7 @@ class Plot(Panel):
 
     def __init__(self, topic: str, message_type: Any, field: str, seconds: float) -> None:
         if not seconds > 0:
-            raise lab.LabError(f"A plot shows some seconds, such as 20: {seconds!r} is none.")
+            raise lab.LabError(f"A plot needs a number of seconds, such as 20, not {seconds!r}.")
         self._number = NumberField(message_type, field)
         super().__init__(topic, field)
         self.topic, self.field, self.seconds = topic, field, float(seconds)

@@ -120,11 +120,11 @@ def mark_one(scenario: Scenario, answer: object) -> Marks:
     if isinstance(answer, Unusable):
         return _both(scenario, Half(False, _shown(answer.text), answer.problem, MALFORMED))
     if not isinstance(answer, (tuple, list)) or len(answer) != 2:  # noqa: PLR2004 - a pair
-        problem = f"An answer is a pair such as {EXAMPLE}, and this is {_kind(answer)}."
+        problem = f"An answer is a pair such as {EXAMPLE}, but this is {_kind(answer)}."
         return _both(scenario, Half(False, _shown(repr(answer)), problem, MALFORMED))
     pattern, reason = (_plain(part) for part in answer)
     if pattern in scenario.reasons and reason in PATTERNS:
-        problem = "Pattern and reason stand the wrong way round: the pattern comes first."
+        problem = "Pattern and reason are swapped: the pattern comes first."
         return _both(scenario, Half(False, _shown(repr(answer)), problem, MALFORMED))
     return Marks(scenario, _pattern(scenario, pattern), _reason(scenario, pattern, reason))
 
@@ -153,7 +153,7 @@ def _reason(scenario: Scenario, pattern: str, given: str) -> Half:
         return Half(False, given, scenario.wrong[given])
     if pattern in scenario.accepted and given not in scenario.accepted[pattern]:
         problem = (
-            f"This speaks for another pattern than the one you chose ({pattern}): the halves must belong together."
+            f"This is a reason for another pattern, not for the one you chose ({pattern}): the two must fit together."
         )
         return Half(False, given, problem)
     return Half(True, given, scenario.why)
@@ -161,11 +161,11 @@ def _reason(scenario: Scenario, pattern: str, given: str) -> Half:
 
 def _absent(scenario: Scenario, strangers: Collection[str], others: int) -> Marks:
     if meant := nearest(scenario.id, strangers):
-        problem = f"There is no answer under this id, but one under '{_shown(meant)}', which is no scenario."
+        problem = f"There is no answer under this id, but one under '{_shown(meant)}', which is not a scenario."
         return _both(scenario, Half(False, "", problem, UNKNOWN))
     problem = "There is no answer to this scenario."
     if others:
-        problem += f" You answer {others} that were not drawn here: were you given a seed of your own (--seed)?"
+        problem += f" You answered {others} that were not drawn here: were you given a seed of your own (--seed)?"
     return _both(scenario, Half(False, "", problem, MISSING))
 
 
@@ -176,7 +176,7 @@ def _both(scenario: Scenario, half: Half) -> Marks:
 def _no_choice(given: str, kind: str, choices: Sequence[str]) -> str:
     meant = nearest(given, choices)
     proposal = f" Did you mean '{meant}'?" if meant else ""
-    return f"'{_shown(given)}' is no {kind} of this scenario; there are {', '.join(choices)}.{proposal}"
+    return f"'{_shown(given)}' is not a {kind} of this scenario; it has to be one of {', '.join(choices)}.{proposal}"
 
 
 def _plain(value: object) -> str:

@@ -78,7 +78,7 @@ def show(seed: int = DEFAULT_SEED) -> Questions:
         TypeError: the seed is no whole number.
     """
     if not isinstance(seed, int) or isinstance(seed, bool):
-        raise TypeError(f"The seed is a whole number, such as seed=17, and this is {seed!r}.")
+        raise TypeError(f"The seed has to be a whole number, such as seed=17, not {seed!r}.")
     return Questions(seed)
 
 

@@ -123,7 +123,7 @@ def _joined(name: str, text: str, exercise: str) -> tuple[str, list[tuple[int, i
             f"(U+{ord(source[problem.start]):04X}), which no text can hold."
         ) from None
     if size > LARGEST:
-        raise UnreadableTextError(f"{name} holds more than {LARGEST // 1024} kB of code. Hand in the program alone.")
+        raise UnreadableTextError(f"{name} holds more than {LARGEST // 1024} kB of code. Hand in only the program.")
     return source, places
 
 
@@ -139,7 +139,7 @@ def _code_cells(name: str, text: str) -> list[tuple[int, str]]:
         cells = json.loads(text, parse_int=len, parse_float=len)["cells"]
         return [(number, _text_of(cell)) for number, cell in enumerate(cells, 1) if cell["cell_type"] == "code"]
     except _NO_NOTEBOOK:
-        raise UnreadableTextError(f"{name} is no Jupyter notebook. Save it again in JupyterLab.") from None
+        raise UnreadableTextError(f"{name} is not a Jupyter notebook. Save it again in JupyterLab.") from None
 
 
 def _text_of(cell: Any) -> str:

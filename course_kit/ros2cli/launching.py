@@ -67,7 +67,7 @@ def main() -> int:
     for argument in arguments:
         key, separator, value = argument.partition(":=")
         if not separator:
-            sys.stderr.write(f"{argument!r} is no argument of a launch file: write name:=value.\n")
+            sys.stderr.write(f"{argument!r} is not an argument for a launch file: write name:=value.\n")
             return 1
         values[key] = value
     try:

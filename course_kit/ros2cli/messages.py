@@ -51,7 +51,7 @@ class Listener:
     def rate(self, window: int) -> None:
         """Print once a second how often messages have come, over the last `window` of them."""
         if window < 2:  # noqa: PLR2004 - a rate needs two
-            raise CommandError(f"--window is a number of messages, at least 2, not {window}.")
+            raise CommandError(f"--window has to be a number of messages, at least 2, not {window}.")
         self._subscribe()
         times: deque[float] = deque(maxlen=window)
         report_at = time.monotonic() + _REPORT_EVERY
@@ -129,7 +129,7 @@ def publish(options: Any, session: Session, topic: str) -> None:
     from course_kit.ros2cli import qos, values
 
     if options.rate <= 0:
-        raise CommandError(f"--rate is a number above 0, not {options.rate:g}.")
+        raise CommandError(f"--rate has to be a number above 0, not {options.rate:g}.")
     node = session.node
     message_type = types.find_type(options.message_type, "msg")
     message = message_type()
@@ -162,8 +162,8 @@ def _wait_for_subscriptions(publisher: Any, topic: str, wanted: int, options: An
             topics = {name for name, _ in session.node.get_topic_names_and_types()} - {topic}
             found = publisher.get_subscription_count()
             raise CommandError(
-                f"{topic} has {found} matching subscription(s) after {options.timeout:g} s, and {wanted} are waited "
-                f"for.{did_you_mean(topic, topics)}"
+                f"{f'Only {found}' if found else 'Nobody'} subscribed to {topic} within {options.timeout:g} s "
+                f"(waiting for {wanted}).{did_you_mean(topic, topics)}"
             )
 
 

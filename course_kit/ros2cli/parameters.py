@@ -102,7 +102,7 @@ def parse(name: str, text: str) -> Any:
     try:
         return Parameter(name=name, value=get_parameter_value(text))
     except (YAMLError, AssertionError, ValueError, OverflowError) as error:
-        raise CommandError(f"{text!r} is no value of a parameter: {str(error).splitlines()[0]}.") from error
+        raise CommandError(f"{text!r} is not a parameter value: {str(error).splitlines()[0]}.") from error
 
 
 def load_file(path: str, node: str, *, use_wildcard: bool) -> list[Any]:
@@ -119,5 +119,5 @@ def load_file(path: str, node: str, *, use_wildcard: bool) -> list[Any]:
     except OSError as error:
         raise CommandError(f"{path}: {error.strerror}.") from error
     except (RuntimeError, YAMLError, AttributeError, TypeError, ValueError) as error:
-        raise CommandError(f"{path} is no parameter file for {node}: {str(error).strip()}") from error
+        raise CommandError(f"{path} is not a parameter file for {node}: {str(error).strip()}") from error
     return list(loaded.values())

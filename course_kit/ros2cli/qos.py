@@ -76,7 +76,7 @@ def _chosen(options: Any, otherwise: Any) -> Any:
     )
     if options.qos_depth is not None:
         if options.qos_depth < 0:
-            raise CommandError(f"--qos-depth is a number of messages, not {options.qos_depth}.")
+            raise CommandError(f"--qos-depth has to be a number of messages, not {options.qos_depth}.")
         profile.depth = options.qos_depth
     for name, policy in (
         ("reliability", ReliabilityPolicy),

@@ -8,6 +8,7 @@ from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
 
 _WORDS = {"msg": "message", "srv": "service", "action": "action"}
+_ARTICLES = {"msg": "a message", "srv": "a service", "action": "an action"}
 
 
 def find_type(name: str, kind: str) -> Any:
@@ -33,7 +34,7 @@ def find_type(name: str, kind: str) -> Any:
         near = did_you_mean(wanted, interfaces.types(kind=kind))
         raise CommandError(f"{text}there is no {wanted}.{near}") from problem
     if f"/{kind}/" not in wanted:
-        raise CommandError(f"The passed {_WORDS[kind]} type is invalid: {wanted} is no {_WORDS[kind]}.")
+        raise CommandError(f"The passed {_WORDS[kind]} type is invalid: {wanted} is not {_ARTICLES[kind]} type.")
     return interface
 
 

@@ -31,9 +31,9 @@ def load(text: str | None, what: str = "values") -> Any:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f" in line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        raise CommandError(f"The {what} are no valid YAML: {error.problem}{place} of {text!r}.") from error
+        raise CommandError(f"The {what} are not valid YAML: {error.problem}{place} of {text!r}.") from error
     except yaml.YAMLError as error:
-        raise CommandError(f"The {what} are no valid YAML: {error}") from error
+        raise CommandError(f"The {what} are not valid YAML: {error}") from error
     return {} if loaded is None else loaded
 
 

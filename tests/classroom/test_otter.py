@@ -104,7 +104,7 @@ def test_the_cases_have_the_points_of_the_exercise(exercise: str, monkeypatch: p
 def test_nothing_handed_in_fails_every_case_and_says_so(kernel: Kernel) -> None:
     points, failed, gradings = outcome(kernel, QUICK)
     assert (points, gradings) == (0, 0)
-    assert set(failed.values()) == {f"Nothing was handed in: no cell with %%submission {QUICK} was run."}
+    assert set(failed.values()) == {f"Nothing was handed in: no cell that begins with %%submission {QUICK} was run."}
 
 
 def test_the_cases_that_pass_are_the_partial_credit_of_one_grading(kernel: Kernel) -> None:
@@ -169,7 +169,7 @@ def test_a_submission_that_cannot_be_read_gets_the_reason() -> None:
 
 
 def test_a_fault_of_the_grader_is_not_the_learners() -> None:
-    with pytest.raises(grading.GradingError, match=r"The worker ended\. This is no fault of the submission"):
+    with pytest.raises(grading.GradingError, match=r"The worker ended\. This is not the submission's fault"):
         otter.feedback(report("error", "The worker ended."), "offered")
 
 

@@ -294,10 +294,10 @@ def test_where_nobody_has_handed_in_anything_that_is_said_and_nothing_is_begun(t
     (tmp_path / "in/ann/\x1bnotes.txt").write_text("")
     (tmp_path / "in/ann/more.txt").write_text("")
     with pytest.raises(
-        GradingError, match="holds no submission of temperature_service, read by the layout 'folders'"
+        GradingError, match="holds no submission for temperature_service, read with the layout 'folders'"
     ) as told:
         run(tmp_path / "in", tmp_path / "out", StandInForGrading())
-    assert "ann (nothing of it is for the exercises)" in str(told.value)
+    assert "ann (none of it belongs to these exercises)" in str(told.value)
     assert "\x1b" not in str(told.value)
     (tmp_path / "in/ann/temperature_service.py").write_text("right = 1")
     assert run(tmp_path / "in", tmp_path / "out", StandInForGrading()).complete, "without --resume"

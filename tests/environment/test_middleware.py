@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 MISSING = "rmw_cyclonedds_cpp"
-SENTENCE = f"RMW_IMPLEMENTATION is set to '{MISSING}', and no such middleware is installed here"
+SENTENCE = f"RMW_IMPLEMENTATION is set to '{MISSING}', but no such middleware is installed here"
 PROGRAM = "import rclpy; rclpy.init(); print(rclpy.get_rmw_implementation_identifier())"
 
 

@@ -117,10 +117,10 @@ def test_it_says_how_the_class_did() -> None:
         unreadable("li"),
         not_graded("ole"),
         missing=(("eve", SERVICE.id),),
-        left=(("notes.txt", "it is for none of the exercises"),),
+        left=(("notes.txt", "it belongs to none of these exercises"),),
         layout="canvas",
         complete=False,
-        dropped=(("zoe", "zoe: it is a link, which is not followed"),),
+        dropped=(("zoe", "zoe: it is a link, and links are not followed"),),
         odd=(("yan", "its name does not follow the layout 'canvas'"),),
     )
     text = Document(page.render(gradebook)).text
@@ -133,8 +133,8 @@ def test_it_says_how_the_class_did() -> None:
         "our fault",
         "the worker was gone",
         "Handed in, but not graded",
-        "zoe: it is a link, which is not followed",
-        "Graded, each as a student for itself",
+        "zoe: it is a link, and links are not followed",
+        "Graded, each entry as a separate student",
         "its name does not follow the layout 'canvas'",
         "10 of 10",
         "passed, late",
@@ -145,8 +145,8 @@ def test_it_says_how_the_class_did() -> None:
         "12.3\u00a0kB",
         "1.25\u00a0s",
         "notes.txt",
-        "it is for none of the exercises",
-        "Students who have handed in something else only",
+        "it belongs to none of these exercises",
+        "Students who handed in only something else",
         "Similarity is no proof.",
     ):
         assert part in text, part

@@ -123,7 +123,7 @@ def test_a_command_that_requires_isolation_refuses_to_grade_without_namespaces(t
     )
     for done in (one, many):
         assert done.returncode == 2
-        assert "Nothing was graded, because full isolation was asked for" in done.stderr
+        assert "Nothing was graded: --require-isolation asks for full isolation" in done.stderr
         assert done.stdout == ""
 
 

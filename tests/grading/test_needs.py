@@ -71,11 +71,11 @@ def told(done: subprocess.CompletedProcess[str]) -> str:
 @pytest.mark.parametrize(
     ("what", "most", "said"),
     [
-        ("RLIMIT_NOFILE", 150, "150 open files here (ulimit -n), and a submission is promised 256. Allow more ("),
+        ("RLIMIT_NOFILE", 150, "150 open files here (ulimit -n), but a submission is promised 256. Allow more ("),
         ("RLIMIT_NOFILE", 40, "40 open files here (ulimit -n)"),
         ("RLIMIT_AS", 900 << 20, "921600 kB of address space here (ulimit -v)"),
         ("RLIMIT_DATA", 600 << 20, "614400 kB of memory here (ulimit -d)"),
-        ("RLIMIT_CPU", 15, "compute for 15 s here (ulimit -t), and a submission is promised 21"),
+        ("RLIMIT_CPU", 15, "compute for 15 s here (ulimit -t), but a submission is promised 21"),
         ("RLIMIT_FSIZE", 1 << 20, "write files of 1024 kB here (ulimit -f)"),
     ],
 )

@@ -42,7 +42,7 @@ def failed(report: grading.Report) -> list[grading.CheckReport]:
     return [check for check in report.checks if check.status != "passed"]
 
 
-def test_points_and_seed_are_those_of_the_contract() -> None:
+def test_points_and_seed_are_those_of_the_exercise() -> None:
     task = exercise.load(EXERCISE)
     assert (task.points, task.pass_mark, task.seed) == (10.0, 10.0 * quiz.PASS_SHARE, quiz.DEFAULT_SEED)
 

@@ -150,7 +150,7 @@ def test_limits_hold_and_are_told(tmp_path: Path) -> None:
         read(path, TASK.id)
     notebook = tmp_path / "a.ipynb"
     notebook.write_text(f'{{"cells": [], "x": [{"[]," * 20_000_000}0]}}')
-    with pytest.raises(UnreadableError, match=r"^a.ipynb cannot be read: .* Clear its outputs, and hand in a shorter"):
+    with pytest.raises(UnreadableError, match=r"^a.ipynb cannot be read: .* Clear its outputs and hand in a shorter"):
         read(notebook, TASK.id)
 
 

@@ -169,7 +169,7 @@ def test_why_a_call_failed(process: ProcessStatus, code: str | None) -> None:
 )
 def test_nearest_import(problem: str, nearest: str) -> None:
     process = ProcessStatus(running=False, stderr=f"Traceback (most recent call last):\n{problem}\n")
-    assert f"nearest name there is: {nearest}." in exits.of_start(process, JOB)[1]
+    assert f"nearest name is {nearest}." in exits.of_start(process, JOB)[1]
 
 
 def test_source_line_in_a_notebook() -> None:

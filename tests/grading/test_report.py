@@ -1,4 +1,4 @@
-"""The report: the contract's JSON to the letter, text for terminals, HTML that nobody can inject into."""
+"""The report: JSON with exactly its names, text for terminals, HTML that nobody can inject into."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class Elements(HTMLParser):
         self.closed.append(tag)
 
 
-def test_json_has_exactly_the_names_of_the_contract() -> None:
+def test_json_has_exactly_these_names() -> None:
     data = json.loads(REPORT.to_json())
     assert list(data) == KEYS
     assert [list(check) for check in data["checks"]] == [CHECK_KEYS] * 4
@@ -271,7 +271,7 @@ def test_diagram_grows_with_its_text_and_stays_within_its_width() -> None:
 
 
 def test_link_leads_from_the_notebooks_folder_to_the_lesson() -> None:
-    taught = replace(FAILED, diagnosis="service.no_return")
+    taught = replace(FAILED, diagnosis="service.no_return", known=catalogue()["service.no_return"])
     root = environment.checkout()
     assert root is not None
     html = render_html(replace(REPORT, checks=(taught,)), root / "exercises" / "temperature_service")
@@ -287,7 +287,7 @@ def test_link_in_a_learners_copy_leads_to_the_lesson_in_it(tmp_path: Path) -> No
     lesson.parent.mkdir()
     lesson.touch()
     (tmp_path / "exercises" / "temperature_service").mkdir(parents=True)
-    taught = replace(FAILED, diagnosis="service.no_return")
+    taught = replace(FAILED, diagnosis="service.no_return", known=catalogue()["service.no_return"])
     html = render_html(replace(REPORT, checks=(taught,)), tmp_path / "exercises" / "temperature_service")
     assert 'href="../../notebooks/01_services.ipynb#' in html
 
@@ -315,7 +315,7 @@ def test_catalogue_has_all_for_each_code() -> None:
 
 
 def test_message_is_completed_with_why_and_where() -> None:
-    text = complete("It happened.", "service.no_return")
+    text = complete("It happened.", catalogue()["service.no_return"])
     assert text.startswith("It happened. ")
     assert catalogue()["service.no_return"].explanation in text
     assert "notebooks/01_services.ipynb#" in text

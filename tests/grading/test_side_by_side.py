@@ -69,7 +69,7 @@ def test_one_that_is_killed_is_told_and_costs_the_other_nothing(pair: list[Worke
 
     killer = threading.Thread(target=kill)
     killer.start()
-    with pytest.raises(grading.GradingError, match="ended while it was at work"):
+    with pytest.raises(grading.GradingError, match="ended while it was grading"):
         grading.grade(EXERCISE, tmp_path / "a.py", worker=victim)
     killer.join()
     assert grading.grade(EXERCISE, SOLUTION, worker=other).score == 10.0

@@ -72,7 +72,7 @@ def test_without_any_action_the_graph_is_said_to_be_empty() -> None:
 
 def test_an_action_of_another_type_is_named() -> None:
     lab.start(Fibonaccis)
-    expected = "/fibonacci has the type example_interfaces/action/Fibonacci, and the goal was one of test_msgs/action/"
+    expected = "/fibonacci has the type example_interfaces/action/Fibonacci, but the goal was one of test_msgs/action/"
     with pytest.raises(lab.ActionNotFoundError, match=expected):
         lab.send_goal_blocking("/fibonacci", OtherFibonacci, order=1)
 

@@ -18,9 +18,9 @@ from tests.waiting import wait_until
 if TYPE_CHECKING:
     from tests.lab.kernel import Kernel
 
-SEED = Path(__file__).parent.parent / "seed"
-SERVER = (SEED / "minimal_service.py").read_text()
-CLIENT = (SEED / "minimal_client.py").read_text()
+PROGRAMS = Path(__file__).parent.parent / "lesson_programs"
+SERVER = (PROGRAMS / "minimal_service.py").read_text()
+CLIENT = (PROGRAMS / "minimal_client.py").read_text()
 EXCHANGE = (
     "1. minimal_client -> minimal_service  /add_two_ints request: a=1, b=2\n"
     "2. minimal_service -> minimal_client  /add_two_ints response: sum=3"

@@ -22,7 +22,7 @@ settings = st.builds(
 
 
 @given(settings, velocities, velocities)
-def test_the_right_reaction_keeps_to_the_contract(values: LimiterSettings, speed: float, turn: float) -> None:
+def test_the_right_reaction_is_what_the_exercise_asks_for(values: LimiterSettings, speed: float, turn: float) -> None:
     right = _limiter.right_reaction(values, command(speed, angular_z=turn))
     if not values.enabled:
         assert right == Reaction((0.0,) * 6, 0.0)
@@ -101,7 +101,7 @@ def test_a_parameter_file_is_what_ros_2_reads() -> None:
         "".join
     )
 )
-def test_a_status_line_is_read_as_the_contract_describes_it(line: str) -> None:
+def test_a_status_line_is_read_as_the_exercise_describes_it(line: str) -> None:
     """As by this pattern, which takes the cube of a line's length."""
     match = re.fullmatch(r"\s*(?P<name>.*?)\s*:\s*(?P<number>\S+)\s*m/s\s*", line, re.DOTALL)
     try:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).resolve().parent
 GOLDEN = HERE / "golden"
-SEED = HERE.parent / "seed"
+PROGRAMS = HERE.parent / "lesson_programs"
 OURS = [sys.executable, "-m", "course_kit.ros2cli"]
 PATIENCE = 60.0
 

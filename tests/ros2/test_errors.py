@@ -56,7 +56,7 @@ rclpy.spin(Faulty())
         ((*CALL, "/set_power", "std_msgs/msg/String"), 1, "std_msgs/msg/String is no service"),
         ((*CALL, "/set_powr", "std_srvs/srv/SetBool", "--timeout", "1"), 1, "within 1 s. Did you mean /set_power?"),
         ((*CALL, "/set_power", "std_srvs/srv/Trigger"), 1, "a service of the type std_srvs/srv/SetBool, not"),
-        ((*CALL, "/set_power", "std_srvs/srv/SetBool", "--timeout", "-1"), 2, "-1 is no number of seconds above 0"),
+        ((*CALL, "/set_power", "std_srvs/srv/SetBool", "--timeout", "-1"), 2, "-1 is not a number of seconds above 0"),
         (("action", "type", "/fibonaci"), 1, "Did you mean /fibonacci?"),
         (("action", "send_goal", "/fibonacci", "test_msgs/action/Fibonacci", "{order: 1.5}"), 1, "'order' is an int32"),
         (
@@ -66,7 +66,7 @@ rclpy.spin(Faulty())
         ),
         (("node", "info", "/robt"), 1, "Unable to find node '/robt'. Did you mean /robot?"),
         (("param", "get", "/robot", "max_velocty"), 1, "Did you mean max_velocity?"),
-        (("param", "set", "/robot", "max_velocity", "@1"), 1, "is no value of a parameter"),
+        (("param", "set", "/robot", "max_velocity", "@1"), 1, "is not a parameter value"),
         (("param", "load", "/robot", "missing.yaml"), 1, "missing.yaml: No such file or directory"),
         (("topic", "info", "/chater"), 1, "Unknown topic '/chater'. Did you mean /chatter?"),
         (("topic", "echo", "/chater", "--timeout", "1"), 1, "Did you mean /chatter?"),

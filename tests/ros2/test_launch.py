@@ -148,7 +148,7 @@ def test_a_child_does_not_survive_a_launch_that_is_killed(ros2: Ros2) -> None:
         ("DeclareLaunchArgument('speed')", "add speed:=value"),
         ("IncludeLaunchDescription('no.launch.py')", "There is no launch file"),
         ("TimerAction(period='soon', actions=[])", "a period is a number of seconds"),
-        ("'node'", "'node' is no action of the course kit's subset"),
+        ("'node'", "'node' is not part of the course kit's subset"),
         ("1 / 0", "it.launch.py, line 9: ZeroDivisionError: division by zero"),
     ],
 )

@@ -81,7 +81,7 @@ def test_not_a_number_is_a_float() -> None:
         (UInt8MultiArray(), "{data: 1}", "The field 'data' is a list of uint8; 1 is an integer."),
         (Arrays(), "{int32_values: [1, 2]}", "The field 'int32_values' takes exactly 3 values, not 2."),
         (BoundedSequences(), "{int32_values: [1, 2, 3, 4]}", "The field 'int32_values' takes at most 3 values, not 4."),
-        (String(), "{data: hi", "The values are no valid YAML: expected ',' or '}', but got '<stream end>' in line 1"),
+        (String(), "{data: hi", "The values are not valid YAML: expected ',' or '}', but got '<stream end>' in line 1"),
     ],
 )
 def test_values_that_do_not_fit_are_named(message: object, text: str, wanted: str) -> None:

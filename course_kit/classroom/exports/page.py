@@ -38,7 +38,7 @@ _SECTIONS = {  # of the page, in its order: template and title; what has nothing
     "students": "Students",
     "odd": "Entries that do not fit the layout",
     "missing": "Missing submissions",
-    "left": "Files that are no submissions",
+    "left": "Files that were not recognised as submissions",
 }
 _LAYOUTS = {
     "canvas": "Canvas",

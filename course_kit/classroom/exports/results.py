@@ -14,8 +14,8 @@ MISSING = "missing"
 STATES = {
     "passed": "passed",
     "failed": "not passed",
-    "skipped": "not run, as a check before it did not pass",
-    "error": "could not be run: the grader's error, not yours",
+    "skipped": "not run, because an earlier check did not pass",
+    "error": "could not be run: an error of the grader, not yours",
 }
 
 

@@ -1,7 +1,7 @@
 """What graders ask of an action server before they send it goals: is it there, and does the grader hear it.
 
-An action is three services and two topics below its name (design article "Actions" of ROS 2). The grader uses these
-themselves, not rclpy's ActionClient: that one drops feedback which arrives after the result, and hides the rest.
+An action is three services and two topics below its name ("Actions" in the ROS 2 design articles). The grader uses
+these themselves, not rclpy's ActionClient: that one drops feedback which arrives after the result, and hides the rest.
 """
 
 from __future__ import annotations

@@ -107,7 +107,7 @@ def in_order(checks: Sequence[Check]) -> list[Check]:
         following = next((one for one in waiting if set(one.depends_on) <= done), None)
         if following is None:
             unmet = sorted({name for one in waiting for name in one.depends_on} - done)
-            raise ValueError(f"these checks are never run, they wait for {', '.join(unmet)}")
+            raise ValueError(f"these checks are never run because they wait for {', '.join(unmet)}")
         waiting.remove(following)
         ordered.append(following)
     return ordered
@@ -149,7 +149,7 @@ def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[Result]:
         missing = [name for name in one.depends_on if name not in passed]
         if missing:
             needed = ", ".join(f'"{titles[name]}"' for name in missing)
-            yield Result(one.id, one.title, "skipped", one.points, message=f"Not run: it needs {needed} to pass first.")
+            yield Result(one.id, one.title, "skipped", one.points, message=f"Not run: {needed} has to pass first.")
             continue
         result = _run(one, context)
         if result.status == "passed":

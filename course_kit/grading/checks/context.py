@@ -117,7 +117,9 @@ class CheckContext:
             NotRun: arguments for a program that somebody else has started.
         """
         if arguments and self.job.mode == "attach":
-            raise NotRun("it starts your program anew with other arguments, and with --attach it was started already.")
+            raise NotRun(
+                "it starts your program again with other arguments, but with --attach your program is already running."
+            )
         began = time.monotonic()
         self.close()
         self._spoiled = False
@@ -185,8 +187,8 @@ class CheckContext:
             Failed: the check has used up its time; with service.blocks.
         """
         if self.time_is_up():
-            message = f"Each answer came, but so slowly that the {self.deadline_s:g} s for this check were over."
-            raise Failed(replace(evidence, got="too late to be asked"), message, "service.blocks")
+            message = f"Every answer came, but so slowly that the {self.deadline_s:g} s for this check ran out."
+            raise Failed(replace(evidence, got="too late to ask"), message, "service.blocks")
 
     @contextmanager
     def after_the_verdict(self) -> Iterator[None]:

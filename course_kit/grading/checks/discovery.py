@@ -104,7 +104,7 @@ def start_again(
         pass
     context.spoil()
     evidence = Evidence("", f"the {wanted.kind} {wanted.name}, started again", f"no {wanted.kind}")
-    raise Failed(evidence, "Your program came up once, was started again, and did not come up.")
+    raise Failed(evidence, "Your program started once, but did not come up when it was started again.")
 
 
 def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) -> Evidence:
@@ -128,7 +128,7 @@ def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) ->
         return Evidence("", expected, expected)
     nodes = context.grader_node.nodes()
     got = f"on the graph: {', '.join(nodes) or 'no node'}"
-    message = f"The graph has {graph.listed(nodes, 'node')}, and none is called {name}.{graph.closest(name, nodes)}"
+    message = f"The graph has {graph.listed(nodes, 'node')}, but none is called {name}.{graph.closest(name, nodes)}"
     raise Failed(Evidence("", expected, got), message, "name.node")
 
 
@@ -140,12 +140,12 @@ def _not_offered(context: CheckContext, wanted: Wanted, offers: Sequence[Offer],
     types = [offer.type for offer in offers if offer.name == wanted.name]
     if wanted.type in types:
         message = (
-            f"The {wanted.kind} {wanted.name} is there with its type, and a client cannot connect to all of it. "
+            f"The {wanted.kind} {wanted.name} exists with the right type, but a client cannot connect to all of it. "
             "Make it with the default QoS profile, and keep it as long as the node."
         )
         return Failed(evidence, message)
     if types:
-        message = f"The {wanted.kind} {wanted.name} is there with the type {types[0]} instead of {wanted.type}."
+        message = f"The {wanted.kind} {wanted.name} has type {types[0]}, expected {wanted.type}."
         return Failed(evidence, message, "type.interface")
     if offers:
         alike = [offer for offer in offers if offer.type == wanted.type] or offers
@@ -154,5 +154,5 @@ def _not_offered(context: CheckContext, wanted: Wanted, offers: Sequence[Offer],
         )
         return Failed(evidence, message, f"name.{wanted.kind}")
     if nodes:
-        return Failed(evidence, f"Your node {nodes[0]} is up, and offers no {wanted.kind}.", None)
+        return Failed(evidence, f"Your node {nodes[0]} is running, but it offers no {wanted.kind}.", None)
     return Failed(evidence, *graph.why_empty(context, wanted.name)[::-1])

@@ -129,7 +129,10 @@ class GraderNode:
             self._receiver.receive(timeout_s)
         except (MemoryError, SystemError):  # the second, where an allocation in rclpy's own code has failed
             evidence = Evidence(got="messages too large for the grader's memory")
-            message = "Your program sends messages so large, or so many large ones, that the grader cannot hold them."
+            message = (
+                "Your program sends more data than the grader can hold in memory: messages that are too "
+                "large, or too many of them."
+            )
             raise Failed(evidence, message, "limit.memory") from None
 
     def client(self, interface: Any, name: str, number: int = 0) -> Client:

@@ -26,14 +26,14 @@ def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
         wanted: the full name of what a node was to bring: a service, an action, itself.
     """
     if context.job.mode == "attach":
-        return "start.nothing", f"Nobody on the graph of ROS domain {context.grader_node.domain} offers {wanted}."
+        return "start.nothing", f"No node on ROS domain {context.grader_node.domain} offers {wanted}."
     doing = hangs.doing(context)
     busy = hangs.computes(context)
     where = f" It is in {exits.source_line(context.job, doing.own.line)}." if doing.own else ""
     start_s = context.job.limits.start_s
     if busy:
-        return "limit.time", f"After {start_s:g} s your program was still computing, and no node had appeared.{where}"
-    return "start.nothing", f"Your program runs, but within {start_s:g} s no node has appeared on the graph.{where}"
+        return "limit.time", f"After {start_s:g} s your program was still computing and no node had appeared.{where}"
+    return "start.nothing", f"Your program runs, but no node appeared on the graph within {start_s:g} s.{where}"
 
 
 def closest(wanted: str, names: Sequence[str]) -> str:

@@ -69,7 +69,7 @@ def call_many(
     each = spent / answered
     message = (
         f"{answered} of {len(requests)} requests were answered in {spent:.1f} s, one in {each:.2f} s: "
-        f"the last of {load.clients} clients asking together waits {load.clients * each:.1f} s."
+        f"the last of {load.clients} clients that ask together waits {load.clients * each:.1f} s."
     )
     raise Failed(replace(evidence, got=f"{answered} answers in {spent:.1f} s"), message, "service.blocks")
 

@@ -48,7 +48,7 @@ class SetResult:
 
     def shown(self) -> str:
         """As the learner is shown it."""
-        return "it was accepted" if self.successful else f"it was refused, with the reason {self.reason!r}"
+        return "accepted" if self.successful else f"refused, with the reason {self.reason!r}"
 
 
 class Remote:
@@ -149,7 +149,10 @@ def ensure_served(context: CheckContext, node: str) -> Remote:
             expect_served(context, node)
         except Failed as failed:
             context.spoil()
-            message = f"An earlier check ended your program, and started again it did not come up. {failed.message}"
+            message = (
+                "Your program ended in an earlier check and did not come up when it was started again. "
+                f"{failed.message}"
+            )
             raise Failed(failed.evidence, message, failed.diagnosis) from None
     return Remote(context, node)
 
@@ -159,10 +162,13 @@ def _not_served(context: CheckContext, node: str, expected: str) -> Failed:
     context.spoil()
     evidence = Evidence("", expected, f"on the graph: {graph.listed(nodes, 'node')}")
     if node in nodes:
-        message = f"The node {node} is up, and offers no services for its parameters (start_parameter_services)."
+        message = (
+            f"The node {node} is running but has no parameter services (was it made with "
+            "start_parameter_services=False?)."
+        )
         return Failed(evidence, message)
     if nodes:
-        message = f"The graph has {graph.listed(nodes, 'node')}, and none is called {node}.{graph.closest(node, nodes)}"
+        message = f"The graph has {graph.listed(nodes, 'node')}, but none is called {node}.{graph.closest(node, nodes)}"
         return Failed(evidence, message, "name.node")
     return Failed(evidence, *graph.why_empty(context, node)[::-1])
 
@@ -184,7 +190,7 @@ def _told(request: Any, response: Any) -> str:
     if isinstance(response, GetParameters.Response):
         values = [_value(value).value for value in response.values]
         if len(values) != len(request.names):
-            return "no values: something that was asked for is not declared, or not set"
+            return "no values: one of these parameters is not declared, or has no value"
         return shown(dict(zip(request.names, values, strict=True)))
     results = response.results if isinstance(response, SetParameters.Response) else [response.result]
     return "; ".join(_result(one).shown() for one in results)

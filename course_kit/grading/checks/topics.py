@@ -91,11 +91,11 @@ def _require(context: CheckContext, topic: Topic, expected: str, *, publishes: b
     found, fitting = _found(context, topic, publishes), _fitting(context, topic, publishes)
     if not found:
         others = context.grader_node.topics()
-        message = f"Nobody {verb} {topic.name}.{graph.closest(topic.name, others)}"
+        message = f"No node {verb} {topic.name}.{graph.closest(topic.name, others)}"
         raise Failed(Evidence("", expected, f"on the graph: {graph.listed(others, 'topic')}"), message, "topic.silent")
     if not fitting:
         evidence = Evidence("", expected, f"{verb} {topic.name} [{found[0].type}]")
-        message = f"Your node {verb} {topic.name} with the type {found[0].type} instead of {topic.type}."
+        message = f"Your node {verb} {topic.name} with type {found[0].type}, expected {topic.type}."
         raise Failed(evidence, message, "type.interface")
     reasons = [_mismatch(end, publishes=publishes) for end in fitting]
     if all(reasons):
@@ -239,8 +239,8 @@ def _why_nothing(context: CheckContext, sent: str, missing: str, seconds: str) -
         where = exits.source_line(context.job, seen.callback.line)
         if hangs.computes(context):
             return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
-        return None, f"Your callback stands still in {where}, and meanwhile nothing is published."
+        return None, f"Your callback is blocked in {where}; meanwhile nothing is published."
     if logged := exceptions.of_logged(context.process(fresh=True).stderr, context.job):
         context.spoil()
         return logged
-    return "topic.silent", f"Your node was sent a message on {sent}, and published none on {missing}."
+    return "topic.silent", f"Your node received a message on {sent} but published none on {missing}."

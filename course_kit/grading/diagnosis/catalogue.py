@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import difflib
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -13,6 +15,9 @@ else:
     import tomli as tomllib
 
 from course_kit import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 _FILE = Path(__file__).with_name("diagnoses.toml")
 
@@ -43,6 +48,10 @@ class Diagnosis:
         return f"{self.notebook}#{self.section.replace(' ', '-')}"
 
 
+REPLACEABLE = ("title", "explanation", "notebook", "section")
+"""What an exercise may word in its own way; hints it has in its ladder."""
+
+
 @lru_cache(maxsize=1)
 def catalogue() -> dict[str, Diagnosis]:
     """All diagnoses by code."""
@@ -50,10 +59,32 @@ def catalogue() -> dict[str, Diagnosis]:
     return {code: Diagnosis(code, **fields) for code, fields in entries.items()}
 
 
-def complete(message: str, code: str | None) -> str:
+def reworded(code: str, fields: Mapping[str, Any]) -> Diagnosis:
+    """The entry of a code as an exercise words it.
+
+    Args:
+        code: the code.
+        fields: what the exercise says instead, some of `REPLACEABLE`.
+
+    Raises:
+        ValueError: there is no such code or field, a text is missing, or a notebook comes without its section.
+    """
+    if code not in catalogue():
+        near = difflib.get_close_matches(code, catalogue(), 1)
+        raise ValueError(f"there is no diagnosis '{code}'{f'; did you mean {near[0]}?' if near else ''}")
+    for name, text in fields.items():
+        if name not in REPLACEABLE:
+            raise ValueError(f"the diagnosis {code} has no '{name}' to set; known are {', '.join(REPLACEABLE)}")
+        if not isinstance(text, str) or not text.strip():
+            raise ValueError(f"'{name}' of the diagnosis {code} is not a text")
+    if "notebook" in fields and "section" not in fields:
+        raise ValueError(f"the diagnosis {code} names a notebook without a 'section' of it")
+    return replace(catalogue()[code], **fields)
+
+
+def complete(message: str, found: Diagnosis | None) -> str:
     """What happened in this case, followed by why and by where to read, when the cause is known."""
-    if code is None:
+    if found is None:
         return message
-    found = catalogue()[code]
     read_on = f" Read on: {found.link}" if environment.lesson(found.notebook) else ""
     return f"{message} {found.explanation}{read_on}"

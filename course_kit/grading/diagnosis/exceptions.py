@@ -1,4 +1,4 @@
-"""What went wrong in a callback nobody waits for: of a topic, of a timer, or the one that judges parameters.
+"""What went wrong in a callback that no client waits for: of a topic or a timer, or the one that checks parameters.
 
 An exception in one of these ends a spinning rclpy program just as in a service callback, but what it means for the
 others on the graph is different, and so is what the learner is told.
@@ -48,7 +48,8 @@ def of_start(process: ProcessStatus, job: Job) -> exits.Cause:
     if exits.of_limit(process, job) is None:
         if INVALID_RESULT in process.stderr:  # rclpy warns of it, whoever catches the exception that follows
             message = (
-                "Your set-parameters callback runs on each declaration as well, and returned no SetParametersResult."
+                "Your set-parameters callback also runs on each declaration, and it did not return a "
+                "SetParametersResult."
             )
             return "parameter.bad_callback", message
         raised = last_exception(process.stderr, job.name)
@@ -72,7 +73,7 @@ def of_logged(stderr: str, job: Job) -> exits.Cause | None:
     if raised is None:
         return None
     cause = _of_parameters(raised, job) or exits.of_field(raised, job)
-    return cause or (None, f"Your program raised {raised.describe()}{_where(raised, job)}, and nobody caught it.")
+    return cause or (None, f"Your program raised {raised.describe()}{_where(raised, job)}, and nothing caught it.")
 
 
 def unanswered(context: CheckContext, evidence: Evidence, waited_s: float) -> Failed:
@@ -94,7 +95,8 @@ def _of_parameters(raised: Raised, job: Job) -> exits.Cause | None:
     )
     if judging:
         message = (
-            f"Your set-parameters callback raised {raised.describe()}{where}: whoever set the value gets no answer."
+            f"Your set-parameters callback raised {raised.describe()}{where}: the caller who set the "
+            "value gets no answer."
         )
         return "parameter.bad_callback", message
     if raised.type == "InvalidParameterTypeException":

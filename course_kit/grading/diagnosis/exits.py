@@ -1,4 +1,4 @@
-"""Why a submission ended: from its exit, its limits and its own last words to a code of the catalogue."""
+"""Why a submission ended: from its exit, its limits and its last output to a code of the catalogue."""
 
 from __future__ import annotations
 
@@ -55,11 +55,12 @@ def of_limit(process: ProcessStatus, job: Job) -> Cause | None:
         limits.cpu_s if process.signal == signal.SIGXCPU else process.cpu_s
     )  # what is dead is not counted any more
     told = {
-        "time": f"Your program was stopped: it had computed for {computed:.0f} s (the limits are {limits.cpu_s} s of "
-        f"computing and {limits.wall_s:g} s in all).",
-        "memory": f"Your program wanted more than the {limits.memory_mb} MB of memory it may use.",
-        "output": f"Your program was stopped: it had printed more than {limits.output_kb} kB.",
-        "processes": f"Your program started more than the {limits.tasks} processes and threads it may have at a time.",
+        "time": f"Your program was stopped: it had used the processor for {computed:.0f} s (the "
+        f"limits are {limits.cpu_s} s of processor time and {limits.wall_s:g} s in all).",
+        "memory": f"Your program needed more than the {limits.memory_mb} MB of memory it may use.",
+        "output": f"Your program was stopped: it printed more than {limits.output_kb} kB.",
+        "processes": f"Your program started more than the {limits.tasks} processes and threads it "
+        "may have at the same time.",
     }
     return (f"limit.{limit}", told[limit]) if limit else None
 
@@ -86,7 +87,7 @@ def exited(process: ProcessStatus) -> Cause:
 
 
 def of_call(process: ProcessStatus, job: Job) -> Cause:
-    """Why a submission ended while it was to answer a call."""
+    """Why a submission ended while it was handling a call."""
     return of_limit(process, job) or _of_callback(process, job) or exited(process)
 
 
@@ -95,20 +96,20 @@ def _of_callback(process: ProcessStatus, job: Job) -> Cause | None:
     if returned == "None":
         return (
             "service.no_return",
-            "Your callback ran and returned None; rclpy had nothing to send and your node ended.",
+            "Your callback returned None; rclpy had nothing to send, and your node ended.",
         )
     if returned is not None:
-        text = f"Your callback returned an object of type {returned}; rclpy refused to send it and your node ended."
+        text = f"Your callback returned an object of type {returned}; rclpy refused to send it, and your node ended."
         return "service.wrong_return", text
     if process.signal:
-        return None, f"Your program ended by signal {_signal_name(process.signal)} while it was to answer."
+        return None, f"Your program ended by signal {_signal_name(process.signal)} while it was handling a request."
     if process.notes.get("exit_in_callback"):
         return "service.exception", "Your callback ended the whole program (SystemExit). The client got no answer."
     return of_logged(process.stderr, job)
 
 
 def of_logged(stderr: str, job: Job) -> Cause | None:
-    """What a program that lives on has told about an exception in its callback."""
+    """What the output of a program that is still running says about an exception in its callback."""
     raised = last_exception(stderr, job.name)
     return _of_exception(raised, job) if raised is not None else None
 
@@ -131,7 +132,7 @@ def of_field(raised: Raised, job: Job) -> Cause | None:
     if match is None:
         return None
     where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
-    text = f"The field '{match['field']}' must be a {match['type']}, and something else was put into it{where}."
+    text = f"The field '{match['field']}' must be a {match['type']}, but something else was put into it{where}."
     return "field.type", text
 
 
@@ -140,9 +141,9 @@ def _no_class(process: ProcessStatus, job: Job) -> str:
     if nodes:
         found = f"several Node classes ({', '.join(map(str, nodes))}), none of them called {job.class_name}"
     elif classes:
-        found = f"the class {', '.join(map(str, classes))}, which is no rclpy Node"
+        found = f"the class {', '.join(map(str, classes))}, which is not an rclpy Node"
     elif functions:
-        found = f"the function {', '.join(map(str, functions))}, and nothing that calls it"
+        found = f"the function {', '.join(map(str, functions))}, but nothing calls it"
     else:
         found = "no class at all"
     return f"Your program ran to its end without making a node. It defines {found}."
@@ -154,13 +155,13 @@ def _nearest(raised: Raised) -> str:
         known = {module.name for module in pkgutil.iter_modules()} | set(sys.stdlib_module_names)
         known.update(_INTERFACE_PACKAGES)
         if wanted in known:  # the package is right, something in it is not
-            return f"There is a package {wanted}, but not that part of it."
+            return f"There is a package {wanted}, but it has no such part."
     elif match := _NO_NAME.search(raised.text):
         wanted, known = match["name"], _names_in(match["module"])
     else:
         return ""
     near = nearest(wanted, known)
-    return f"The nearest name there is: {near}." if near else ""
+    return f"The nearest name is {near}." if near else ""
 
 
 def _names_in(module: str) -> set[str]:

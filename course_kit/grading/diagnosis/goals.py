@@ -1,4 +1,4 @@
-"""Why a goal ended otherwise than it should: from its status, the program's log and its last words to a code."""
+"""Why a goal ended in another way than it should: from its status, the program's log and output to a code."""
 
 from __future__ import annotations
 
@@ -61,10 +61,10 @@ def of_status(name: str, process: ProcessStatus, job: Job) -> Cause:
     if cause := of_exception(process, job):
         return cause
     if _NOT_ENDED in process.stderr:
-        text = f"Your execute callback returned and had not said how the goal ended, so rclpy made it {name}."
+        text = f"Your execute callback returned without saying how the goal ended, so rclpy made it {name}."
         return "action.no_terminal", text
     if name == "ABORTED" and job.mode != "run":  # the log, which would tell these two apart, may be another's
-        return None, "The goal was ABORTED: your server called abort(), or nothing that ends the goal."
+        return None, "The goal was ABORTED: your server called abort(), or never said how the goal ended."
     return "action.wrong_terminal", f"Your server itself ended the goal as {name}."
 
 
@@ -79,15 +79,18 @@ def of_silence(context: CheckContext, over: str, seconds: float, process: Proces
     """
     if over:
         cause = of_exception(process, context.job)
-        return cause or (None, f"The goal has ended as {over}, but its result was never sent.")
+        return cause or (None, f"The goal ended as {over}, but its result was never sent.")
     looks = [hangs.doing(context) for _ in range(_LOOKS)]
     at_work = [seen.callback for seen in looks if seen.callback is not None]
     if not at_work:
-        return None, f"The goal was accepted, and {seconds:.1f} s later it has not ended. No callback is at work on it."
+        return None, f"The goal was accepted but had not ended {seconds:.1f} s later, and no callback is working on it."
     where = exits.source_line(context.job, at_work[0].line)
     if all(seen.waits_for_ros for seen in looks if seen.callback is not None):
-        return "service.deadlock", f"Your execute callback has stopped in {where}: it waits there for ROS."
-    return "limit.time", f"After {seconds:.1f} s your execute callback is still at work, in {where}."
+        return (
+            "service.deadlock",
+            f"Your execute callback is stuck in {where}: it waits for ROS, but blocks the executor it waits for.",
+        )
+    return "limit.time", f"After {seconds:.1f} s your execute callback was still running, in {where}."
 
 
 def _in_execute(raised: Raised) -> bool:
@@ -100,7 +103,10 @@ def _of_exception(raised: Raised, job: Job) -> Cause:
     where = f" in {exits.source_line(job, raised.own.line)}" if raised.own else ""
     if match := _TRANSITION.search(raised.text):
         verb = _VERBS.get(match["event"], match["event"])
-        text = f"Your execute callback called {verb}{where}, when the goal was {match['state']}. rclpy refused that."
+        text = (
+            f"Your execute callback called {verb}{where}, when the goal was already {match['state']}. "
+            "rclpy refused that."
+        )
         return "action.wrong_terminal", text
     text = f"Your execute callback raised {raised.describe()}{where}. rclpy then ends the goal with an empty result."
     return None, text

@@ -1,4 +1,4 @@
-"""Why a program that lives on does not answer: from what its threads are doing, and whether it computes."""
+"""Why a program that is still running does not answer: from what its threads are doing, and whether it computes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _IDLE_SHARE = 0.5  # below this share of one processor it is waiting, not comput
 
 
 def unanswered(context: CheckContext, shown: str, expected: str, waited_s: float = ANSWER_S) -> Failed:
-    """Establish why a program that lives on does not answer.
+    """Establish why a program that is still running does not answer.
 
     Args:
         context: the context of the check.
@@ -33,12 +33,12 @@ def unanswered(context: CheckContext, shown: str, expected: str, waited_s: float
     if diagnosis is None and (logged := exits.of_logged(context.process().stderr, context.job)):
         diagnosis, message = logged
     if waited_s < ANSWER_S and context.time_is_up():
-        message += f" With this the {context.deadline_s:g} s for this check were over."
+        message += f" That used up the {context.deadline_s:g} s that this check may take."
     return Failed(evidence, message, diagnosis)
 
 
 def told(waited_s: float, most: float = ANSWER_S) -> str:
-    """Seconds as the learner is told them: a patience that was used up, or less where a check's deadline came first."""
+    """Seconds as the learner reads them: the whole timeout, or less where a check's deadline came first."""
     return f"{min(round(waited_s, 1), most):g}"
 
 
@@ -47,21 +47,21 @@ def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bo
     if seen.callback is not None:
         where = exits.source_line(job, seen.callback.line)
         if seen.waits_for_ros or job.facts.waits_for_a_future(seen.callback.line):
-            message = f"Your callback has stopped in {where}: it waits there for ROS, and ROS waits for it."
+            message = f"Your callback is stuck in {where}: a deadlock. It blocks the executor that it waits for."
             return "service.deadlock", message
         if busy:
             return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
-        return "service.blocks", f"Your callback stands still in {where}, and meanwhile nobody is answered."
+        return "service.blocks", f"Your callback is blocked in {where}; meanwhile all other requests wait."
     if seen.spinning and job.facts.awaits:
-        return "service.deadlock", "Your callback awaits something that never comes: nobody is left to deliver it."
+        return "service.deadlock", "Your callback awaits something that never comes: nothing is left to deliver it."
     if seen.known and not seen.spinning:
         where = f" It is in {exits.source_line(job, seen.own.line)}." if seen.own else ""
         return "start.nothing", f"Your node is on the graph, but nothing spins it, so no callback ever runs.{where}"
-    return None, "Your server is there and did not answer."
+    return None, "Your server is running but did not answer."
 
 
 def computes(context: CheckContext) -> bool:
-    """Whether the submission uses a processor most of the time, or stands in the queue for one; it is watched for it.
+    """Whether the submission uses a processor most of the time, or waits for one; it is watched for a moment.
 
     Raises:
         SubmissionEndedError: the submission has ended meanwhile.

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from course_kit import environment
-from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.render.sequence import sequence_svg
 from course_kit.text.templates import render
 
 if TYPE_CHECKING:
+    from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.report import Report
 
 _TEMPLATES = Path(__file__).with_name("templates")
@@ -44,13 +44,12 @@ def _values(report: Report, base: Path) -> dict[str, Any]:
         "report": report,
         "most_points": max((check.max_points for check in report.checks), default=0.0),
         "first_failed": next((check for check in report.checks if check.status == "failed"), None),
-        "diagnoses": catalogue.catalogue(),
         "link": partial(_link, base=base),
         "sequence_svg": sequence_svg,
     }
 
 
-def _link(found: catalogue.Diagnosis, base: Path) -> str:
+def _link(found: Diagnosis, base: Path) -> str:
     """Where the lesson lies, empty where it does not; JupyterLab opens it beside the notebook, at the heading."""
     lesson = environment.lesson(found.notebook, base)
     if lesson is None:

@@ -39,7 +39,7 @@ def _verdict(report: Report) -> str:
     if report.status == "unreadable":
         return "Not graded: the submission could not be read."
     if report.status == "error":
-        return "Not graded, and that is not your fault. Grade again; if it stays so, please report it."
+        return "Not graded, and that is not your fault. Grade again; if it happens again, please report it."
     outcome = "passed" if report.passed else "not passed yet"
     return f"{report.score:g} of {report.max_score:g} points: {outcome}. ({report.duration_s:.1f} s)"
 

@@ -86,7 +86,8 @@ class Isolation:
         """
         if not self.full:
             raise GradingError(
-                f"Nothing was graded, because full isolation was asked for and this machine does not give it. It "
+                "Nothing was graded: --require-isolation asks for full isolation, and this machine "
+                "does not offer it. It "
                 f"offers: {self.describe()}. Grade on another machine, or leave --require-isolation out and read "
                 "course_kit/grading/LIMITS.md."
             )
@@ -118,8 +119,8 @@ def advice_for_root() -> str:
     if os.geteuid():
         return ""
     return (
-        "you are grading as root. Use an ordinary account if you can: what keeps submissions apart from root is less "
-        "than what keeps them apart from a user. See course_kit/grading/LIMITS.md."
+        "you are grading as root. Use an ordinary account if you can: submissions are less well isolated from root "
+        "than from an ordinary user. See course_kit/grading/LIMITS.md."
     )
 
 

@@ -137,7 +137,7 @@ def install() -> None:
     """
     machine = os.uname().machine
     if machine not in _AUDIT:
-        raise OSError(errno.ENOSYS, f"no list of system calls for {machine}")
+        raise OSError(errno.ENOSYS, f"there is no list of system calls for {machine}")
     code = b"".join(_filter(machine))
     program = _Program(len(code) // 8, code)
     if _libc.prctl(_PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) < 0 or (

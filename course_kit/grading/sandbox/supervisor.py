@@ -288,9 +288,9 @@ class Supervisor:
         if self._collector is not None and self._collector.killed():
             self._again = True
             if processes.killed_for_lack_of_memory() != self._killed_before:
-                self._fault = "the machine ran out of memory, and Linux killed something to get some"
+                self._fault = "the machine ran out of memory, and Linux killed a process to free some"
         self._kill()
         if self._arguments and self._collector is not None and self._collector.facts()["stderr"]:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.
-            self._totals[1].add(f"[The lines above are of a start with: {' '.join(self._arguments)}]\n".encode())
+            self._totals[1].add(f"[The lines above are from a start with: {' '.join(self._arguments)}]\n".encode())
         self._sandbox = self._collector = None

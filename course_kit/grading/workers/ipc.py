@@ -62,13 +62,13 @@ class Channel:
             raise TimeoutError(f"no message from the other process within {timeout:g} s")
         (length,) = _LENGTH.unpack(self._exactly(_LENGTH.size))
         if length > _LARGEST:
-            raise ChannelClosedError("the other process sent something that is no message")
+            raise ChannelClosedError("the other process sent something that is not a message")
         try:
             message = json.loads(self._exactly(length, time.monotonic() + _TRANSFER_S))
         except (ValueError, RecursionError):
             message = None
         if not isinstance(message, dict):
-            raise ChannelClosedError("the other process sent something that is no message")
+            raise ChannelClosedError("the other process sent something that is not a message")
         return message
 
     def ready(self, timeout: float = 0.0) -> bool:
@@ -100,7 +100,7 @@ class Channel:
         poll.register(self._socket, select.POLLOUT)
         while left:
             if not poll.poll(max(deadline - time.monotonic(), 0.0) * 1000):
-                raise ChannelClosedError("the other process does not read any more")
+                raise ChannelClosedError("the other process no longer reads")
             left = left[self._send_some(left) :]
 
     def _send_some(self, data: memoryview) -> int:

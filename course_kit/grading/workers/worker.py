@@ -94,9 +94,9 @@ class Worker:
             self._channel.send({"job": job.to_mapping()})
             outcome = self._channel.receive(limits.QUEUE_S + job.limits.wall_s + _GRACE_S)
         except (ChannelClosedError, TimeoutError) as problem:
-            raise GradingError(f"The grader ended while it was at work. {self._last_words()}") from problem
+            raise GradingError(f"The grader ended while it was grading. {self._last_words()}") from problem
         if "results" not in outcome:  # its last words
-            raise GradingError(str(outcome.get("problem", "The grader ended while it was at work.")))
+            raise GradingError(str(outcome.get("problem", "The grader ended while it was grading.")))
         return outcome
 
     def has_ended(self) -> bool:

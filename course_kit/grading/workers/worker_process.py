@@ -222,7 +222,7 @@ def _outcome(supervisor: Channel, parent: Channel) -> dict[str, Any]:
     poll.register(parent.fileno(), select.POLLIN)
     ready = [descriptor for descriptor, _ in poll.poll()]
     if parent.fileno() in ready:
-        raise ChannelClosedError("the parent has gone, or speaks out of turn")
+        raise ChannelClosedError("the parent process has ended, or sent a message out of turn")
     try:
         return supervisor.receive()
     except ChannelClosedError:

@@ -99,7 +99,9 @@ class Spinner:
 
         if not self.run_between_callbacks(run, deadline):
             late = True
-            raise NoAnswerError(f"A callback has kept the lab's thread for more than {deadline:g} s; nothing was done.")
+            raise NoAnswerError(
+                f"A callback has blocked the lab's thread for more than {deadline:g} s, so this was not done."
+            )
         if raised:
             raise raised[0]
         return outcome[0]

@@ -74,7 +74,7 @@ class Failures:
             return
         ending = _consequence(error, turn)
         if times == _REPEATS:
-            ending += " (It happens again and again; this is the last time it is shown.)"
+            ending += " (This keeps happening and will not be shown again.)"
         self._output.put(crash.text(ending), "stderr")
 
     def request_failed(self, service: Any, sequence: int, error: BaseException) -> None:
@@ -101,7 +101,7 @@ def _pending(client: Any, sequence: int) -> Any:
 
 def _consequence(error: BaseException, turn: Turn) -> str:
     if isinstance(error, DeadlockError):
-        return "Nothing hangs here; in a program of its own this callback would wait for ever."
+        return "Nothing hangs here; in a separate program this callback would wait for ever."
     if turn.entity is not None and hasattr(turn.entity, "send_response"):
-        return "The caller gets no answer. In a program of its own this would end the server; here it lives on."
-    return "The node lives on, and so do the others."
+        return "The caller gets no answer. In a separate program this would end the server; here it keeps running."
+    return "The node keeps running, and so do the others."

@@ -177,7 +177,7 @@ class Nodes:
         name = found["name"] if found else "a service or topic"
         users = [live.name.lstrip("/") for live in self if name in channels_of(live.node)]
         others = f" It is used by {', '.join(sorted(users))}; stop that first." if users else ""
-        return f"{node_class.__name__} uses {name} with another type than the rest of this lab does.{others}"
+        return f"{node_class.__name__} uses {name} with a different type than the rest of this lab does.{others}"
 
     def _stop_named(self, name: str) -> None:
         for live in self:
@@ -227,7 +227,7 @@ def _require_node_class(given: Any) -> None:
     if isinstance(given, Node):
         raise LabError(
             f"Pass the class, not a node made from it: lab.start({type(given).__name__}). The lab makes the node, "
-            "so that it can put it in the place of an older one."
+            "so that it can replace an older one."
         )
     name = getattr(given, "__name__", repr(given))
     raise LabError(f"{name} is not a class of nodes; lab.start takes a class that inherits from rclpy.node.Node.")

@@ -65,4 +65,4 @@ def _still_in(running: Running, locate: Locate) -> str:
     at = where_is(frame, locate)
     where = f" ({at[0]}: {at[1]})" if at else ""
     owner = turn.node.get_name() if turn.node is not None else "a node"
-    return f"{owner} is still in {name}{where}, for {time.monotonic() - turn.since:.0f} s by now"
+    return f"{owner} has been in {name}{where} for {time.monotonic() - turn.since:.0f} s"

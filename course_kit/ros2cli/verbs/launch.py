@@ -66,12 +66,12 @@ def _file_and_arguments(first: str, words: list[str]) -> tuple[Path, dict[str, s
     path = Path(first)
     if path.is_file():
         if names:
-            raise CommandError(f"{names[0]!r} is no launch argument: write {names[0]}:=value.")
+            raise CommandError(f"{names[0]!r} is not a launch argument: write {names[0]}:=value.")
         return path.resolve(), arguments
     if len(names) == 1:
         return _in_package(first, names[0]), arguments
     if names:
-        raise CommandError(f"{names[1]!r} is no launch argument: write {names[1]}:=value.")
+        raise CommandError(f"{names[1]!r} is not a launch argument: write {names[1]}:=value.")
     near = [str(found) for found in path.parent.glob("*launch.py")] if path.parent.is_dir() else []
     raise CommandError(f"There is no launch file {first}.{did_you_mean(first, near)}")
 

@@ -62,7 +62,7 @@ def _list(options: Any, session: Session) -> None:
     try:
         pattern = re.compile(options.filter or "")
     except re.error as error:
-        raise CommandError(f"--filter: {options.filter!r} is no regular expression: {error}.") from error
+        raise CommandError(f"--filter: {options.filter!r} is not a regular expression: {error}.") from error
     graph = graph_for(session, options.timeout, daemon=not options.no_daemon)
     if options.node_name:
         nodes = [find_node(checked_name(options.node_name), graph)]

@@ -53,7 +53,7 @@ def add_to(place: argparse.ArgumentParser) -> None:
 
 def _add_echo(verb: argparse.ArgumentParser) -> None:
     add_named(verb, "topic_name", "topics", help="such as /chatter")
-    add_named(verb, "message_type", "message_types", nargs="?", help="found out when left away")
+    add_named(verb, "message_type", "message_types", nargs="?", help="found out when left out")
     verb.add_argument("--once", action="store_true", help="only the first message")
     verb.add_argument("--field", metavar="NAME", help="only this field, such as pose.position")
     verb.add_argument("-f", "--full-length", action="store_true", help="long strings and arrays in full")

@@ -1,4 +1,4 @@
-"""The commands of the chapter the course grew from, one by one, against its programs as they stand."""
+"""The commands that lessons show, one by one, against the lessons' own programs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from course_kit import environment
 
-from .commands import OURS, SEED, Ros2, interrupt, lines_until
+from .commands import OURS, PROGRAMS, Ros2, interrupt, lines_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -18,13 +18,13 @@ FIBONACCI = ("action", "send_goal", "/fibonacci", "example_interfaces/action/Fib
 
 
 @pytest.fixture(scope="module")
-def chapter(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ros2]:
-    """The command, where the chapter's three servers run."""
-    folder = tmp_path_factory.mktemp("chapter")
+def lesson(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ros2]:
+    """The command, where the lessons' three servers run."""
+    folder = tmp_path_factory.mktemp("lesson")
     with environment.exclusive_domain() as domain, Ros2(domain, folder) as command:
-        command.start(SEED / "minimal_service.py", "/minimal_service")
-        command.start(SEED / "fibonacci_action_server.py", "/fibonacci_action_server")
-        command.start(SEED / "parameter_node.py", "/parameter_node")
+        command.start(PROGRAMS / "minimal_service.py", "/minimal_service")
+        command.start(PROGRAMS / "fibonacci_action_server.py", "/fibonacci_action_server")
+        command.start(PROGRAMS / "parameter_node.py", "/parameter_node")
         yield command
 
 
@@ -47,20 +47,20 @@ def chapter(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ros2]:
     ],
     ids=lambda value: " ".join(value[:2]) if isinstance(value, tuple) else "",
 )
-def test_command_of_the_chapter(chapter: Ros2, words: tuple[str, ...], wanted: str) -> None:
-    done = chapter(*words)
+def test_command_of_a_lesson(lesson: Ros2, words: tuple[str, ...], wanted: str) -> None:
+    done = lesson(*words)
     assert wanted in done.stdout
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_the_chapters_client_beside_the_command(chapter: Ros2) -> None:
-    client = chapter.begin(sys.executable, str(SEED / "minimal_client.py"), "2", "3")
+def test_the_lessons_client_beside_the_command(lesson: Ros2) -> None:
+    client = lesson.begin(sys.executable, str(PROGRAMS / "minimal_client.py"), "2", "3")
     _, stderr = client.communicate(timeout=60)
     assert "Result of add_two_ints: 5" in stderr
 
 
-def test_the_chapters_launch_file(ros2: Ros2) -> None:
-    launch = ros2.begin(*OURS, "launch", str(SEED / "parameter_node.launch.py"))
+def test_the_lessons_launch_file(ros2: Ros2) -> None:
+    launch = ros2.begin(*OURS, "launch", str(PROGRAMS / "parameter_node.launch.py"))
     shown = "".join(lines_until(launch, "Wheel diameter"))
     assert "[parameter_node-1]: process started" in shown
     assert ros2("param", "get", "/parameter_node", "robot_name").stdout == "String value is: turtlebot4\n"
@@ -69,8 +69,8 @@ def test_the_chapters_launch_file(ros2: Ros2) -> None:
     assert launch.returncode == 0
 
 
-def test_run_finds_the_chapters_program(ros2: Ros2) -> None:
-    ros2.environ["COURSE_KIT_PACKAGE_PATH"] = str(SEED.parent)
-    program = ros2.begin(*OURS, "run", "seed", "parameter_node", "--ros-args", "-p", "robot_name:=r2d2")
+def test_run_finds_the_lessons_program(ros2: Ros2) -> None:
+    ros2.environ["COURSE_KIT_PACKAGE_PATH"] = str(PROGRAMS.parent)
+    program = ros2.begin(*OURS, "run", "lesson_programs", "parameter_node", "--ros-args", "-p", "robot_name:=r2d2")
     assert program.stderr is not None
     assert "Robot: r2d2" in program.stderr.readline()
