@@ -22,6 +22,7 @@ KIT = ROOT / "course_kit"
 LAYERS = (
     {"environment", "reader"},
     {"interfaces"},
+    {"ros"},
     {"lab", "quiz", "robot", "launch"},
     {"panels", "ros2cli", "grading"},
     {"classroom", "graders"},

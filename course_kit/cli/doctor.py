@@ -72,7 +72,7 @@ def findings() -> Iterator[Finding]:
     ros = guarded(rclpy_itself)
     yield ros
     if "bad" not in (graph.verdict, ros.verdict):  # the rest would only fail after it
-        for check in (middleware, interfaces, discovery):
+        for check in (rclpy_names, middleware, interfaces, discovery):
             yield guarded(check)
 
 
@@ -174,6 +174,18 @@ def rclpy_itself() -> Finding:
         return Finding("rclpy", f"{importlib.metadata.version('ros-rclpy')} from PyPI wheels")
     except importlib.metadata.PackageNotFoundError:
         return Finding("rclpy", f"of the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {done.stdout.strip()}")
+
+
+def rclpy_names() -> Finding:
+    """Whether the names that the course needs of other packages are there, beyond what these document."""
+    from course_kit.ros import compat
+
+    off = compat.check_all().sentences()
+    if not off:
+        return Finding("inside rclpy", "everything that the course uses is there")
+    return Finding(
+        "inside rclpy", " ".join(off), "note", "See CHANGELOG.md for the versions this course was tried with."
+    )
 
 
 def middleware() -> Finding:

@@ -19,10 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalStatus
 from rclpy.action import ActionServer
-from rclpy.action.server import GoalEvent
-from rclpy.impl.implementation_singleton import rclpy_implementation
 
 from course_kit.lab.runtime.executor import CallbackStopped, Turn
+from course_kit.ros.compat import rcl_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable
@@ -203,7 +202,9 @@ def _abort(server: Any, identifier: bytes, handle: Any) -> None:
     future = server._result_futures.get(identifier)  # noqa: SLF001
     if future is None or future.done():
         return
-    with suppress(rclpy_implementation.RCLError):  # its callback has ended it at this very moment
+    from rclpy.action.server import GoalEvent  # here, as only this needs it: see ros.compat
+
+    with suppress(rcl_error()):  # its callback has ended it at this very moment
         if not handle.is_active:
             return  # its result is on its way
         if handle.status == GoalStatus.STATUS_ACCEPTED:

@@ -62,17 +62,16 @@ class LabExecutor(Executor):  # type: ignore[misc] # rclpy has no type informati
         turned: set whenever one has ended.
     """
 
-    def __init__(self, context: Any, tapping: Tapping, listener: FailureListener) -> None:
+    def __init__(self, context: Any, listener: FailureListener) -> None:
         super().__init__(context=context)
         self.turn: Turn | None = None
         self.turned = threading.Event()
-        self._tapping = tapping
         self._listener = listener
         self._stop = threading.Event()
 
     def run(self) -> None:
         """Execute callbacks until `request_stop`, whatever they raise."""
-        while not self._stop.is_set() and self._context.ok():
+        while not self._stop.is_set() and self.context.ok():
             self._spin_safely()
 
     def request_stop(self) -> None:
@@ -120,6 +119,14 @@ class LabExecutor(Executor):  # type: ignore[misc] # rclpy has no type informati
             self.turned.set()
         if error is not None and not isinstance(error, InvalidHandle):
             self._listener.callback_crashed(error, turn)
+
+
+class RecordingExecutor(LabExecutor):
+    """Takes what arrives by way of `tapping`, which reports it."""
+
+    def __init__(self, context: Any, tapping: Tapping, listener: FailureListener) -> None:
+        super().__init__(context, listener)
+        self._tapping = tapping
 
     def _take_service(self, srv: Any) -> Work | None:
         return self._tapping.take_service(srv, self._listener.request_failed)
