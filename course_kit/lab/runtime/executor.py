@@ -57,7 +57,7 @@ class LabExecutor(Executor):  # type: ignore[misc] # rclpy has no type informati
     Differs from rclpy's SingleThreadedExecutor in what happens when a callback raises: it is reported and the
     others go on, where rclpy's ends.
 
-    A callback that awaits a future is resumed by its own task until rclpy 7.1.8, and from 7.1.9 on by another one, which
+    A callback that awaits a future is resumed by its own task until rclpy 7.1.8, from 7.1.9 on by another one, which
     knows nothing of it. Here it is recognised either way: whose it is while it runs, and what it raises.
 
     Attributes:
