@@ -181,7 +181,7 @@ GRAPH = Feature(
 )
 NOTEBOOK_TESTS = Feature(
     "./course test takes long to notice that a notebook's kernel has died",
-    ("dev/nbval_plugin.py",),
+    ("dev/nbval_plugin.py", "dev/nbval_kernel.py"),
     (
         "nbval.kernel:RunningKernel.await_reply",
         "nbval.kernel:RunningKernel.is_alive",

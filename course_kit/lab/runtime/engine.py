@@ -284,6 +284,7 @@ class Engine:
     def _forget(self, nodes: list[Any]) -> None:
         """Nodes are about to be destroyed."""
         self._failures.forget()
+        self.spinner.executor.forget(nodes)
         channels: set[str] = set()
         for node in nodes:
             with contextlib.suppress(Exception):  # one that is destroyed already has none

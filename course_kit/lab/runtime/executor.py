@@ -91,6 +91,10 @@ class LabExecutor(Executor):  # type: ignore[misc] # rclpy has no type informati
         self._stop.set()
         self.wake()
 
+    def forget(self, nodes: list[Any]) -> None:
+        """Nodes are about to be destroyed: their callbacks that await something will not go on."""
+        self._begun = {task: turn for task, turn in self._begun.items() if turn.node is None or turn.node not in nodes}
+
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Wait for one callback and run it."""
         try:
