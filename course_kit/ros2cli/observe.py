@@ -39,7 +39,7 @@ class Observer:
     def __init__(self, context: Any, name: str) -> None:
         found = compat.check([compat_names.GRAPH])
         if not found.has(compat_names.GRAPH):
-            raise CommandError(*found.sentences())
+            raise CommandError(" ".join(found.sentences()))
         from rclpy.impl.implementation_singleton import rclpy_implementation
 
         self._rcl = rclpy_implementation

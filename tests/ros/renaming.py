@@ -21,11 +21,18 @@ def rename(path: str) -> None:
     owner: Any = importlib.import_module(module_name)
     for step in attributes.split(".")[:-1]:
         owner = getattr(owner, step)
-    for module in [one for name, one in list(sys.modules.items()) if name.partition(".")[0] == "rclpy"]:
+    for module in _modules(module_name, owner):
         _rename_in(module, old)
     for place in [owner, *getattr(owner, "__mro__", ())]:
         if old in vars(place):
             _move(place, old)
+
+
+def _modules(name: str, owner: Any) -> list[Any]:
+    """The modules whose code may use the name: all of rclpy, of other packages the one that owns it."""
+    if name.partition(".")[0] == "rclpy":
+        return [module for other, module in list(sys.modules.items()) if other.partition(".")[0] == "rclpy"]
+    return [sys.modules[getattr(owner, "__module__", name)]]
 
 
 def _rename_in(module: Any, old: str) -> None:
