@@ -7,7 +7,6 @@ and does without; so a missing name costs one feature and one sentence, and neve
 from __future__ import annotations
 
 import importlib
-import importlib.metadata
 import sys
 from contextlib import suppress
 from types import FunctionType
@@ -108,7 +107,9 @@ def _absent(names: tuple[str, ...]) -> str:
 
 
 def _version(package: str) -> str:
+    from importlib import metadata  # takes longer to load than the whole check
+
     for distribution in (f"ros-{package.replace('_', '-')}", package):
-        with suppress(importlib.metadata.PackageNotFoundError):
-            return f" {importlib.metadata.version(distribution)}"
+        with suppress(metadata.PackageNotFoundError):
+            return f" {metadata.version(distribution)}"
     return ""

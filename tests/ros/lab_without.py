@@ -1,6 +1,6 @@
 """Uses the lab where a name of the table is missing: reads names, one a line, and answers each with a line of JSON.
 
-Everything is imported once; each name is renamed in a process of its own, forked from there.
+Everything is imported once; each name is taken away in a process of its own, forked from there.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import traceback
 from typing import Any
 
 from course_kit import environment
-from tests.ros.renaming import rename
+from tests.ros.renaming import take_away
 
 
 def main() -> None:
@@ -49,7 +49,7 @@ def _outcome(path: str) -> dict[str, Any]:
         with environment.exclusive_domain() as domain:
             os.environ["ROS_DOMAIN_ID"] = str(domain)
             if path:
-                rename(path)
+                take_away(path)
             outcome["doctor"] = doctor.rclpy_names().found
             with contextlib.redirect_stderr(said):
                 outcome |= _use_the_lab()

@@ -1,73 +1,74 @@
-"""Renames a private name all over rclpy, as a later version might: rclpy works on, and the old name is gone."""
+"""Takes a private name out of rclpy as a later version might: rclpy itself works on, and the name is gone.
+
+An attribute of a class gets another name there and in the code that uses it. A name of a module is hidden from whoever
+imports it from now on; the module's own functions still have it.
+"""
 
 from __future__ import annotations
 
 import importlib
 import sys
-from contextlib import suppress
-from types import CodeType, FunctionType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 _LATER = "_of_a_later_version"
+_USERS = "rclpy.executors"  # uses private attributes of classes of other modules
 
 
-def rename(path: str) -> None:
-    """Give a name of the table, `module:attribute.attribute`, another name.
-
-    What is no attribute of rclpy's, and what a C library looks for under its name, is only taken away.
-    """
+def take_away(path: str) -> None:
+    """Take away a name of the table, `module:attribute.attribute`."""
     module_name, _, attributes = path.partition(":")
-    old = attributes.rpartition(".")[2]
+    *steps, old = attributes.split(".")
     owner: Any = importlib.import_module(module_name)
-    for step in attributes.split(".")[:-1]:
-        owner = getattr(owner, step)
-    for module in _modules(module_name, owner):
-        _rename_in(module, old)
-    for place in [owner, *getattr(owner, "__mro__", ())]:
+    holder: Any = None
+    for step in steps:
+        holder, owner = owner, getattr(owner, step)
+    if isinstance(owner, FunctionType):
+        owner.__code__ = owner.__code__.replace(co_varnames=_renamed(owner.__code__.co_varnames, old))
+    elif not isinstance(owner, ModuleType):
+        _rename(owner, old)
+    elif holder is not None:
+        setattr(holder, steps[-1], _without(owner, old))
+    else:
+        sys.modules[module_name] = hidden = _without(owner, old)
+        package, _, name = module_name.rpartition(".")
+        setattr(sys.modules[package], name, hidden)
+
+
+def _without(module: ModuleType, old: str) -> ModuleType:
+    copy = ModuleType(module.__name__)
+    vars(copy).update({name: value for name, value in vars(module).items() if name != old})
+    return copy
+
+
+def _rename(owner: type, old: str) -> None:
+    names = {owner.__module__} | ({_USERS} if owner.__module__.startswith("rclpy.") else set())
+    for module in (sys.modules[name] for name in names):
+        for value in list(vars(module).values()):
+            if getattr(value, "__module__", None) == module.__name__:
+                _rename_in(value, old)
+    for place in owner.__mro__:
         if old in vars(place):
-            _move(place, old)
+            setattr(place, old + _LATER, vars(place)[old])
+            delattr(place, old)
 
 
-def _modules(name: str, owner: Any) -> list[Any]:
-    """The modules whose code may use the name: all of rclpy, of other packages the one that owns it."""
-    if name.partition(".")[0] == "rclpy":
-        return [module for other, module in list(sys.modules.items()) if other.partition(".")[0] == "rclpy"]
-    return [sys.modules[getattr(owner, "__module__", name)]]
+def _rename_in(value: Any, old: str) -> None:
+    """Have a function or the methods of a class use the new name; and the methods of its metaclass."""
+    parts = [value]
+    if isinstance(value, type):
+        parts = [*vars(value).values(), *vars(type(value)).values()]
+    for part in parts:
+        functions = (part.fget, part.fset) if isinstance(part, property) else (getattr(part, "__func__", part),)
+        for function in functions:
+            if isinstance(function, FunctionType):
+                function.__code__ = _code(function.__code__, old)
 
 
-def _rename_in(module: Any, old: str) -> None:
-    """Have all code of a module use the new name, and its classes offer it."""
-    for value in list(vars(module).values()):
-        if isinstance(value, FunctionType) and value.__module__ == module.__name__:
-            _rename_in_function(value, old)
-        elif isinstance(value, type) and value.__module__ == module.__name__:
-            for part in list(vars(value).values()):
-                for function in _functions_of(part):
-                    _rename_in_function(function, old)
-            if old in vars(value):
-                _move(value, old)
+def _code(code: CodeType, old: str) -> CodeType:
+    constants = tuple(_code(one, old) if isinstance(one, CodeType) else one for one in code.co_consts)
+    return code.replace(co_names=_renamed(code.co_names, old), co_consts=constants)
 
 
-def _functions_of(part: Any) -> list[FunctionType]:
-    found = (part.fget, part.fset) if isinstance(part, property) else (getattr(part, "__func__", part),)
-    return [one for one in found if isinstance(one, FunctionType)]
-
-
-def _rename_in_function(function: FunctionType, old: str) -> None:
-    function.__code__ = _renamed(function.__code__, old)
-
-
-def _renamed(code: CodeType, old: str) -> CodeType:
-    def names(given: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(name + _LATER if name == old else name for name in given)
-
-    constants = tuple(_renamed(one, old) if isinstance(one, CodeType) else one for one in code.co_consts)
-    arguments = code.co_argcount + code.co_kwonlyargcount  # may be passed by keyword
-    variables = code.co_varnames[:arguments] + names(code.co_varnames[arguments:])
-    return code.replace(co_names=names(code.co_names), co_varnames=variables, co_consts=constants)
-
-
-def _move(owner: Any, old: str) -> None:
-    with suppress(TypeError, AttributeError):
-        setattr(owner, old + _LATER, vars(owner)[old])
-    delattr(owner, old)
+def _renamed(names: tuple[str, ...], old: str) -> tuple[str, ...]:
+    return tuple(name + _LATER if name == old else name for name in names)

@@ -15,7 +15,6 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from course_kit.lab.overrides.patches import Patches
-from course_kit.ros import compat_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -62,6 +61,8 @@ class Notebook:
         """
         if not self.present:
             return sys.argv
+        from course_kit.ros import compat_names
+
         return ["--ros-args", "--disable-stdout-logs"] if found.has(compat_names.LOG_LINES) else []
 
     def locate(self, filename: str) -> str | None:
@@ -77,6 +78,8 @@ class Notebook:
         """Begin: take over what the thread prints and logs, and all further producers of output."""
         self._output.producers.add(thread_id)
         if self.present:
+            from course_kit.ros import compat_names
+
             self.watch_output()
             self._patches.set(warnings, "showwarning", self._warned(warnings.showwarning))
             if found.has(compat_names.LOG_LINES):
