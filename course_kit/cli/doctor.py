@@ -26,6 +26,7 @@ _ONLY_THE_PACKAGE = (
 )
 _PLENTY_OF_SHM = 64 * 2**20  # bytes
 _OTHER_RMW = f"Set RMW_IMPLEMENTATION={environment.middleware.SUPPORTED} and start again."
+_TRIED = "rclpy 7.1.6 to 7.1.11, with which the course was tried"
 _SHARED_MEMORY = "/dev/shm"  # noqa: S108 - only its free space is read
 
 
@@ -74,7 +75,7 @@ def findings() -> Iterator[Finding]:
     ros = guarded(rclpy_itself)
     yield ros
     if "bad" not in (graph.verdict, ros.verdict):  # the rest would only fail after it
-        for check in (middleware, interfaces, discovery):
+        for check in (rclpy_names, middleware, interfaces, discovery):
             yield guarded(check)
 
 
@@ -176,6 +177,17 @@ def rclpy_itself() -> Finding:
         return Finding("rclpy", f"{importlib.metadata.version('ros-rclpy')} from PyPI wheels")
     except importlib.metadata.PackageNotFoundError:
         return Finding("rclpy", f"from the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {done.stdout.strip()}")
+
+
+def rclpy_names() -> Finding:
+    """Whether the names that the course needs of other packages are there, beyond what these document."""
+    from course_kit.ros import compat
+
+    off = compat.check_all().sentences()
+    if not off:
+        return Finding("inside rclpy", "everything that the course uses is there")
+    advice = f"Nothing has to be done. Nothing is off with {_TRIED}."
+    return Finding("inside rclpy", " ".join(off), "note", advice)
 
 
 def middleware() -> Finding:

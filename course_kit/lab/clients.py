@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.validate_topic_name import validate_topic_name
@@ -19,6 +18,7 @@ from course_kit.lab.errors import LabError
 from course_kit.lab.goal_client import GoalClient
 from course_kit.lab.messages import type_name
 from course_kit.ros import graph
+from course_kit.ros.compat import rcl_error
 from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
@@ -128,7 +128,8 @@ class Clients:
     def forget(self, channels: set[str]) -> None:
         """Let go of these services, actions and topics, so that they can come back with another type."""
         for key, client in list(self._clients.items()):
-            if client.service_name in channels and not client._pending_requests:  # noqa: SLF001 - somebody waits
+            somebody_waits = getattr(client, "_pending_requests", None)  # a private name; see ros.compat
+            if client.service_name in channels and not somebody_waits:
                 self._drop_client(self._clients.pop(key))
         for key in [key for key, publisher in self._publishers.items() if publisher.topic_name in channels]:
             self._drop_publisher(self._publishers.pop(key))
@@ -200,7 +201,7 @@ def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
         return make()
     except (InvalidServiceNameException, InvalidTopicNameException) as error:
         raise LabError(f"{name!r} is not a ROS name: {str(error).splitlines()[0].rstrip(' :')}.") from error
-    except (rclpy_implementation.RCLError, ValueError) as error:  # the second one from an action client
+    except (rcl_error(), ValueError) as error:  # the second one from an action client
         if not incompatible(error):
             raise
         raise OtherTypeError(f"{name} is already in use with a different type than {type_name(interface)}.") from error

@@ -9,6 +9,7 @@ Everything here runs on the lab's thread: a reply cannot arrive before its sendi
 
 from __future__ import annotations
 
+import uuid
 import weakref
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.qos import QoSProfile
+from unique_identifier_msgs.msg import UUID
 
 from course_kit.ros.names import full_action_name
 
@@ -57,6 +59,8 @@ class GoalClient(ActionClient):
             feedback_sub_qos_profile=QoSProfile(depth=_DEPTH),
         )
         self.action_name = full_action_name(node, action)
+        self._own_node = node
+        self._feedback_message = action_type.Impl.FeedbackMessage
         self.busy: dict[bytes, GoalTracker] = {}
         self._watch: Any = None
         self._ended: weakref.WeakValueDictionary[bytes, GoalTracker] = weakref.WeakValueDictionary()
@@ -72,7 +76,8 @@ class GoalClient(ActionClient):
         data: dict[str, Any] = super().take_data()
         first = data.pop("feedback", None)
         data["all_feedback"] = [] if first is None else [first]
-        while (more := self._client_handle.take_feedback(self._action_type.Impl.FeedbackMessage)) is not None:
+        handle = getattr(self, "_client_handle", None)  # a private name; see ros.compat
+        while handle is not None and (more := handle.take_feedback(self._feedback_message)) is not None:
             data["all_feedback"].append(more)
         return data
 
@@ -97,10 +102,10 @@ class GoalClient(ActionClient):
 
     def begin(self, pursuit: GoalTracker, goal: Any) -> Any:
         """Send a goal; returns the future of rclpy's goal handle."""
-        identifier = self._generate_random_uuid()
+        identifier = UUID(uuid=list(uuid.uuid4().bytes))
         self.busy[bytes(identifier.uuid)] = pursuit
         if self._watch is None:
-            self._watch = self._node.create_timer(_LOOK, self._look_for_servers, callback_group=self.callback_group)
+            self._watch = self._own_node.create_timer(_LOOK, self._look_for_servers, callback_group=self.callback_group)
         return self.send_goal_async(goal, goal_uuid=identifier)
 
     def end(self, pursuit: GoalTracker) -> None:
@@ -111,7 +116,7 @@ class GoalClient(ActionClient):
 
     def servers(self) -> frozenset[bytes]:
         """What identifies the action's servers that are on the graph; one that was started again is another."""
-        found = self._node.get_publishers_info_by_topic(f"{self.action_name}/_action/feedback")
+        found = self._own_node.get_publishers_info_by_topic(f"{self.action_name}/_action/feedback")
         return frozenset(bytes(one.endpoint_gid) for one in found)
 
     def destroy(self) -> None:
@@ -130,7 +135,7 @@ class GoalClient(ActionClient):
 
     def _stop_watching(self) -> None:
         if self._watch is not None:
-            self._node.destroy_timer(self._watch)
+            self._own_node.destroy_timer(self._watch)
             self._watch = None
 
     def _find(self, goal_id: Any) -> GoalTracker | None:

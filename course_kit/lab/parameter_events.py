@@ -22,7 +22,8 @@ class ParameterEventWait:
     def __enter__(self) -> ParameterEventWait:  # noqa: PYI034 - typing.Self is newer than Python 3.10
         from rcl_interfaces.msg import ParameterEvent
 
-        self._counts = dict.fromkeys(self._engine.subscriptions("/parameter_events", ParameterEvent), 0)
+        if self._engine.tells_deliveries():
+            self._counts = dict.fromkeys(self._engine.subscriptions("/parameter_events", ParameterEvent), 0)
         self._engine.listen_for_deliveries(self._heard, listen=True)
         return self
 

@@ -110,6 +110,9 @@ class Deliveries(Protocol):
     def subscriptions(self, topic: str, message_type: Any) -> set[Any]:
         """The subscriptions of the lab's nodes to a topic."""
 
+    def tells_deliveries(self) -> bool:
+        """Whether a subscription that has had a message can be known."""
+
     def listen_for_deliveries(self, told: Callable[[Any], None], *, listen: bool) -> None:
         """Begin or end to call `told` with each subscription whose callback has had a message."""
 
@@ -123,7 +126,7 @@ def publish(lab: Deliveries, publisher: Any, message: Any) -> None:
     So what they print is printed with the cell that published. At most one second: a subscription of another
     quality of service gets nothing, and a callback may take long.
     """
-    if lab.in_callback():  # the thread that would deliver
+    if lab.in_callback() or not lab.tells_deliveries():  # in a callback this is the thread that would deliver
         publisher.publish(message)
         return
     waiting = lab.subscriptions(publisher.topic_name, publisher.msg_type)

@@ -148,7 +148,7 @@ def uses_of(node: Any, full_name: str, *roles: Role) -> Iterator[Use]:
 
     namespace, _, name = full_name.rpartition("/")
     where = (name, namespace or "/")
-    readers: dict[Role, Callable[[], Any]] = {
+    readers: dict[Role, Any] = {
         SERVES: lambda: node.get_service_names_and_types_by_node(*where),
         CALLS: lambda: node.get_client_names_and_types_by_node(*where),
         RUNS: lambda: action.get_action_server_names_and_types_by_node(node, *where),

@@ -100,15 +100,11 @@ class Goal:
             )
 
     def _wait_for_server(self) -> None:
-        handle = self._node.handle
         if self._session.wait_on_graph(self._client.server_is_ready, self._timeout):
             return
-        from rclpy.impl.implementation_singleton import rclpy_implementation
-
         from course_kit.ros2cli.graph import actions_among
 
-        with handle:
-            actions = actions_among(dict(rclpy_implementation.rclpy_get_topic_names_and_types(handle, False)))
+        actions = actions_among(dict(self._node.get_topic_names_and_types()))
         hint = did_you_mean(self._name, set(actions) - {self._name})
         raise CommandError(f"No action server for {self._name} within {self._timeout:g} s.{hint}")
 

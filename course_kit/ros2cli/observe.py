@@ -7,8 +7,10 @@ import time
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ros import compat, compat_names
 from course_kit.ros.names import full_name
 from course_kit.ros2cli import sockets
+from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import Entities, Graph
 
 if TYPE_CHECKING:
@@ -30,9 +32,15 @@ class Observer:
     Args:
         context: an initialised rclpy context; its participant is what sees the graph.
         name: the node's name; hidden, so with a leading underscore.
+
+    Raises:
+        CommandError: this rclpy does not let itself be asked.
     """
 
     def __init__(self, context: Any, name: str) -> None:
+        found = compat.check([compat_names.GRAPH])
+        if not found.has(compat_names.GRAPH):
+            raise CommandError(" ".join(found.sentences()))
         from rclpy.impl.implementation_singleton import rclpy_implementation
 
         self._rcl = rclpy_implementation

@@ -114,10 +114,21 @@ def load_file(path: str, node: str, *, use_wildcard: bool) -> list[Any]:
     from rclpy.parameter import parameter_dict_from_yaml_file
     from yaml import YAMLError
 
+    # ROS 2 takes /name and name; rclpy's function both from 7.1.8 on, and before that only what is asked for.
     try:
-        loaded = parameter_dict_from_yaml_file(path, use_wildcard=use_wildcard, target_nodes=[node])
+        keys = _top_level(path)
+        written = node if node in keys or node[1:] not in keys else node[1:]
+        loaded = parameter_dict_from_yaml_file(path, use_wildcard=use_wildcard, target_nodes=[written])
     except OSError as error:
         raise CommandError(f"{path}: {error.strerror}.") from error
     except (RuntimeError, YAMLError, AttributeError, TypeError, ValueError) as error:
         raise CommandError(f"{path} is not a parameter file for {node}: {str(error).strip()}") from error
     return list(loaded.values())
+
+
+def _top_level(path: str) -> set[str]:
+    from yaml import safe_load
+
+    with open(path, encoding="utf-8") as file:  # noqa: PTH123 - an OSError names what was given
+        loaded = safe_load(file)
+    return set(loaded) if isinstance(loaded, dict) else set()

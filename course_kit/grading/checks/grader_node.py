@@ -17,7 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.receiving import Receiver
+from course_kit.grading.checks.receiving import receiver
 from course_kit.ros import graph
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ class GraderNode:
             # What nobody can call, nobody can call wrongly: an exception in a callback of ours would end the grading.
             parameter_overrides=[_NO_TYPE_DESCRIPTIONS],
         )
-        self._receiver = Receiver(self._context)
+        self._receiver = receiver(self.node)
         self._clients: dict[tuple[str, int], Client] = {}
         self._heard: dict[str, Any] = {}
         self._publishers: dict[str, Publisher] = {}

@@ -7,36 +7,77 @@ turn, and a grading is a thousand turns. With ten clients of one service each of
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+from rclpy.executors import SingleThreadedExecutor
+
+from course_kit.ros import compat, compat_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rclpy.client import Client
-    from rclpy.context import Context
+    from rclpy.node import Node
     from rclpy.subscription import Subscription
 
 
-class Receiver:
-    """The clients and subscriptions of one context; for use by one thread."""
-
-    def __init__(self, context: Context) -> None:
-        """Receive for nobody yet; `context` is the one of all nodes that follow."""
-        self._context = context
-        self._clients: dict[int, Client] = {}  # by the address of the handle, as the wait set names what is ready
-        self._subscriptions: dict[int, tuple[Subscription, Callable[[Any, Any], None]]] = {}
-        self._nothing = _rclpy.GuardCondition(context.handle)  # a wait set must not be empty
-        self._wait_set: Any = None
+class Receiver(Protocol):
+    """Receives for the clients and subscriptions of a node; for use by one thread."""
 
     def add_client(self, client: Client) -> None:
         """Receive the responses of a client."""
+
+    def add_subscription(self, subscription: Subscription, take: Callable[[Any, Any], None]) -> None:
+        """Receive the messages of a subscription; `take`, its callback, gets each, and rclpy's facts about it."""
+
+    def receive(self, timeout_s: float) -> None:
+        """Take in what has come, after waiting at most `timeout_s` seconds for any."""
+
+
+def receiver(node: Node) -> Receiver:
+    """The fast one where rclpy lets itself be used that way, else one that is an executor of rclpy's."""
+    fast = compat.check([compat_names.FAST_GRADING]).has(compat_names.FAST_GRADING)
+    return WaitSetReceiver(node) if fast else ExecutorReceiver(node)
+
+
+class ExecutorReceiver:
+    """Receives by an executor; a node's clients and subscriptions are known to it."""
+
+    def __init__(self, node: Node) -> None:
+        self._executor = SingleThreadedExecutor(context=node.context)
+        self._executor.add_node(node)
+
+    def add_client(self, client: Client) -> None:
+        """See `Receiver`."""
+
+    def add_subscription(self, subscription: Subscription, take: Callable[[Any, Any], None]) -> None:
+        """See `Receiver`."""
+
+    def receive(self, timeout_s: float) -> None:
+        """See `Receiver`."""
+        self._executor.spin_once(timeout_sec=timeout_s)
+
+
+class WaitSetReceiver:
+    """Receives by a wait set of its own."""
+
+    def __init__(self, node: Node) -> None:
+        from rclpy.impl.implementation_singleton import rclpy_implementation
+
+        self._rclpy: Any = rclpy_implementation
+        context = self._context = node.context
+        self._clients: dict[int, Client] = {}  # by the address of the handle, as the wait set names what is ready
+        self._subscriptions: dict[int, tuple[Subscription, Callable[[Any, Any], None]]] = {}
+        self._nothing = self._rclpy.GuardCondition(context.handle)  # a wait set must not be empty
+        self._wait_set: Any = None
+
+    def add_client(self, client: Client) -> None:
+        """See `Receiver`."""
         self._clients[client.handle.pointer] = client
         self._wait_set = None
 
     def add_subscription(self, subscription: Subscription, take: Callable[[Any, Any], None]) -> None:
-        """Receive the messages of a subscription; `take` gets each, and rclpy's facts about it."""
+        """See `Receiver`."""
         self._subscriptions[subscription.handle.pointer] = (subscription, take)
         self._wait_set = None
 
@@ -57,7 +98,7 @@ class Receiver:
 
     def _wait(self, timeout_s: float) -> Any:
         if self._wait_set is None:
-            self._wait_set = _rclpy.WaitSet(
+            self._wait_set = self._rclpy.WaitSet(
                 len(self._subscriptions), 1, 0, len(self._clients), 0, 0, self._context.handle
             )
         wait_set = self._wait_set

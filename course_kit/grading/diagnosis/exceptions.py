@@ -72,7 +72,7 @@ def of_logged(stderr: str, job: Job) -> exits.Cause | None:
     raised = last_exception(stderr, job.name)
     if raised is None:
         return None
-    cause = _of_parameters(raised, job) or exits.of_field(raised, job)
+    cause = exits.of_second_spin(raised, job) or _of_parameters(raised, job) or exits.of_field(raised, job)
     return cause or (None, f"Your program raised {raised.describe()}{_where(raised, job)}, and nothing caught it.")
 
 

@@ -25,6 +25,8 @@ _TOO_MANY = ("can't start new thread", "[Errno 11] Resource temporarily unavaila
 _INTERFACE_PACKAGES = ("course_interfaces", "example_interfaces")
 # What is imported to see what is in it. What a traceback names is the submission's choice, and importing is running.
 _HARMLESS = re.compile(r"rclpy(?:\.\w+)*|course_kit\.robot|\w+_(?:msgs|srvs|interfaces)\.(?:msg|srv|action)")
+_SECOND_SPIN = "Executor is already spinning"
+_RUNS_CALLBACKS = "await_or_execute"  # the function of rclpy
 _LONGEST_LINE = 200  # characters of a learner's line that are repeated
 
 Cause = tuple["str | None", str]
@@ -121,9 +123,19 @@ def _of_exception(raised: Raised, job: Job) -> Cause:
             "service.wrong_return",
             "Your callback did not return the response it was given; rclpy refused to send it.",
         )
-    if cause := of_field(raised, job):
+    if cause := of_second_spin(raised, job) or of_field(raised, job):
         return cause
     return "service.exception", f"Your callback raised {raised.describe()}{where}. The client got no answer."
+
+
+def of_second_spin(raised: Raised, job: Job) -> Cause | None:
+    """The callback that spins: rclpy refuses that from 7.1.9 on, and waits for ever before; both is a deadlock."""
+    in_callback = any(frame.function == _RUNS_CALLBACKS for frame in raised.frames)
+    if raised.text != _SECOND_SPIN or raised.own is None or not in_callback:
+        return None
+    place = source_line(job, raised.own.line)
+    message = f"Your callback spins in {place}, where it would wait for ROS, and ROS waits for it. rclpy refuses that."
+    return "service.deadlock", message
 
 
 def of_field(raised: Raised, job: Job) -> Cause | None:

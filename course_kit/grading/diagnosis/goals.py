@@ -98,7 +98,7 @@ def _in_execute(raised: Raised) -> bool:
 
 
 def _of_exception(raised: Raised, job: Job) -> Cause:
-    if fault := exits.of_field(raised, job):
+    if fault := exits.of_second_spin(raised, job) or exits.of_field(raised, job):
         return fault
     where = f" in {exits.source_line(job, raised.own.line)}" if raised.own else ""
     if match := _TRANSITION.search(raised.text):

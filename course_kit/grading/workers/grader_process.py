@@ -26,7 +26,6 @@ def warm_up() -> None:
     import rclpy.action
     import rclpy.executors
     import rclpy.node
-    from rclpy.impl.implementation_singleton import rclpy_implementation
     from rclpy.type_support import check_for_type_support
     from type_description_interfaces.srv import GetTypeDescription  # every node has this service
 
@@ -34,7 +33,7 @@ def warm_up() -> None:
 
     machine.processor_share()
     check_for_type_support(GetTypeDescription)
-    del rclpy, course_kit, rclpy_implementation
+    del rclpy, course_kit
 
 
 def load(module: str) -> Any:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.lab.notebook.output import Output, Stream
+    from course_kit.ros.compat import Compatibility
 
 _BEAT = 0.1  # seconds
 _STREAMS: tuple[Stream, ...] = ("stdout", "stderr")
@@ -30,8 +31,6 @@ class Notebook:
 
     Attributes:
         present: whether there is one.
-        ros_arguments: for rclpy.init: none of the kernel's own, and no log lines on file descriptor 2, as they are
-            shown by us; in a plain program its command line, which may have ROS arguments.
     """
 
     def __init__(self, shell: Any, output: Output) -> None:
@@ -55,10 +54,16 @@ class Notebook:
         """Whether this is a notebook."""
         return self._shell is not None
 
-    @property
-    def ros_arguments(self) -> list[str]:
-        """What rclpy.init is given."""
-        return ["--ros-args", "--disable-stdout-logs"] if self.present else sys.argv
+    def ros_arguments(self, found: Compatibility) -> list[str]:
+        """What rclpy.init is given: in a plain program its command line, which may have ROS arguments.
+
+        In a notebook none of the kernel's own, and no log lines on file descriptor 2 where they are shown by us.
+        """
+        if not self.present:
+            return sys.argv
+        from course_kit.ros import compat_names
+
+        return ["--ros-args", "--disable-stdout-logs"] if found.has(compat_names.LOG_LINES) else []
 
     def locate(self, filename: str) -> str | None:
         """The name of a cell, such as "In[3]", by the file name its code was compiled with."""
@@ -69,12 +74,16 @@ class Notebook:
             return str(found[1]) if found else None
         return None
 
-    def attach(self, thread_id: int) -> None:
+    def attach(self, thread_id: int, found: Compatibility) -> None:
         """Begin: take over what the thread prints and logs, and all further producers of output."""
         self._output.producers.add(thread_id)
         if self.present:
+            from course_kit.ros import compat_names
+
             self.watch_output()
-            self._capture_logs()
+            self._patches.set(warnings, "showwarning", self._warned(warnings.showwarning))
+            if found.has(compat_names.LOG_LINES):
+                self._capture_logs()
             self._show_nodes_by_name()
 
     def watch_output(self) -> None:
@@ -134,7 +143,6 @@ class Notebook:
         from rclpy.impl import rcutils_logger
 
         self._patches.set(rcutils_logger, "_rclpy", _LogTap(rcutils_logger._rclpy, self._output))  # noqa: SLF001
-        self._patches.set(warnings, "showwarning", self._warned(warnings.showwarning))
 
     def _warned(self, show: Callable[..., None]) -> Callable[..., None]:
         """Warnings of rclpy in a callback, without the place in rclpy, which is not where the learner went wrong."""

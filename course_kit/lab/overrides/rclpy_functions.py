@@ -190,6 +190,12 @@ def _guard_calls(patches: Patches, lab: Guarded) -> None:
             client.remove_pending_request(future)
         return future.result()
 
+    patches.set(Client, "call", call_guarded)
+
+
+def guard_goals(patches: Patches, lab: Guarded) -> None:
+    """Replace those functions of action clients that wait; `patches` takes it back."""
+
     def send_goal(client: Any, goal: Any, **options: Any) -> Any:
         _refuse_to_wait(lab, "send_goal()", "send_goal_async()")
         sent = client.send_goal_async(goal, **options)
@@ -208,7 +214,6 @@ def _guard_calls(patches: Patches, lab: Guarded) -> None:
         _has_come(lab, future, None)
         return future.result()
 
-    patches.set(Client, "call", call_guarded)
     patches.set(ActionClient, "send_goal", send_goal)
     patches.set(ActionClient, "_cancel_goal", cancel_goal)
     patches.set(ActionClient, "_get_result", get_result)

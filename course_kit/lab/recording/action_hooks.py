@@ -8,12 +8,14 @@ What a server reports as sent is reported before it is sent: whoever has it can 
 from __future__ import annotations
 
 import time
+import uuid
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient, ActionServer
 from rclpy.action.server import GoalEvent, ServerGoalHandle
+from unique_identifier_msgs.msg import UUID
 
 from course_kit.lab.messages import type_name
 from course_kit.ros.names import full_action_name
@@ -64,7 +66,7 @@ class ActionTapping:
 
         def send_goal_seen(client: Any, goal: Any, feedback_callback: Any = None, goal_uuid: Any = None) -> Any:
             before = time.monotonic_ns()  # the answer may be here before the sending returns
-            goal_uuid = client._generate_random_uuid() if goal_uuid is None else goal_uuid  # noqa: SLF001
+            goal_uuid = UUID(uuid=list(uuid.uuid4().bytes)) if goal_uuid is None else goal_uuid
             future = send_goal_async(client, goal, feedback_callback, goal_uuid)
             self._sent.append((id(client), number_of(goal_uuid)))
             self._emit("goal_sent", client, goal, number_of(goal_uuid), before)

@@ -13,7 +13,6 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from rclpy.exceptions import InvalidHandle
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.subscription import Subscription
 
 from course_kit.lab.messages import type_name
@@ -207,8 +206,7 @@ async def _run(callback: Any, *arguments: Any) -> Any:
 
 
 def _sequence(header: Any) -> int:
-    identity = header.request_id if isinstance(header, rclpy_implementation.rmw_service_info_t) else header
-    return int(identity.sequence_number)
+    return int(getattr(header, "request_id", header).sequence_number)  # of a request or of what is known about one
 
 
 def _wrong_response(returned: Any, service_type: Any) -> str:

@@ -28,9 +28,8 @@ if TYPE_CHECKING:
     from course_kit.lab.runtime.execution import Executions
 
 
-def install(patches: Patches, executions: Executions, crashed: Callable[[BaseException, Turn], None]) -> None:
-    """Have goals executed by `executions`, `crashed` told of what raises, and replies kept; `patches` takes it back."""
-    _execute_apart(patches, executions, crashed)
+def keep_replies(patches: Patches) -> None:
+    """Have a client note what it waits for before it takes any reply; `patches` takes it back."""
     sending = threading.RLock()
     for method in ("send_goal_async", "_cancel_goal_async", "_get_result_async", "take_data"):
         _hold(patches, ActionClient, method, sending)
@@ -47,7 +46,8 @@ def _hold(patches: Patches, owner: Any, method: str, lock: Any) -> None:
     patches.set(owner, method, held)
 
 
-def _execute_apart(patches: Patches, executions: Executions, crashed: Callable[[BaseException, Turn], None]) -> None:
+def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[BaseException, Turn], None]) -> None:
+    """Have goals executed by `executions`, and `crashed` told of what raises; `patches` takes it back."""
     execute_goal = ActionServer._execute_goal  # noqa: SLF001 - all of a server's goals pass here, however they are begun
 
     async def execute_goal_apart(server: Any, execute_callback: Any, goal_handle: Any) -> None:

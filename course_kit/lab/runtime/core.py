@@ -14,7 +14,7 @@ from course_kit.lab.recording.events import Recorder, Taps
 from course_kit.ros import graph as ros_graph
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Hashable
+    from collections.abc import Callable, Coroutine, Hashable, Iterable
 
     from course_kit.lab import goals
     from course_kit.lab.runtime.engine import Engine
@@ -42,6 +42,7 @@ class Lab:
         self._scripts: Scripts | None = None
         self._recorder: Recorder | None = None
         self._panels: dict[Hashable, Callable[[], None]] = {}
+        self._told: set[str] = set()
         self._closed = False
         self._lock = threading.RLock()
 
@@ -176,6 +177,13 @@ class Lab:
         self.output.drain()  # also takes in what scripts have reported
         return recorder.diagram(last)
 
+    def tell_once(self, sentences: Iterable[str]) -> None:
+        """Say what is off in this lab, each sentence once."""
+        for sentence in sentences:
+            if sentence not in self._told:
+                self._told.add(sentence)
+                self.output.put(sentence + "\n", "stderr")
+
     def attach_panel(self, key: Hashable, close: Callable[[], None]) -> None:
         """Have a panel closed with the lab, or before another one of the same key is attached."""
         before = self._panels.pop(key, None)
@@ -203,16 +211,13 @@ class Lab:
 
         environment.apply()
         from course_kit.lab.runtime.engine import Engine
+        from course_kit.ros import compat
 
-        engine = Engine(
-            self.taps,
-            self.output,
-            self._notebook.ros_arguments,
-            self._notebook.locate,
-            notebook=self._notebook.present,
-        )
+        found = compat.check()
+        engine = Engine(self.taps, self.output, self._notebook, found)
         engine.on_server_gone = self._let_scripts_end
-        self._notebook.attach(engine.spinner.thread_id)
+        self._notebook.attach(engine.spinner.thread_id, found)
+        self.tell_once(found.sentences())
         _at_exit(self.close)
         return engine
 

@@ -20,7 +20,6 @@ from course_kit.lab.messages import type_name
 from course_kit.lab.notebook import asyncio_bridge
 from course_kit.lab.overrides import rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
-from course_kit.lab.recording.action_hooks import ActionTapping
 from course_kit.lab.recording.hooks import Tapping
 from course_kit.lab.runtime import actions, timeout_reasons
 from course_kit.lab.runtime.describe import actions_of
@@ -29,6 +28,7 @@ from course_kit.lab.runtime.executor import Turn
 from course_kit.lab.runtime.executor_thread import Spinner
 from course_kit.lab.runtime.failures import Failures
 from course_kit.lab.runtime.nodes import Nodes
+from course_kit.ros import compat_names
 from course_kit.ros.graph import RUNS, SERVES
 from course_kit.ros.names import full_action_name
 
@@ -36,8 +36,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.lab.goal_client import GoalClient
+    from course_kit.lab.notebook.cells import Notebook
     from course_kit.lab.notebook.output import Output
     from course_kit.lab.recording.events import Taps
+    from course_kit.ros.compat import Compatibility
 
 LAB_NAME = "lab"
 _FREE = 1.0  # seconds a callback may keep the thread before goals are not ended properly
@@ -52,33 +54,25 @@ class Engine:
     Args:
         taps: told what crosses.
         output: takes what callbacks say.
-        ros_arguments: for rclpy.init.
-        locate: the name a file of the learner's has for the learner.
-        notebook: whether someone reads along, and wants to be told that `rclpy.init()` was not needed.
+        notebook: where someone may read along, and want to be told that `rclpy.init()` was not needed.
+        found: which features of the lab this rclpy allows.
 
     Attributes:
         on_server_gone: called before a caller is told that its server went away.
         guests: nodes that others spin in this lab's context; their clients, too, are told when a callback fails.
     """
 
-    def __init__(
-        self,
-        taps: Taps,
-        output: Output,
-        ros_arguments: list[str],
-        locate: Callable[[str], str | None],
-        *,
-        notebook: bool,
-    ) -> None:
+    def __init__(self, taps: Taps, output: Output, notebook: Notebook, found: Compatibility) -> None:
         self.output = output
         self.on_server_gone: Callable[[], None] = lambda: None
         self.guests: set[Any] = set()
-        self._locate = locate
+        self._locate = notebook.locate
+        self._found = found
         self._notebook = notebook
         self._patches = Patches()
         self._tapping = Tapping(taps)
-        self._failures = Failures(output, locate, self._tapping, self)
-        self.spinner = Spinner(ros_arguments, self._tapping, self._failures)
+        self._failures = Failures(output, notebook.locate, self._tapping, self)
+        self.spinner = Spinner(notebook.ros_arguments(found), self._tapping, self._failures, found)
         self.executions = Executions(self.spinner.executor, output)
         self.nodes = Nodes(self.spinner, self._end_goals, self._forget)
         self.clients = Clients(self.spinner, self._tapping, LAB_NAME)
@@ -87,15 +81,27 @@ class Engine:
     def _install(self) -> None:
         quieten_finalizers(self._patches)
         rclpy_functions.install(self._patches, self)
-        ActionTapping(self._tapping, self._patches)  # before the sending of goals is held back
-        actions.install(self._patches, self.executions, self._failures.callback_crashed)
+        if self._found.has(compat_names.WAITING_FOR_GOALS):
+            rclpy_functions.guard_goals(self._patches, self)
+        if self._found.has(compat_names.GOAL_RECORDING):
+            from course_kit.lab.recording.action_hooks import ActionTapping
+
+            ActionTapping(self._tapping, self._patches)  # before the sending of goals is held back
+        if self._found.has(compat_names.EXECUTIONS):
+            actions.execute_apart(self._patches, self.executions, self._failures.callback_crashed)
+        if self._found.has(compat_names.REPLIES):
+            actions.keep_replies(self._patches)
         self.nodes.watch(self._patches)
-        self._tapping.tap_sending(self._patches)
-        asyncio_bridge.install(
-            self._patches, lambda future: rclpy_functions.check_await(self, future), self.flush_output
-        )
-        # Nodes that pass no context, and rclpy.ok(), use the default one.
-        self._patches.set(rclpy.utilities, "g_default_context", self.spinner.context)
+        if self._found.has(compat_names.RECORDING):
+            self._tapping.tap_sending(self._patches)
+        asyncio_bridge.install(self._patches, self._check_await, self.flush_output)
+        if self._found.has(compat_names.DEFAULT_CONTEXT):
+            # Nodes that pass no context, and rclpy.ok(), use the default one.
+            self._patches.set(rclpy.utilities, "g_default_context", self.spinner.context)
+
+    def _check_await(self, future: Any) -> None:
+        if self._found.has(compat_names.DEADLOCKS):
+            rclpy_functions.check_await(self, future)
 
     def close(self) -> bool:
         """End everything; False if a callback could not be ended."""
@@ -149,6 +155,10 @@ class Engine:
             for one in node.subscriptions
             if one.topic_name == topic and one.msg_type is message_type
         }
+
+    def tells_deliveries(self) -> bool:
+        """Whether a subscription that has had a message can be known."""
+        return self._found.has(compat_names.RECORDING)
 
     def listen_for_deliveries(self, told: Callable[[Any], None], *, listen: bool) -> None:
         """Begin or end to call `told` with each subscription whose callback has had a message."""
@@ -228,7 +238,7 @@ class Engine:
 
     def note(self, text: str) -> None:
         """Tell the learner something in the notebook; a program is left alone."""
-        if self._notebook:
+        if self._notebook.present:
             self.output.put(text + "\n")
             self.flush_output()
 
@@ -265,12 +275,13 @@ class Engine:
         """Nodes are about to be destroyed: abort their goals, tell the clients, and end the threads."""
         if not any(isinstance(one, ActionServer) for node in nodes for one in getattr(node, "waitables", ())):
             return
+        can_abort = self._found.has(compat_names.GOAL_ENDS)
         deadline = time.monotonic() + patience
         threads = self.executions.stop(nodes)
-        if self.spinner.is_current_thread():
+        if can_abort and self.spinner.is_current_thread():
             abort_goals(nodes)
             return
-        if self.spinner.run_between_callbacks(lambda: abort_goals(nodes), _FREE):
+        if can_abort and self.spinner.run_between_callbacks(lambda: abort_goals(nodes), _FREE):
             self.spinner.run_between_callbacks(lambda: None, _FREE)  # the results are sent as tasks of their own
             self.clients.wait_for_results({action for node in nodes for action in actions_of(node)}, _TOLD)
         for thread in threads:
@@ -279,6 +290,7 @@ class Engine:
     def _forget(self, nodes: list[Any]) -> None:
         """Nodes are about to be destroyed."""
         self._failures.forget()
+        self.spinner.executor.forget(nodes)
         channels: set[str] = set()
         for node in nodes:
             with contextlib.suppress(Exception):  # one that is destroyed already has none

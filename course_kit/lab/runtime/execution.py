@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalStatus
 from rclpy.action import ActionServer
-from rclpy.action.server import GoalEvent
-from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.task import Future
 
 from course_kit.lab.runtime.executor import CallbackStopped, Turn
+from course_kit.ros.compat import rcl_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable
@@ -61,6 +61,7 @@ class Execution:
         self._ended = False
         self._result: Any = None
         self._error: BaseException | None = None
+        self._news = Future()  # done when there is a reason to go on
         self.thread: threading.Thread | None = None
 
     def begin(self, output: Output) -> None:
@@ -74,7 +75,7 @@ class Execution:
                         self._call_once()
             finally:
                 output.producers.discard(threading.get_ident())
-                self._wake()
+                self._go_on()
 
         self.thread = threading.Thread(target=run, name="ros-execute", daemon=True)
         self.thread.start()
@@ -94,6 +95,7 @@ class Execution:
     def stop(self) -> None:
         """Have it end soon; what it returns or raises is of no interest any more."""
         self.stopped = True
+        self._go_on()
         thread = self.thread
         with self._changing:
             if thread is not None and thread is not threading.current_thread() and not self._ended:
@@ -101,31 +103,55 @@ class Execution:
                     ctypes.c_ulong(thread.ident or 0), ctypes.py_object(CallbackStopped)
                 )
 
-    def __await__(self) -> Generator[None, None, Any]:
+    def _go_on(self) -> None:
+        if not self._news.done():
+            self._news.set_result(None)
+        self._wake()  # until rclpy 7.1.8 the executor does not notice that a future is done
+
+    def __await__(self) -> Generator[Any, None, Any]:
         """Wait on the lab's thread, as a task of its executor; return or raise what the callback did."""
         if self.thread is None:
             yield from self._steps()
-        while not self._ended and not self.stopped:
-            yield
+        elif not self._ended and not self.stopped:
+            yield from self._news.__await__()
         if self.stopped:
             raise CallbackStopped
         if self._error is not None:
             raise self._error
         return self._result
 
-    def _steps(self) -> Generator[None, None, None]:
+    def _steps(self) -> Generator[Any, None, None]:
         """The steps of a callback that is a coroutine."""
         steps = self.callback(self._goal_handle).__await__()
         try:
             while not self.stopped:
                 try:
-                    next(steps)
+                    awaited = next(steps)
                 except StopIteration as end:
                     self._result, self._ended = end.value, True
                     return
-                yield
+                yield from self._wait_for(awaited)
         finally:
             steps.close()
+
+    def _wait_for(self, awaited: Any) -> Generator[Any, None, None]:
+        """Wait for what a step awaits, or until it is stopped.
+
+        From rclpy 7.1.9 on a step that awaits a future yields it, and must not go on before that is done; until then
+        it yields None, and may be asked again at any time.
+        """
+        if not isinstance(awaited, Future):
+            yield
+            return
+        self._news = news = Future()
+
+        def came(_: Any) -> None:
+            if not news.done():
+                self._go_on()
+
+        awaited.add_done_callback(came)
+        if not self.stopped:
+            yield from news.__await__()
 
 
 class Executions:
@@ -203,7 +229,9 @@ def _abort(server: Any, identifier: bytes, handle: Any) -> None:
     future = server._result_futures.get(identifier)  # noqa: SLF001
     if future is None or future.done():
         return
-    with suppress(rclpy_implementation.RCLError):  # its callback has ended it at this very moment
+    from rclpy.action.server import GoalEvent  # here, as only this needs it: see ros.compat
+
+    with suppress(rcl_error()):  # its callback has ended it at this very moment
         if not handle.is_active:
             return  # its result is on its way
         if handle.status == GoalStatus.STATUS_ACCEPTED:

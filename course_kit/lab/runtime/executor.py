@@ -57,28 +57,43 @@ class LabExecutor(Executor):
     Differs from rclpy's SingleThreadedExecutor in what happens when a callback raises: it is reported and the
     others go on, where rclpy's ends.
 
+    A callback that awaits a future is resumed by its own task until rclpy 7.1.8, from 7.1.9 on by another one, which
+    knows nothing of it. Here it is recognised either way: whose it is while it runs, and what it raises.
+
     Attributes:
-        turn: the callback that is running.
-        turned: set whenever one has ended.
+        turned: set whenever a callback has ended or awaits something.
     """
 
-    def __init__(self, context: Any, tapping: Tapping, listener: FailureListener) -> None:
+    def __init__(self, context: Any, listener: FailureListener) -> None:
         super().__init__(context=context)
-        self.turn: Turn | None = None
+        self._running: Turn | None = None
+        self._begun: dict[Any, Turn] = {}  # what has not ended, by its task, oldest first
         self.turned = threading.Event()
-        self._tapping = tapping
         self._listener = listener
         self._stop = threading.Event()
 
+    @property
+    def turn(self) -> Turn | None:
+        """The callback that is running."""
+        if self._running is not None and self._running.entity is None:
+            for task, turn in list(self._begun.items()):
+                if turn.entity is not None and task.executing():
+                    return turn
+        return self._running
+
     def run(self) -> None:
         """Execute callbacks until `request_stop`, whatever they raise."""
-        while not self._stop.is_set() and self._context.ok():
+        while not self._stop.is_set() and self.context.ok():
             self._spin_safely()
 
     def request_stop(self) -> None:
         """Have `run` return after the callback that is running."""
         self._stop.set()
         self.wake()
+
+    def forget(self, nodes: list[Any]) -> None:
+        """Nodes are about to be destroyed: their callbacks that await something will not go on."""
+        self._begun = {task: turn for task, turn in self._begun.items() if turn.node is None or turn.node not in nodes}
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Wait for one callback and run it."""
@@ -106,21 +121,43 @@ class LabExecutor(Executor):
             self._stop.wait(_BREATH)
 
     def _run_handler(self, handler: Any, turn: Turn) -> None:
-        self.turn = turn
+        self._running = turn
+        self._begun.setdefault(handler, turn)
+        raised: BaseException | None = None
         try:
             handler()
-            error = handler.exception() if handler.done() else None
-        except CallbackStopped:
-            handler.cancel()
-            return
-        except BaseException as raised:  # noqa: BLE001 - sys.exit() in a callback must not end the lab
-            handler.cancel()
-            error = raised
+        except BaseException as error:  # noqa: BLE001 - sys.exit() in a callback must not end the lab
+            raised = error
         finally:
-            self.turn = None
+            self._running = None
             self.turned.set()
-        if error is not None and not isinstance(error, InvalidHandle):
+        if raised is not None:
+            self._drop_broken(raised, turn)
+        for task in [task for task in self._begun if task.done() or task.cancelled()]:
+            ended = self._begun.pop(task)
+            self._tell(task.exception() if task.done() else None, ended)
+
+    def _drop_broken(self, error: BaseException, turn: Turn) -> None:
+        """What rclpy's tasks do not catch has broken the callback, and the task that went on with it."""
+        broken = [task for task in self._begun if task.executing()]
+        if broken:
+            turn = self._begun[broken[0]]
+        for task in broken:
+            del self._begun[task]
+            task.cancel()
+        self._tell(error, turn)
+
+    def _tell(self, error: BaseException | None, turn: Turn) -> None:
+        if error is not None and not isinstance(error, (InvalidHandle, CallbackStopped)):
             self._listener.callback_crashed(error, turn)
+
+
+class RecordingExecutor(LabExecutor):
+    """Takes what arrives by way of `tapping`, which reports it."""
+
+    def __init__(self, context: Any, tapping: Tapping, listener: FailureListener) -> None:
+        super().__init__(context, listener)
+        self._tapping = tapping
 
     def _take_service(self, srv: Any) -> Work | None:
         return self._tapping.take_service(srv, self._listener.request_failed)

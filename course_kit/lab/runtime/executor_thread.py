@@ -16,12 +16,14 @@ from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 
 from course_kit.lab.errors import NoAnswerError
-from course_kit.lab.runtime.executor import CallbackStopped, FailureListener, LabExecutor
+from course_kit.lab.runtime.executor import CallbackStopped, FailureListener, LabExecutor, RecordingExecutor
+from course_kit.ros import compat_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.lab.recording.hooks import Tapping
+    from course_kit.ros.compat import Compatibility
 
 # rclpy's ~/get_type_description, which no lesson asks for, triples the time to make a node and leaves 100 kB behind
 # for each one destroyed, until the last node of the process is gone.
@@ -38,12 +40,18 @@ class Spinner:
         executor: the LabExecutor on that context.
     """
 
-    def __init__(self, ros_arguments: list[str], tapping: Tapping, listener: FailureListener) -> None:
-        self.context = Context()
+    def __init__(
+        self, ros_arguments: list[str], tapping: Tapping, listener: FailureListener, found: Compatibility
+    ) -> None:
+        # Where the default context cannot be replaced by ours, ours is that one.
+        self.context = Context() if found.has(compat_names.DEFAULT_CONTEXT) else rclpy.get_default_context()
         rclpy.init(
             args=[*ros_arguments, *_ARGUMENTS], context=self.context, signal_handler_options=SignalHandlerOptions.NO
         )
-        self.executor = LabExecutor(self.context, tapping, listener)
+        records = found.has(compat_names.RECORDING)
+        self.executor: LabExecutor = (
+            RecordingExecutor(self.context, tapping, listener) if records else LabExecutor(self.context, listener)
+        )
         self._thread = threading.Thread(target=self.executor.run, name="ros-lab", daemon=True)
         self._thread.start()
 

@@ -53,6 +53,8 @@ def no_result(nodes: Iterable[LiveNode], running: Running, action: str, locate: 
             execution = executions.of(live.node)
             if execution is not None and execution.thread is not None:
                 return f"{_still_in(Running(turn_of(execution), execution.thread.ident or 0), locate)}."
+            if execution is None:  # a server may have no execute callback, or begin with the goal later
+                return f"{live.node.get_name()} has not ended the goal, and no execute callback is running."
             return f"{live.node.get_name()} has not finished the goal: its execute callback awaits something."
     return "Its server runs outside this notebook and may still be busy with the goal. Look at the server's own output."
 

@@ -27,6 +27,7 @@ from course_kit.lab.recording.events import Taps
 if TYPE_CHECKING:
     from types import FrameType
 
+    from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.recording.events import Event
 
 _PR_SET_PDEATHSIG = 1  # see prctl(2)
@@ -73,23 +74,10 @@ def tap(reports: Reports) -> None:
     from rclpy.node import Node
 
     from course_kit.lab.overrides.patches import Patches, quieten_finalizers
-    from course_kit.lab.recording.action_hooks import ActionTapping
-    from course_kit.lab.recording.hooks import Tapping
 
-    taps = Taps()
-    taps.listen(reports.event)
-    tapping = Tapping(taps)
     patches = Patches()
     quieten_finalizers(patches)
-    tapping.tap_sending(patches)
-    ActionTapping(tapping, patches)
-
-    def take_client(executor: Any, client: Any) -> Any:  # a function, so that it becomes a method
-        return tapping.take_client(executor, client)
-
-    patches.set(Executor, "_take_service", lambda _, service: tapping.take_service(service, lambda *_: None))
-    patches.set(Executor, "_take_client", take_client)
-    patches.set(Executor, "_take_subscription", lambda _, subscription: tapping.take_subscription(subscription))
+    _record(patches, reports)
     initialise = Node.__init__
     wait = Executor.wait_for_ready_callbacks
 
@@ -111,6 +99,35 @@ def tap(reports: Reports) -> None:
 
     patches.set(Node, "__init__", initialise_seen)
     patches.set(Executor, "wait_for_ready_callbacks", waiting)
+
+
+def _record(patches: Patches, reports: Reports) -> None:
+    """Have what crosses reported, as far as this rclpy lets itself be watched."""
+    from rclpy.executors import Executor
+
+    from course_kit.lab.recording.hooks import Tapping
+    from course_kit.ros import compat, compat_names
+
+    taps = Taps()
+    taps.listen(reports.event)
+    tapping = Tapping(taps)
+    found = compat.check(compat_names.OF_SCRIPTS)
+    for sentence in found.sentences():
+        reports.send(off=sentence)
+    if found.has(compat_names.GOAL_RECORDING):
+        from course_kit.lab.recording.action_hooks import ActionTapping
+
+        ActionTapping(tapping, patches)
+    if not found.has(compat_names.RECORDING):
+        return
+
+    def take_client(executor: Any, client: Any) -> Any:  # a function, so that it becomes a method
+        return tapping.take_client(executor, client)
+
+    tapping.tap_sending(patches)
+    patches.set(Executor, "_take_service", lambda _, service: tapping.take_service(service, lambda *_: None))
+    patches.set(Executor, "_take_client", take_client)
+    patches.set(Executor, "_take_subscription", lambda _, subscription: tapping.take_subscription(subscription))
 
 
 def _role(nodes: list[Any]) -> str:

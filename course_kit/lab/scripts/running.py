@@ -236,6 +236,8 @@ class Scripts:
         elif script is not None and "spins" in report:
             script.spins = str(report["spins"])
             self._output.poke()
+        elif script is not None and "off" in report:
+            self._lab.tell_once([str(report["off"])])
         elif report.get("event") in KINDS:
             with contextlib.suppress(KeyError):
                 self._lab.taps.forward(Event(report["event"], *(report[name] for name in Event._fields[1:])))

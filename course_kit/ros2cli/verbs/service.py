@@ -111,25 +111,18 @@ def _wait_for_server(client: Any, name: str, type_name: str, timeout: float, ses
     Raises:
         CommandError: none came, or the name belongs to a service of another type.
     """
-    handle = session.node.handle
+    node = session.node
     others: list[str] = []
 
     def is_ready() -> bool:
         if client.service_is_ready():
             return True
         # Our own client stands on the graph with its type, so only another type tells something.
-        others[:] = [found for found in dict(_services(handle)).get(name, []) if found != type_name]
-        return bool(others) and handle.get_count_services(name) > 0
+        others[:] = [found for found in dict(node.get_service_names_and_types()).get(name, []) if found != type_name]
+        return bool(others) and node.count_services(name) > 0
 
     if not session.wait_on_graph(is_ready, timeout):
-        services = {found for found, _ in _services(handle)} - {name}
+        services = {found for found, _ in node.get_service_names_and_types()} - {name}
         raise CommandError(f"No service {name} within {timeout:g} s.{did_you_mean(name, services)}")
     if not client.service_is_ready():
         raise CommandError(f"{name} is a service of the type {others[0]}, not {type_name}.")
-
-
-def _services(handle: Any) -> Any:
-    from rclpy.impl.implementation_singleton import rclpy_implementation
-
-    with handle:
-        return rclpy_implementation.rclpy_get_service_names_and_types(handle)
