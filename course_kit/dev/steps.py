@@ -11,7 +11,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING
 
-from course_kit.grading.sandbox import namespaces, processes
+from course_kit.process import tree
+from course_kit.process.parent import adopt_orphans
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -67,7 +68,7 @@ class Runner:
     """
 
     def __enter__(self) -> Self:
-        namespaces.adopt_orphans()  # so that what a step has detached can be ended, too
+        adopt_orphans()  # so that what a step has detached can be ended, too
         return self
 
     def __exit__(
@@ -99,7 +100,7 @@ class Runner:
 
     def end_all(self) -> None:
         """Kill whatever the steps so far have left running."""
-        processes.end_descendants()
+        tree.end_descendants()
 
 
 def _ending(step: Step, folder: Path, environ: Mapping[str, str], stdout: IO[bytes], stderr: IO[bytes]) -> str:
@@ -130,7 +131,7 @@ def _stop(process: subprocess.Popen[bytes]) -> None:
         os.killpg(process.pid, signal.SIGINT)
     with suppress(subprocess.TimeoutExpired):
         process.wait(_GRACE_S)
-    processes.end_descendants()
+    tree.end_descendants()
     process.wait()
 
 

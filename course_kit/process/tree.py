@@ -1,4 +1,4 @@
-"""Counting and ending processes through /proc (proc(5)).
+"""The processes below one: which they are, what they use, and their end, through /proc (proc(5)).
 
 Works in whatever PID namespace /proc belongs to: the number of the calling process is read from /proc/self.
 """
@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import signal
-import time
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
 
 _TICKS = os.sysconf("SC_CLK_TCK")
 _PAGE = os.sysconf("SC_PAGE_SIZE")
-_IN_MEMORY = ("/memfd:", "/dev/shm/", "/dev/zero (deleted)", "/SYSV")  # noqa: S108 - as /proc names what is open
 
 
 @dataclass(frozen=True)
@@ -74,60 +72,6 @@ def usage(process_ids: Iterable[int]) -> Usage:
     return Usage(cpu_s, tasks, memory)
 
 
-def own_memory(process_ids: Iterable[int], files: int, patience_s: float) -> int:
-    """Bytes of memory these processes take from the machine: pages that forks share are counted once.
-
-    Exact and slow, for a process that is just forking very slow: stops after `patience_s` seconds with what it has.
-
-    Args:
-        process_ids: the processes.
-        files: bytes in their files in memory, of which some are mapped and counted that way already.
-        patience_s: seconds.
-    """
-    deadline = time.monotonic() + patience_s
-    total = mapped = 0
-    for process_id in process_ids:
-        own, shared = _proportional(process_id)
-        total += own
-        mapped += shared
-        if time.monotonic() > deadline:
-            break
-    return total + max(0, files - mapped)
-
-
-def _proportional(process_id: int) -> tuple[int, int]:
-    """Resident bytes, shared ones divided by their users, and those in files in memory among them.
-
-    All resident bytes for a process that hides the figures.
-    """
-    try:
-        text = Path(f"/proc/{process_id}/smaps_rollup").read_text(encoding="utf-8")
-        rows = {row.partition(":")[0]: row.split()[1] for row in text.splitlines()[1:]}
-        return int(rows["Pss"]) * 1024, int(rows.get("Pss_Shmem", 0)) * 1024
-    except (OSError, ValueError, LookupError):
-        return usage([process_id]).memory, 0
-
-
-def memory_files(process_ids: Iterable[int], patience_s: float) -> int:
-    """Bytes in files that exist in memory alone, mapped or not: those of memfd_create(2), and deleted ones of a tmpfs.
-
-    Stops after `patience_s` seconds with what it has.
-    """
-    deadline = time.monotonic() + patience_s
-    sizes: dict[tuple[int, int], int] = {}
-    for process_id in process_ids:
-        folder = f"/proc/{process_id}/fd"
-        with suppress(OSError):
-            for name in os.listdir(folder):  # noqa: PTH208 - hot
-                with suppress(OSError):
-                    if os.readlink(f"{folder}/{name}").startswith(_IN_MEMORY):  # noqa: PTH115 - hot
-                        status = os.stat(f"{folder}/{name}")  # noqa: PTH116 - hot
-                        sizes[status.st_dev, status.st_ino] = status.st_blocks * 512
-        if time.monotonic() > deadline:
-            break
-    return sum(sizes.values())
-
-
 def tasks_of_user(user: int) -> int:
     """Processes and threads of a user."""
     tasks = 0
@@ -148,18 +92,10 @@ def _user(name: str) -> int:
         return next(int(line.split()[1]) for line in file if line.startswith("Uid:"))
 
 
-def killed_for_lack_of_memory() -> int:
-    """How many processes this machine has killed because its memory was used up, since it was started; 0 if unknown."""
-    with suppress(OSError, ValueError, IndexError):
-        text = Path("/proc/vmstat").read_text(encoding="ascii")
-        return int(text.partition("oom_kill ")[2].split()[0])
-    return 0
-
-
 def end_descendants(keep: Container[int] = ()) -> None:
     """Kill everything below this process but the children `keep` and what hangs on them; returns when all are gone.
 
-    Needs `namespaces.adopt_orphans`: the orphans that killing makes come to us. Repeats until nothing is left,
+    Needs `parent.adopt_orphans`: the orphans that killing makes come to us. Repeats until nothing is left,
     so that a program which forks while it is being killed does not escape.
     """
     own = this_process()
