@@ -174,7 +174,9 @@ def test_interrupting_a_cell_stops_its_script(kernel: Kernel) -> None:
 def test_scripts_die_with_the_kernel(how: signal.Signals, fresh_kernel: Kernel) -> None:
     fresh_kernel.run(f"%%ros_script server\n{SERVER}")
     children = [
-        one for one in psutil.Process(fresh_kernel.pid).children(recursive=True) if "runner" in " ".join(one.cmdline())
+        one
+        for one in psutil.Process(fresh_kernel.pid).children(recursive=True)
+        if "child_main" in " ".join(one.cmdline())
     ]
     assert len(children) == 1
     os.kill(fresh_kernel.pid, how)
