@@ -27,6 +27,7 @@ def test_what_works_gives_its_answer() -> None:
 
 
 def test_a_process_gets_a_name() -> None:
-    program = "from course_kit.process.parent import set_name\nset_name('a plain name')\nprint(open('/proc/self/comm').read())"
+    program = "from course_kit.process.parent import set_name\nset_name('a plain name')\n"
+    program += "print(open('/proc/self/comm').read())"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True)
     assert done.stdout.strip() == "a plain name"

@@ -97,27 +97,24 @@ class WarmProcess:
         self._said.file.close()
 
     def give_up(self, worker: int | None) -> str:
-        """End a worker that has stopped working; returns how it has ended, as far as is known.
+        """End a worker that has stopped working; returns what was printed last, or how it has ended as far as is known.
 
         Args:
             worker: its process, None when it has not said.
         """
         if not self._shared:
-            return f"Its exit status was {self._process.wait_or_kill(_STOP_S)}."
-        code = self._process.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
+            code = self._process.wait_or_kill(_STOP_S)
+            return self._said.last_line() or f"Its exit status was {code}."
+        ended = self._process.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
         # As long as the warm process lives its forks are not reaped, and no other process gets their numbers.
-        if worker is not None and code is None:
+        if worker is not None and ended is None:
             with suppress(ProcessLookupError):
                 os.kill(worker, signal.SIGKILL)
-        return "It hung, or another program has ended it."
+        return self._said.last_line() or "It hung, or another program has ended it."
 
     def has_ended(self) -> bool:
         """Whether it has gone, and all workers with it."""
         return self._process.exit_code() is not None
-
-    def last_words(self) -> str:
-        """The last line it has printed; it prints nothing as long as all is well."""
-        return self._said.last_line()
 
 
 def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:

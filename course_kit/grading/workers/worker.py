@@ -113,9 +113,7 @@ class Worker:
     def _last_words(self) -> str:
         """What the process has printed, when it has ended."""
         how = self._process.give_up((self._greeting or {}).get("process"))
-        if self._closing:
-            return "It was closed meanwhile."
-        return self._process.last_words() or how
+        return "It was closed meanwhile." if self._closing else how
 
 
 def side_by_side(number: int, graders: Sequence[str] = ()) -> list[Worker]:
