@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable
+    from collections.abc import Callable, Container, Iterable
 
 _TICKS = os.sysconf("SC_CLK_TCK")
 _PAGE = os.sysconf("SC_PAGE_SIZE")
@@ -36,23 +36,12 @@ class Usage:
 
 def descendants(root: int) -> list[int]:
     """All living or unreaped processes below `root`, parents before children."""
-    children: dict[int, list[int]] = {}
-    for name in os.listdir("/proc"):  # noqa: PTH208 - hot
-        if name.isdecimal():
-            with suppress(OSError, ValueError, IndexError):
-                children.setdefault(int(_stat(int(name))[1]), []).append(int(name))
-    found, pending = [], [root]
-    while pending:
-        below = children.get(pending.pop(), [])
-        found.extend(below)
-        pending.extend(below)
-    return found
+    return _below(root, _children().get)
 
 
 def all_but(process_id: int) -> list[int]:
     """All processes that /proc shows, without one: the quick way to all descendants of process 1 of a PID namespace."""
-    numbers = (int(name) for name in os.listdir("/proc") if name.isdecimal())  # noqa: PTH208 - hot
-    return [number for number in numbers if number != process_id]
+    return [number for number in _all() if number != process_id]
 
 
 def this_process() -> int:
@@ -75,20 +64,19 @@ def usage(process_ids: Iterable[int]) -> Usage:
 def tasks_of_user(user: int) -> int:
     """Processes and threads of a user."""
     tasks = 0
-    for name in os.listdir("/proc"):  # noqa: PTH208 - hot
-        if name.isdecimal():
-            with suppress(OSError, ValueError, IndexError, StopIteration):
-                if _user(name) == user:
-                    tasks += int(_stat(int(name))[17])
+    for process_id in _all():
+        with suppress(OSError, ValueError, IndexError, StopIteration):
+            if _user(process_id) == user:
+                tasks += int(_stat(process_id)[17])
     return tasks
 
 
-def _user(name: str) -> int:
+def _user(process_id: int) -> int:
     """Whose process it is; the files of one that forbids tracing belong to root, whoever's it is."""
-    owner = Path(f"/proc/{name}").stat().st_uid
+    owner = Path(f"/proc/{process_id}").stat().st_uid
     if owner:
         return owner
-    with open(f"/proc/{name}/status", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
+    with open(f"/proc/{process_id}/status", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
         return next(int(line.split()[1]) for line in file if line.startswith("Uid:"))
 
 
@@ -107,7 +95,7 @@ def end_descendants(keep: Container[int] = ()) -> None:
                 return
             listed = _all_children  # the kernel's list may lack a child when another ends just then
             continue
-        for process_id in (*doomed, *(below for child in doomed for below in _below(child))):
+        for process_id in (*doomed, *(below for child in doomed for below in _below(child, _listed_children))):
             with suppress(ProcessLookupError):
                 os.kill(process_id, signal.SIGKILL)
         for child in doomed:
@@ -124,10 +112,11 @@ def _childless() -> bool:
     return False
 
 
-def _below(process_id: int) -> list[int]:
+def _below(process_id: int, children_of: Callable[[int], list[int] | None]) -> list[int]:
+    """All processes below one, parents before children."""
     found, pending = [], [process_id]
     while pending:
-        below = _listed_children(pending.pop())
+        below = children_of(pending.pop()) or []
         found.extend(below)
         pending.extend(below)
     return found
@@ -148,13 +137,20 @@ def _listed_children(parent: int) -> list[int]:
 
 
 def _all_children(parent: int) -> list[int]:
-    found = []
-    for name in os.listdir("/proc"):  # noqa: PTH208 - hot
-        if name.isdecimal():
-            with suppress(OSError, ValueError, IndexError):
-                if int(_stat(int(name))[1]) == parent:
-                    found.append(int(name))
+    return _children().get(parent, [])
+
+
+def _children() -> dict[int, list[int]]:
+    """The children of every process that has some."""
+    found: dict[int, list[int]] = {}
+    for process_id in _all():
+        with suppress(OSError, ValueError, IndexError):
+            found.setdefault(int(_stat(process_id)[1]), []).append(process_id)
     return found
+
+
+def _all() -> list[int]:
+    return [int(name) for name in os.listdir("/proc") if name.isdecimal()]  # noqa: PTH208 - hot
 
 
 def _stat(process_id: int) -> list[str]:
