@@ -21,7 +21,7 @@ KIT = ROOT / "course_kit"
 # Lowest first. A package imports from itself and from layers before its own.
 LAYERS = (
     {"environment", "reader", "text"},
-    {"interfaces"},
+    {"interfaces", "process"},
     {"ros"},
     {"lab", "quiz", "robot", "launch"},
     {"panels", "ros2cli", "grading"},

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import time
 
 from course_kit import environment
+from course_kit.process.child import NOWHERE, Child
 
 DEADLINE_S = 20.0
 
@@ -31,13 +31,11 @@ def seconds() -> float | None:
     """Seconds until a client was answered by a server in another process, on a domain of their own; None if never."""
     with environment.exclusive_domain() as domain_id:
         environ = environment.child_environment(ROS_DOMAIN_ID=str(domain_id))
-        with subprocess.Popen(
-            [sys.executable, "-c", _SERVER], env=environ, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        ) as server:
-            try:
-                return _ask(domain_id)
-            finally:
-                server.kill()  # a signal that rclpy handles now and then leaves it hanging at its end
+        server = Child([sys.executable, "-c", _SERVER], environ=environ, stderr=NOWHERE)
+        try:
+            return _ask(domain_id)
+        finally:
+            server.kill()  # a signal that rclpy handles now and then leaves it hanging at its end
 
 
 def _ask(domain_id: int) -> float | None:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
 import tempfile
 import time
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING
 
-from course_kit.grading.sandbox import namespaces, processes
+from course_kit.process import tree
+from course_kit.process.child import Child
+from course_kit.process.parent import adopt_orphans
+from course_kit.process.signals import Ladder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 _GRACE_S = 60.0  # pytest ends its kernels, an installer its own children; on a busy machine that takes long
+_MORE_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class StepRunner:
     """
 
     def __enter__(self) -> Self:
-        namespaces.adopt_orphans()  # so that what a step has detached can be ended, too
+        adopt_orphans()  # so that what a step has detached can be ended, too
         return self
 
     def __exit__(
@@ -99,39 +99,22 @@ class StepRunner:
 
     def end_all(self) -> None:
         """Kill whatever the steps so far have left running."""
-        processes.end_descendants()
+        tree.end_descendants()
 
 
 def _ending(step: CommandStep, folder: Path, environ: Mapping[str, str], stdout: IO[bytes], stderr: IO[bytes]) -> str:
     """Run it; why it has failed, or nothing."""
-    process = subprocess.Popen(
-        list(step.command),
-        cwd=folder,
-        env=dict(environ),
-        stdin=subprocess.DEVNULL,
-        stdout=stdout,
-        stderr=stderr,
-        start_new_session=True,  # a Ctrl-C is ours to pass on, once
-    )
+    child = Child(step.command, folder=folder, environ=environ, stdout=stdout, stderr=stderr)
+    code = None
     try:
-        code = process.wait(step.deadline_s)
-    except subprocess.TimeoutExpired:
-        _stop(process)
+        code = child.wait(step.deadline_s)
+    finally:
+        if code is None:
+            child.end(Ladder(_GRACE_S, _MORE_S, _MORE_S))
+            tree.end_descendants()
+    if code is None:
         return f"it had not ended after {step.deadline_s:g} s"
-    except BaseException:
-        _stop(process)
-        raise
     return f"exit code {code}" if code else ""
-
-
-def _stop(process: subprocess.Popen[bytes]) -> None:
-    """Ctrl-C for the command and what it has started; then the end of all."""
-    with suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGINT)
-    with suppress(subprocess.TimeoutExpired):
-        process.wait(_GRACE_S)
-    processes.end_descendants()
-    process.wait()
 
 
 def _text(file: IO[bytes]) -> str:

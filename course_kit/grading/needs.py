@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading import limits, machine
 from course_kit.grading.errors import GradingError
-from course_kit.grading.sandbox import processes
+from course_kit.process import tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -104,7 +104,7 @@ def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
 def _too_few_tasks(needed: int, *, guest: bool) -> Iterator[str]:
     allowed, used = _known(resource.getrlimit(resource.RLIMIT_NPROC)[1]), 0
     if not guest and allowed < _FEW:
-        used = processes.tasks_of_user(os.getuid())
+        used = tree.tasks_of_user(os.getuid())
     if (guest or os.getuid() != 0) and allowed - used < needed:  # the kernel holds root to nothing
         yield (
             f"You may have {allowed} processes and threads here (ulimit -u), {used} are there, and a grading takes up "

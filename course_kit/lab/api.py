@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from course_kit.lab.calls import Asked
     from course_kit.lab.runtime.nodes import NodeList
-    from course_kit.lab.scripts.child import Script
+    from course_kit.lab.scripts.script import Script
     from course_kit.lab.topics import Subscription
 
 NodeT = TypeVar("NodeT")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from course_kit.launch.description import LaunchDescription, PythonLaunchDescriptionSource, load
 from course_kit.launch.errors import LaunchError, refuse
@@ -10,28 +10,15 @@ from course_kit.launch.substitutions import Text, as_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from pathlib import Path
 
     from course_kit.launch.context import LaunchContext
-
-
-class Runner(Protocol):
-    """What actions need of whoever runs them."""
-
-    def start(self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]) -> None:
-        """Start a process; the temporary files are removed when all is over."""
-
-    def later(self, seconds: float, actions: list[Any], context: LaunchContext) -> None:
-        """Run actions after a while."""
-
-    def say(self, text: str) -> None:
-        """Print a line of launch's own."""
+    from course_kit.launch.service import LaunchService
 
 
 class Action:
     """Something a launch file does."""
 
-    def execute(self, context: LaunchContext, runner: Runner) -> None:
+    def execute(self, context: LaunchContext, service: LaunchService) -> None:
         """Do it."""
         raise NotImplementedError(type(self).__name__)
 
@@ -59,9 +46,9 @@ class DeclareLaunchArgument(Action):
         self.name, self.default_value, self.choices = name, default_value, choices
         self.description = description or "no description given"
 
-    def execute(self, context: LaunchContext, runner: Runner) -> None:
+    def execute(self, context: LaunchContext, service: LaunchService) -> None:
         """Give the argument its default, unless it has a value."""
-        del runner
+        del service
         values = context.launch_configurations
         if self.name not in values:
             if self.default_value is None:
@@ -91,12 +78,12 @@ class IncludeLaunchDescription(Action):
             launch_description_source = PythonLaunchDescriptionSource(launch_description_source)
         self.source, self._arguments = launch_description_source, list(launch_arguments or [])
 
-    def execute(self, context: LaunchContext, runner: Runner) -> None:
+    def execute(self, context: LaunchContext, service: LaunchService) -> None:
         """Run the other file's actions, with the arguments in force from here on."""
         for name, value in self._arguments:
             context.launch_configurations[as_text(name, context)] = as_text(value, context)
         path = self.source.path(context)
-        execute_all(load(path).entities, context.inside(path), runner)
+        execute_all(load(path).entities, context.inside(path), service)
 
 
 class TimerAction(Action):
@@ -111,14 +98,14 @@ class TimerAction(Action):
         refuse("TimerAction", more)
         self._period, self.actions = period, list(actions)
 
-    def execute(self, context: LaunchContext, runner: Runner) -> None:
+    def execute(self, context: LaunchContext, service: LaunchService) -> None:
         """Start the timer."""
         text = as_text(self._period, context)
         try:
             seconds = float(text)
         except ValueError:
             raise LaunchError(f"TimerAction(period={text!r}): a period is a number of seconds.") from None
-        runner.later(seconds, self.actions, context)
+        service.later(seconds, self.actions, context)
 
 
 class LogInfo(Action):
@@ -132,12 +119,12 @@ class LogInfo(Action):
         refuse("LogInfo", more)
         self._message = msg
 
-    def execute(self, context: LaunchContext, runner: Runner) -> None:
+    def execute(self, context: LaunchContext, service: LaunchService) -> None:
         """Print the line."""
-        runner.say(f"[INFO] [launch.user]: {as_text(self._message, context)}")
+        service.say(f"[INFO] [launch.user]: {as_text(self._message, context)}")
 
 
-def execute_all(entities: Iterable[Any], context: LaunchContext, runner: Runner) -> None:
+def execute_all(entities: Iterable[Any], context: LaunchContext, service: LaunchService) -> None:
     """Run actions in order.
 
     Raises:
@@ -145,8 +132,8 @@ def execute_all(entities: Iterable[Any], context: LaunchContext, runner: Runner)
     """
     for entity in entities:
         if isinstance(entity, LaunchDescription):
-            execute_all(entity.entities, context, runner)
+            execute_all(entity.entities, context, service)
         elif isinstance(entity, Action):
-            entity.execute(context, runner)
+            entity.execute(context, service)
         else:
             raise LaunchError(f"{entity!r} is not part of the course kit's subset of launch.")

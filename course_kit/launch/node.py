@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
-from course_kit.launch.actions import Action, Runner
+from course_kit.launch.actions import Action
 from course_kit.launch.errors import LaunchError, refuse
 from course_kit.launch.executables import find
 from course_kit.launch.substitutions import Substitution, Text, as_text, has_substitution
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from course_kit.launch.context import LaunchContext
+    from course_kit.launch.service import LaunchService
 
 _OUTPUTS = {"screen": True, "both": True, "log": False, "own_log": False}
 
@@ -58,7 +59,7 @@ class Node(Action):
         self._parameters, self._remappings = list(parameters or []), list(remappings or [])
         self._arguments, self._output = list(arguments or []), output
 
-    def execute(self, context: LaunchContext, runner: Runner) -> None:
+    def execute(self, context: LaunchContext, service: LaunchService) -> None:
         """Start the process."""
         output = as_text(self._output, context)
         if output not in _OUTPUTS:
@@ -68,7 +69,7 @@ class Node(Action):
         temporary: list[Path] = []
         command += [as_text(argument, context) for argument in self._arguments]
         command += ["--ros-args", *self._ros_arguments(context, temporary)]
-        runner.start(command, label, show_stdout=_OUTPUTS[output], temporary=temporary)
+        service.start(command, label, show_stdout=_OUTPUTS[output], temporary=temporary)
 
     def _program(self, context: LaunchContext) -> list[str]:
         package = None if self._package is None else as_text(self._package, context)

@@ -16,7 +16,7 @@ from course_kit.launch.actions import execute_all
 from course_kit.launch.context import LaunchContext
 from course_kit.launch.description import load
 from course_kit.launch.errors import LaunchError
-from course_kit.launch.process import STEPS, Child
+from course_kit.launch.process import LaunchedProcess
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -35,7 +35,7 @@ class LaunchService:
 
     def __init__(self, log: IO[str]) -> None:
         self._log = log
-        self._children: list[Child] = []
+        self._children: list[LaunchedProcess] = []
         self._started = 0
         self._timers: list[tuple[float, list[Any], LaunchContext]] = []
         self._selector = selectors.DefaultSelector()
@@ -63,10 +63,10 @@ class LaunchService:
                 self._end_all(woken)
         return 0
 
-    # What actions ask (actions.Runner)
+    # What actions ask
 
     def start(self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]) -> None:
-        """Start a process."""
+        """Start a process; its temporary files are removed when it has ended."""
         self._started += 1
         try:
             child = self.make_child(command, f"{label}-{self._started}", show_stdout=show_stdout, temporary=temporary)
@@ -75,11 +75,13 @@ class LaunchService:
         self._children.append(child)
         for stream in child.streams:
             self._selector.register(stream, selectors.EVENT_READ, child)
-        self.say(f"[INFO] [{child.label}]: process started with pid [{child.process_id}]")
+        self.say(f"[INFO] [{child.label}]: process started with pid [{child.process.pid}]")
 
-    def make_child(self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]) -> Child:
+    def make_child(
+        self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]
+    ) -> LaunchedProcess:
         """Start a process whose output comes through us."""
-        return Child(command, label, self._environ, show_stdout=show_stdout, temporary=temporary)
+        return LaunchedProcess(command, label, self._environ, show_stdout=show_stdout, temporary=temporary)
 
     def later(self, seconds: float, actions: list[Any], context: LaunchContext) -> None:
         """Run actions after a while."""
@@ -96,16 +98,20 @@ class LaunchService:
     # The loop
 
     def _wait(self, woken: int) -> None:
-        due = [at for at, _, _ in self._timers] + [child.stop_at for child in self._children if child.stop_step]
-        left = min([max(0.0, at - time.monotonic()) for at in due] + [_ALWAYS_CHECK])
+        due = [max(0.0, at - time.monotonic()) for at, _, _ in self._timers]
+        left = min([*due, *(child.ladder.pause_s() for child in self._children), _ALWAYS_CHECK])
         for key, _ in self._selector.select(left):
             if key.fd == woken:
                 self._take_signals(os.read(woken, 100))
             else:
                 self._take_output(key.data, key.fileobj)
 
-    def _take_output(self, child: Child, stream: Any) -> None:
-        if not child.read(stream, lambda line, shown: self.say(f"[{child.label}] {line}", shown=shown)):
+    def _take_output(self, child: LaunchedProcess, stream: Any) -> None:
+        lines, shown = child.streams[stream]
+        for line in lines.read():
+            text = line.rstrip("\r")
+            self.say(f"[{child.label}] {text}", shown=shown)
+        if lines.ended:
             self._selector.unregister(stream)
 
     def _take_signals(self, numbers: bytes) -> None:
@@ -122,26 +128,24 @@ class LaunchService:
         self._stopping = True
         self._timers.clear()
         for child in self._children:
-            if child.stop_step == 0:
-                self._next_step(child)
+            if not child.ladder.climbed:
+                self._climb(child)
 
-    def _next_step(self, child: Child) -> None:
-        number, patience = STEPS[child.stop_step]
-        if child.stop_step:
-            before = STEPS[child.stop_step - 1]
+    def _climb(self, child: LaunchedProcess) -> None:
+        before = child.ladder.climbed[-1:]
+        number, _ = child.ladder.climb()
+        for ignored, seconds in before:
             self.say(
-                f"[ERROR] [{child.label}]: process[{child.label}] failed to terminate '{before[1]:g}' seconds after "
-                f"receiving '{before[0].name}', escalating to '{number.name}'"
+                f"[ERROR] [{child.label}]: process[{child.label}] failed to terminate '{seconds:g}' seconds after "
+                f"receiving '{ignored.name}', escalating to '{number.name}'"
             )
         self.say(f"[INFO] [{child.label}]: sending signal '{number.name}' to process[{child.label}]")
-        child.stop_step += 1
-        child.stop_at = time.monotonic() + patience
-        child.send(number)
+        child.process.send(number)
 
     def _escalate(self) -> None:
         for child in self._children:
-            if 0 < child.stop_step < len(STEPS) and time.monotonic() >= child.stop_at:
-                self._next_step(child)
+            if child.ladder.pause_s() == 0:
+                self._climb(child)
 
     def _fire_timers(self) -> None:
         now = time.monotonic()
@@ -151,20 +155,20 @@ class LaunchService:
             execute_all(actions, context, self)
 
     def _reap(self) -> None:
-        for child in [child for child in self._children if child.exit_code() is not None]:
+        for child in [child for child in self._children if child.process.exit_code() is not None]:
             self._drain(child)
             self._children.remove(child)
-            code = child.exit_code()
+            code = child.process.exit_code()
             if code == 0:
-                self.say(f"[INFO] [{child.label}]: process has finished cleanly [pid {child.process_id}]")
+                self.say(f"[INFO] [{child.label}]: process has finished cleanly [pid {child.process.pid}]")
             else:
                 self.say(
-                    f"[ERROR] [{child.label}]: process has died [pid {child.process_id}, exit code {code}, "
+                    f"[ERROR] [{child.label}]: process has died [pid {child.process.pid}, exit code {code}, "
                     f"cmd '{child.command}']."
                 )
             child.clean_up()
 
-    def _drain(self, child: Child) -> None:
+    def _drain(self, child: LaunchedProcess) -> None:
         """Pass on what the process has left behind; a grandchild may hold its streams open for longer."""
         for stream in child.streams:
             with contextlib.suppress(KeyError):

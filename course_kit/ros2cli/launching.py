@@ -14,8 +14,9 @@ from pathlib import Path
 
 from course_kit import environment
 from course_kit.launch.errors import LaunchError
-from course_kit.launch.process import Child
+from course_kit.launch.process import LaunchedProcess
 from course_kit.launch.service import LaunchService
+from course_kit.process.parent import die_with_parent
 
 MODULE = __name__
 _RUNNER = ("-m", "course_kit.lab.scripts.child_main")
@@ -33,7 +34,9 @@ class NotebookLaunch(LaunchService):
         super().__init__(Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - it lives as long as this
         self._script, self._descriptor = script, descriptor
 
-    def make_child(self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]) -> Child:
+    def make_child(
+        self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]
+    ) -> LaunchedProcess:
         """Start a process that writes into the notebook; a Python program under the runner of scripts."""
         shown = list(command)
         if command[0] == sys.executable and command[1].endswith(".py"):
@@ -43,7 +46,7 @@ class NotebookLaunch(LaunchService):
         log_format = f"[{label}] [{{severity}}] [{{name}}]: {{message}}"
         environ = {**self._environ, "RCUTILS_CONSOLE_OUTPUT_FORMAT": log_format, "RCUTILS_COLORIZED_OUTPUT": "0"}
         passed = (self._descriptor,)
-        child = Child(command, label, environ, show_stdout=show_stdout, temporary=temporary, inherits=passed)
+        child = LaunchedProcess(command, label, environ, show_stdout=show_stdout, temporary=temporary, inherits=passed)
         child.command = " ".join(["python", *shown[1:2]])
         return child
 
@@ -58,11 +61,8 @@ class NotebookLaunch(LaunchService):
 
 def main() -> int:
     """Become the launch of the file given on the command line."""
-    from course_kit.lab.scripts.child_main import end_with_parent
-
     name, parent, descriptor, path, *arguments = sys.argv[1:]
-    if not end_with_parent(int(parent)):
-        return 1
+    die_with_parent(int(parent), signal.SIGTERM)
     values: dict[str, str] = {}
     for argument in arguments:
         key, separator, value = argument.partition(":=")

@@ -17,7 +17,7 @@ from course_kit.authoring import check_table, corpus, gradings, rules, styles
 from course_kit.cli import main
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.diagnosis.catalogue import catalogue, complete
-from course_kit.grading.sandbox import processes
+from course_kit.process import tree
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -135,7 +135,7 @@ def test_mistakes_of_use_are_told(course: Path, capsys: pytest.CaptureFixture[st
 @pytest.mark.usefixtures("course")
 def test_breaking_off_leaves_no_worker() -> None:
     (submission,) = corpus.load(EXERCISE, ROOT).of("solution")
-    before = set(processes.descendants(os.getpid()))
+    before = set(tree.descendants(os.getpid()))
     begun: list[Future[Report]] = []
 
     def break_off() -> None:
@@ -147,15 +147,15 @@ def test_breaking_off_leaves_no_worker() -> None:
     with pytest.raises(KeyboardInterrupt):
         break_off()
     assert all(future.done() for future in begun)
-    assert set(processes.descendants(os.getpid())) == before
+    assert set(tree.descendants(os.getpid())) == before
 
 
 @pytest.mark.usefixtures("course")
 def test_a_killed_worker_costs_one_grading() -> None:
     (submission,) = corpus.load(EXERCISE, ROOT).of("solution")
-    before = set(processes.descendants(os.getpid()))
+    before = set(tree.descendants(os.getpid()))
     with gradings.Gradings(ROOT / "exercises", 1) as pool:
-        worker = next(one for one in processes.descendants(os.getpid()) if one not in before)  # parents come first
+        worker = next(one for one in tree.descendants(os.getpid()) if one not in before)  # parents come first
         assert pool.begin(submission, None).result().score == 10.0
         os.kill(worker, 9)
         with pytest.raises(grading.GradingError):
@@ -166,9 +166,9 @@ def test_a_killed_worker_costs_one_grading() -> None:
 def test_load_keeps_processors_busy_and_ends() -> None:
     with gradings.load(2) as busy:
         assert len(busy) == 2
-        while processes.usage(busy).cpu_s < 0.1:
-            assert processes.usage(busy).tasks == 2
-    assert processes.usage(busy).tasks == 0
+        while tree.usage(busy).cpu_s < 0.1:
+            assert tree.usage(busy).tasks == 2
+    assert tree.usage(busy).tasks == 0
 
 
 def made_report(submission: corpus.Sample, **failed: str | None) -> Report:

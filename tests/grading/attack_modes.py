@@ -17,9 +17,11 @@ from pathlib import Path
 from typing import Any
 
 from course_kit.grading.job import Job
-from course_kit.grading.sandbox import isolation, launcher, mounts, namespaces, processes, seccomp
+from course_kit.grading.sandbox import isolation, launcher, mounts, namespaces, seccomp
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
+from course_kit.process import libc, tree
+from course_kit.process.parent import adopt_orphans
 from tests.grading.conftest import EXERCISE, ROOT
 
 USER, USER_ALONE, AS_ROOT, ROOT_ALONE = "user", "user without namespaces", "root", "root without namespaces"
@@ -61,7 +63,7 @@ def main() -> None:
     if mode not in (USER, AS_ROOT):
         refuse_namespaces(_LANDLOCK if mode == BARE else {})
     namespaces.forbid_tracing()
-    namespaces.adopt_orphans()
+    adopt_orphans()
     found = isolation.try_out()
     handle, end = launcher.Launcher.pair()
     if (starter := os.fork()) == 0:
@@ -90,14 +92,14 @@ def main() -> None:
             print(json.dumps({"name": name, **outcome}), flush=True)
             os._exit(0)
         os.wait()
-        processes.end_descendants((starter,))
+        tree.end_descendants((starter,))
 
 
 def open_the_way(path: str) -> None:
     """Have every user find a folder that lies in a private one, such as a Python in root's home; as root."""
     private = [place for place in reversed(Path(path).parents) if not place.stat().st_mode & stat.S_IXOTH]
     if private:
-        namespaces._checked(namespaces._libc.unshare(namespaces.CLONE_NEWNS), "unshare")
+        libc.call("unshare", namespaces.CLONE_NEWNS)
         mounts.detach()
         opened = os.open(path, os.O_PATH)
         mounts.memory(str(private[0]), 1)

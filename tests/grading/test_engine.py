@@ -16,7 +16,7 @@ import pytest
 from course_kit import environment, grading
 from course_kit.grading import engine, exercise
 from course_kit.grading.checks.check import Result
-from course_kit.grading.sandbox import processes
+from course_kit.process import tree
 from tests.grading.conftest import EXERCISE, ROOT
 
 if TYPE_CHECKING:
@@ -170,8 +170,8 @@ def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None
 
     def watch() -> None:
         deadline = time.monotonic() + 20
-        while len(below) < 5 and time.monotonic() < deadline:  # supervisor, grader_process, gate, guard, program
-            below[:] = processes.descendants(worker.process_id)
+        while len(below) < 5 and time.monotonic() < deadline:  # supervisor, grader, entering, init process, program
+            below[:] = tree.descendants(worker.process_id)
         end()
 
     watcher = threading.Thread(target=watch)
@@ -186,7 +186,7 @@ def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None
 def all_dead(process_ids: list[int]) -> bool:
     deadline = time.monotonic() + 20
     while time.monotonic() < deadline:
-        if processes.usage(process_ids).tasks == 0:
+        if tree.usage(process_ids).tasks == 0:
             return True
     return False
 

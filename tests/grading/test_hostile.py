@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading.sandbox import isolation, processes
+from course_kit.grading.sandbox import isolation
+from course_kit.process import tree
 from tests.grading.hostile_table import Table
 
 if TYPE_CHECKING:
@@ -157,7 +158,7 @@ def nothing_lives(worker: grading.Worker) -> Iterator[Callable[[], bool]]:
 
     def look() -> bool:
         # What stays is the process that submissions are started from. Orphans without a PID namespace come to it.
-        return len(processes.descendants(worker.process_id)) == 1
+        return len(tree.descendants(worker.process_id)) == 1
 
     yield look
     assert look()
@@ -279,7 +280,7 @@ while True:
 
 def test_worker_is_left_alone(grade_source: Grade, worker: grading.Worker, solution: str) -> None:
     grade_source(ATTACKS[KILLS])
-    assert len(processes.descendants(worker.process_id)) == 1  # where submissions are started
+    assert len(tree.descendants(worker.process_id)) == 1  # where submissions are started
     assert grade_source(solution).score == 10.0
 
 

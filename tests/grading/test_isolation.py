@@ -70,7 +70,7 @@ def test_status_says_why_something_is_missing() -> None:
 
 
 def test_status_without_namespaces() -> None:
-    done = python(WITHOUT_NAMESPACES + "from course_kit.grading import isolation\nisolation.print_trial()")
+    done = python(WITHOUT_NAMESPACES + "from course_kit.grading.sandbox import isolation\nisolation.print_trial()")
     found = json.loads(done.stdout)
     assert (found["network"], found["processes"], found["files"]) == (False, False, False)
     assert "user namespaces" in found["reason"]

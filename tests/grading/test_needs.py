@@ -12,7 +12,8 @@ import pytest
 
 from course_kit.grading import machine, needs
 from course_kit.grading.limits import Limits
-from course_kit.grading.sandbox import isolation, processes
+from course_kit.grading.sandbox import isolation
+from course_kit.process import tree
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.refused import WITHOUT_NAMESPACES
 from tests.unprivileged import as_somebody, give, reachable_folder
@@ -94,7 +95,7 @@ def test_what_a_user_may_take_anyhow_is_taken() -> None:
 def test_an_ordinary_user_may_have_too_few_processes() -> None:
     with reachable_folder() as home:
         give(home)
-        user = 0 if os.geteuid() == 0 else processes.tasks_of_user(os.getuid())
+        user = 0 if os.geteuid() == 0 else tree.tasks_of_user(os.getuid())
         few = ["RLIMIT_NPROC", str(user + 60)]
         command = [sys.executable, "-c", LIMITED + COMMAND, *few, "grade", EXERCISE, str(SOLUTION)]
         done = run(as_somebody(*command), HOME=str(home), TMPDIR=str(home), XDG_STATE_HOME=str(home))

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import threading
-import time
 from typing import Any
 
 import pytest
 
 from course_kit.grading.checks import fair_clock, load_test
 from course_kit.grading.checks.fair_clock import FairClock, Recent, State, Used
-from course_kit.grading.sandbox import processes, scheduling
+from course_kit.grading.sandbox import scheduling
 
 
 class Time:
@@ -136,46 +133,3 @@ def test_time_in_which_nothing_came_is_not_lost(clock: Time, monkeypatch: pytest
     clock.now += 0.5
     late.look(found=True)
     assert late.seconds() == 0.5
-
-
-def test_everything_below_is_ended_and_what_is_kept_lives() -> None:
-    """In a process of its own, for it ends all its children: two generations of them, and one that is kept."""
-    reader, writer = os.pipe()
-    child = os.fork()
-    if child == 0:
-        try:
-            os.write(writer, family())
-        finally:
-            os._exit(0)
-    os.close(writer)
-    os.waitpid(child, 0)
-    with os.fdopen(reader, "rb") as told:
-        assert told.read() == b"kept lives, others are gone"
-
-
-def family() -> bytes:
-    from course_kit.grading.sandbox import namespaces
-
-    namespaces.adopt_orphans()
-    kept = sleeper(0)
-    others = [sleeper(2), sleeper(0)]
-    ready = threading.Event()
-    while len(processes.descendants(os.getpid())) < 1 + 3 + 1:
-        ready.wait(0.01)
-    below = processes.descendants(os.getpid())
-    processes.end_descendants({kept})
-    left = [one for one in below if processes.usage([one]).tasks]
-    processes.end_descendants()
-    gone = processes.descendants(os.getpid()) == []
-    return b"kept lives, others are gone" if left == [kept] and others and gone else repr((kept, below, left)).encode()
-
-
-def sleeper(deep: int) -> int:
-    """A process that waits, with `deep` more below it in a row."""
-    child = os.fork()
-    if child == 0:
-        if deep:
-            sleeper(deep - 1)
-        time.sleep(600)
-        os._exit(0)
-    return child

@@ -113,8 +113,7 @@ def test_children_that_ignore_everything_are_killed_and_so_are_theirs(ros2: Ros2
     (ros2.folder / "stubborn.py").write_text(STUBBORN)
     file = write(ros2.folder, "Node(package='here', executable='stubborn', output='screen')")
     code = (
-        "import signal; from course_kit.launch import service, process; "
-        "service.STEPS = process.STEPS = tuple((number, 0.3) for number, _ in process.STEPS); "
+        "from course_kit.launch import process; process.PATIENCE_S = (0.3, 0.3, 0.3); "
         f"from course_kit.ros2cli.cli import run; run(['launch', {file!r}])"
     )
     launch = ros2.begin(sys.executable, "-c", code)

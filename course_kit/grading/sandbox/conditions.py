@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading.sandbox import file_view, processes
+from course_kit.grading.sandbox import file_view
 from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions
+from course_kit.process import tree
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -90,4 +91,4 @@ def _others(job: Job) -> int:
     """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""
     version = tuple(int(part) for part in os.uname().release.split(".")[:2])
     counted_apart = job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
-    return 0 if counted_apart else processes.tasks_of_user(os.getuid())
+    return 0 if counted_apart else tree.tasks_of_user(os.getuid())

@@ -12,9 +12,11 @@ import signal
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.sandbox import namespaces, processes, runner
+from course_kit.grading.sandbox import memory, namespaces, runner
 from course_kit.grading.sandbox.isolation import arrange_files
 from course_kit.grading.sandbox.scheduling import Waiting
+from course_kit.process import tree
+from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from course_kit.grading.limits import Limits
@@ -31,9 +33,9 @@ _MB = 1024 * 1024
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
     """Arrange the files, start the program, watch it, and end when it has ended."""
-    namespaces.set_name("grade guard")
-    namespaces.die_with_parent()
-    namespaces.adopt_orphans()
+    set_name("grade guard")
+    die_with_parent()
+    adopt_orphans()
     if cell.isolation.files:
         try:
             arrange_files(cell.view, cell.scratch, 2 * cell.limits.file_mb, cell.user)
@@ -58,7 +60,7 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
         os.close(end)
     _Watch(child, cell.limits, inside, Waiting(child, with_children=bool(program.command))).until_end(reader)
     if not cell.isolation.processes:
-        processes.end_descendants()
+        tree.end_descendants()
     os._exit(0)
 
 
@@ -68,7 +70,7 @@ class _Watch:
         self._limits = limits
         self._inside = inside
         self._waiting = waiting
-        self._root = processes.this_process()
+        self._root = tree.this_process()
 
     def until_end(self, wakeup: int) -> None:
         poll = select.poll()
@@ -114,23 +116,23 @@ class _Watch:
         everything = self._everything()
         if len(everything) > self._limits.tasks:  # a program that forks without end outruns any closer look
             return "processes"
-        usage = processes.usage(everything)
+        usage = tree.usage(everything)
         self._waiting.notice(everything, usage.tasks)
         if usage.tasks > self._limits.tasks:
             return "processes"
         allowed = self._limits.memory_mb * _MB
-        files = processes.memory_files(everything, _PATIENCE_S)  # their pages take memory without being mapped, too
-        if usage.memory + files > allowed and processes.own_memory(everything, files, _PATIENCE_S) > allowed:
+        files = memory.in_files(everything, _PATIENCE_S)  # their pages take memory without being mapped, too
+        if usage.memory + files > allowed and memory.exact_use(everything, files, _PATIENCE_S) > allowed:
             return "memory"
         return ""
 
     def _everything(self) -> list[int]:
         """All the program has started; process 1 of a PID namespace sees nothing else."""
-        return processes.all_but(1) if self._root == 1 else processes.descendants(self._root)
+        return tree.all_but(1) if self._root == 1 else tree.descendants(self._root)
 
     def _usage(self) -> dict[str, Any]:
         everything = self._everything()
-        usage = processes.usage(everything)
+        usage = tree.usage(everything)
         waited_s = self._waiting.look(everything, usage.tasks)
         return {"cpu_s": usage.cpu_s, "waited_s": waited_s, "tasks": usage.tasks, "memory": usage.memory}
 

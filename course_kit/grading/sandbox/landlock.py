@@ -13,13 +13,15 @@ import struct
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from course_kit.grading.sandbox import namespaces
+from course_kit.process import libc
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
 _SYS_CREATE, _SYS_ADD, _SYS_RESTRICT = 444, 445, 446  # the same on every architecture
 _VERSION = 1  # flag of landlock_create_ruleset
 _PATH_BENEATH = 1
-_PR_SET_NO_NEW_PRIVS = 38
 
 _EXECUTE, _WRITE_FILE, _READ_FILE, _READ_DIR = 0x1, 0x2, 0x4, 0x8
 _FIRST_RIGHTS = (1 << 13) - 1
@@ -29,12 +31,13 @@ _BY_TCP = 0x3  # bind and connect, since version 4
 _OUTSIDE = 0x3  # abstract sockets and signals, since version 6
 _REFER_SINCE, _TRUNCATE_SINCE, _TCP_SINCE, _IOCTL_SINCE, _OUTSIDE_SINCE = 2, 3, 4, 5, 6
 
-_libc = ctypes.CDLL(None, use_errno=True)
-
 
 def version() -> int:
     """The kernel's version of Landlock, 0 where it has none or it is switched off."""
-    return max(0, int(_libc.syscall(ctypes.c_long(_SYS_CREATE), None, ctypes.c_size_t(0), ctypes.c_uint(_VERSION))))
+    try:
+        return _make_rules(None, 0, _VERSION)
+    except OSError:
+        return 0
 
 
 def restrict(readable: Iterable[str], writable: Iterable[str]) -> None:
@@ -55,17 +58,21 @@ def restrict(readable: Iterable[str], writable: Iterable[str]) -> None:
         "=QQQ", rights, _BY_TCP if kernel >= _TCP_SINCE else 0, _OUTSIDE if kernel >= _OUTSIDE_SINCE else 0
     )
     size = 24 if kernel >= _OUTSIDE_SINCE else 16 if kernel >= _TCP_SINCE else 8
-    rules = _libc.syscall(ctypes.c_long(_SYS_CREATE), attributes, ctypes.c_size_t(size), ctypes.c_uint(0))
-    _checked(rules, "landlock_create_ruleset")
+    rules = _make_rules(attributes, size)
     try:
         for path in readable:
             _allow(rules, path, _EXECUTE | _READ_FILE | _READ_DIR)
         for path in writable:
             _allow(rules, path, rights)
-        _checked(_libc.prctl(_PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0), "prctl NO_NEW_PRIVS")
-        _checked(_libc.syscall(ctypes.c_long(_SYS_RESTRICT), rules, ctypes.c_uint(0)), "landlock_restrict_self")
+        namespaces.forbid_new_privileges()
+        libc.system_call(_SYS_RESTRICT, rules, ctypes.c_uint(0), what="landlock_restrict_self")
     finally:
         os.close(rules)
+
+
+def _make_rules(attributes: bytes | None, size: int, flags: int = 0) -> int:
+    arguments = (attributes, ctypes.c_size_t(size), ctypes.c_uint(flags))
+    return libc.system_call(_SYS_CREATE, *arguments, what="landlock_create_ruleset")
 
 
 def _allow(rules: int, path: str, rights: int) -> None:
@@ -75,13 +82,7 @@ def _allow(rules: int, path: str, rights: int) -> None:
             if not stat.S_ISDIR(os.fstat(opened).st_mode):
                 rights &= _OF_FILES
             rule = struct.pack("=Qi", rights, opened)
-            result = _libc.syscall(ctypes.c_long(_SYS_ADD), rules, ctypes.c_int(_PATH_BENEATH), rule, ctypes.c_uint(0))
-            _checked(result, f"landlock_add_rule {path}")
+            arguments = (rules, ctypes.c_int(_PATH_BENEATH), rule, ctypes.c_uint(0))
+            libc.system_call(_SYS_ADD, *arguments, what=f"landlock_add_rule {path}")
         finally:
             os.close(opened)
-
-
-def _checked(result: int, what: str) -> None:
-    if result < 0:
-        number = ctypes.get_errno()
-        raise OSError(number, f"{what}: {os.strerror(number)}")

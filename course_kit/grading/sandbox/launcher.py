@@ -20,11 +20,13 @@ import socket
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.sandbox import init_process, namespaces, processes
+from course_kit.grading.sandbox import init_process, namespaces
 from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions, Streams
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.process import tree
+from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -106,8 +108,8 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
         names: brings one message, the names of the interfaces' classes, each as module and class.
         lines: the ends that `Launcher.pair` made.
     """
-    namespaces.set_name("grade launchers")
-    namespaces.die_with_parent()
+    set_name("grade launchers")
+    die_with_parent()
     _load(json.loads(names.recv(_LARGEST_ORDER) or b"[]"))
     names.close()
     gc.freeze()  # keeps the forks from copying what they only look at
@@ -117,7 +119,7 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
     for line in lines:
         if os.fork() == 0:
             try:
-                namespaces.die_with_parent()
+                die_with_parent()
                 for other in lines:
                     if other is not line:
                         other.close()
@@ -142,19 +144,19 @@ def _load(names: Sequence[Sequence[str]]) -> None:
 
 
 def _serve(line: socket.socket) -> None:
-    namespaces.set_name("grade launcher")
-    namespaces.adopt_orphans()
+    set_name("grade launcher")
+    adopt_orphans()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     while True:
         order, descriptors, _, _ = socket.recv_fds(line, _LARGEST_ORDER, _MOST_DESCRIPTORS)
         if order == _START:
             _fork_gate(line, descriptors)
         elif order == _END:
-            processes.end_descendants()
+            tree.end_descendants()
             with suppress(OSError):
                 line.send(_ENDED)
         elif not order:
-            processes.end_descendants()
+            tree.end_descendants()
             return
 
 
@@ -172,8 +174,8 @@ def _fork_gate(line: socket.socket, descriptors: Sequence[int]) -> None:
 
 def _gate(descriptors: Sequence[int]) -> None:
     gc.disable()  # a collection would copy pages; the program has it again
-    namespaces.set_name("grade gate")
-    namespaces.die_with_parent()
+    set_name("grade gate")
+    die_with_parent()
     inside = Streams(*descriptors[_STREAMS])
     program, cell = _receive(descriptors[_REQUEST][0])
     namespaces.join_new_keyring()
@@ -187,7 +189,7 @@ def _gate(descriptors: Sequence[int]) -> None:
     except OSError as problem:  # it worked when it was tried out: the machine has run out of something
         inside.tell(problem=f"the sandbox cannot be entered: {problem}")
         return
-    namespaces.die_with_parent()  # entering a user namespace has cleared it
+    die_with_parent()  # entering a user namespace has cleared it
     child = os.fork()
     if child == 0:
         try:

@@ -10,6 +10,8 @@ import errno
 import os
 import struct
 
+from course_kit.process import libc
+
 _MS_RDONLY, _MS_NOSUID, _MS_NODEV, _MS_NOEXEC = 0x1, 0x2, 0x4, 0x8
 _MS_REMOUNT, _MS_BIND, _MS_REC, _MS_PRIVATE = 0x20, 0x1000, 0x4000, 0x40000
 _KEPT = {"noexec": _MS_NOEXEC, "noatime": 0x400, "nodiratime": 0x800, "relatime": 0x200000}
@@ -19,19 +21,11 @@ _SYS_PIVOT_ROOT = {"x86_64": 155, "aarch64": 41}
 _AT_FDCWD, _AT_RECURSIVE = -100, 0x8000
 _ATTR_RDONLY, _ATTR_NOSUID, _ATTR_NODEV = 0x1, 0x2, 0x4
 
-_libc = ctypes.CDLL(None, use_errno=True)
-
-
-def _checked(result: int, what: str) -> None:
-    if result < 0:
-        number = ctypes.get_errno()
-        raise OSError(number, f"{what}: {os.strerror(number)}")
-
 
 def _mount(source: str, target: str, kind: str, flags: int, options: str = "") -> None:
     arguments = [os.fsencode(text) or None for text in (source, target, kind)]
-    result = _libc.mount(*arguments, ctypes.c_ulong(flags), os.fsencode(options) or None)
-    _checked(result, f"mount {kind or source} on {target}")
+    data = os.fsencode(options) or None
+    libc.call("mount", *arguments, ctypes.c_ulong(flags), data, what=f"mount {kind or source} on {target}")
 
 
 def detach() -> None:
@@ -72,19 +66,14 @@ def make_read_only(folder: str, *, devices: bool = False) -> None:
     """
     attributes = _ATTR_RDONLY | _ATTR_NOSUID | (0 if devices else _ATTR_NODEV)
     packed = struct.pack("QQQQ", attributes, 0, 0, 0)
-    result = _libc.syscall(
-        ctypes.c_long(_SYS_MOUNT_SETATTR),
-        ctypes.c_int(_AT_FDCWD),
-        os.fsencode(folder),
-        ctypes.c_uint(_AT_RECURSIVE),
-        packed,
-        ctypes.c_size_t(len(packed)),
-    )
-    if result < 0 and ctypes.get_errno() == errno.ENOSYS:
-        flags = _MS_RDONLY | _MS_NOSUID | (0 if devices else _MS_NODEV)
-        _remount_each(folder, flags)
-        return
-    _checked(result, f"mount_setattr {folder}")
+    where = (ctypes.c_int(_AT_FDCWD), os.fsencode(folder), ctypes.c_uint(_AT_RECURSIVE))
+    try:
+        size = ctypes.c_size_t(len(packed))
+        libc.system_call(_SYS_MOUNT_SETATTR, *where, packed, size, what=f"mount_setattr {folder}")
+    except OSError as problem:
+        if problem.errno != errno.ENOSYS:
+            raise
+        _remount_each(folder, _MS_RDONLY | _MS_NOSUID | (0 if devices else _MS_NODEV))
 
 
 def _remount_each(folder: str, flags: int) -> None:
@@ -110,6 +99,6 @@ def change_root(folder: str) -> None:
     number = _SYS_PIVOT_ROOT[os.uname().machine]
     os.chdir(folder)
     # The old root comes to lie on top of the new one, from where it is taken away: no folder is needed for it.
-    _checked(_libc.syscall(ctypes.c_long(number), b".", b"."), "pivot_root")
-    _checked(_libc.umount2(b".", _MNT_DETACH), "umount the old root")
+    libc.system_call(number, b".", b".", what="pivot_root")
+    libc.call("umount2", b".", _MNT_DETACH, what="umount the old root")
     os.chdir("/")

@@ -11,12 +11,13 @@ import ctypes
 import errno
 import fcntl
 import os
-import signal
 import socket
 import struct
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from course_kit.process import libc
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -32,22 +33,12 @@ _SIOCGIFFLAGS, _SIOCSIFFLAGS = 0x8913, 0x8914
 _IFF_UP = 0x1
 _INTERFACE_FLAGS = struct.Struct("16sH14x")  # struct ifreq with ifr_flags
 
-_PR_SET_PDEATHSIG, _PR_GET_DUMPABLE, _PR_SET_DUMPABLE, _PR_CAPBSET_DROP = 1, 3, 4, 24
-_PR_SET_NAME = 15
-_PR_SET_CHILD_SUBREAPER, _PR_SET_NO_NEW_PRIVS = 36, 38
+_PR_GET_DUMPABLE, _PR_SET_DUMPABLE, _PR_CAPBSET_DROP, _PR_SET_NO_NEW_PRIVS = 3, 4, 24, 38
 _PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL = 47, 4
 _CAPABILITY_VERSION_3 = 0x20080522
 _HIGHEST_CAPABILITY = 63
 _SYS_KEYCTL = {"x86_64": 250, "aarch64": 219}
 _KEYCTL_JOIN_SESSION_KEYRING = 1
-
-_libc = ctypes.CDLL(None, use_errno=True)
-
-
-def _checked(result: int, what: str) -> None:
-    if result < 0:
-        number = ctypes.get_errno()
-        raise OSError(number, f"{what}: {os.strerror(number)}")
 
 
 def enter(kinds: int, guest: int = 0) -> None:
@@ -65,7 +56,7 @@ def enter(kinds: int, guest: int = 0) -> None:
             _unshare_with_guest(kinds, guest)
             return
         user, group = os.geteuid(), os.getegid()
-        _checked(_libc.unshare(CLONE_NEWUSER | kinds), "unshare")
+        libc.call("unshare", CLONE_NEWUSER | kinds)
         Path("/proc/self/setgroups").write_bytes(b"deny")
         Path("/proc/self/uid_map").write_bytes(b"%d %d 1" % (user, user))
         Path("/proc/self/gid_map").write_bytes(b"%d %d 1" % (group, group))
@@ -88,7 +79,7 @@ def _unshare_with_guest(kinds: int, guest: int) -> None:
             os._exit(status)
     os.close(told)
     try:
-        _checked(_libc.unshare(CLONE_NEWUSER | kinds), "unshare")
+        libc.call("unshare", CLONE_NEWUSER | kinds)
         os.write(tell, b"!")
     finally:
         os.close(tell)
@@ -100,12 +91,12 @@ def _unshare_with_guest(kinds: int, guest: int) -> None:
 @contextmanager
 def _readable_proc() -> Iterator[None]:
     """Have /proc/self belong to this process's user, which it does not while tracing is forbidden."""
-    before = _libc.prctl(_PR_GET_DUMPABLE, 0, 0, 0, 0)
+    before = libc.prctl(_PR_GET_DUMPABLE, what="DUMPABLE")
     allow_tracing()
     try:
         yield
     finally:
-        _libc.prctl(_PR_SET_DUMPABLE, before, 0, 0, 0)
+        libc.prctl(_PR_SET_DUMPABLE, int(before == 1), what="DUMPABLE")  # 2 is what only the kernel may set
 
 
 def join(user: int, network: int) -> None:
@@ -116,7 +107,7 @@ def join(user: int, network: int) -> None:
         network: a descriptor of /proc/PID/ns/net.
     """
     for descriptor, kind in ((user, CLONE_NEWUSER), (network, CLONE_NEWNET)):
-        _checked(_libc.setns(descriptor, kind), "setns")
+        libc.call("setns", descriptor, kind)
 
 
 def raise_loopback() -> None:
@@ -127,44 +118,36 @@ def raise_loopback() -> None:
         fcntl.ioctl(control, _SIOCSIFFLAGS, _INTERFACE_FLAGS.pack(b"lo", flags | _IFF_UP))
 
 
-def set_name(name: str) -> None:
-    """Have `ps` and `top` show this process under a name of at most 15 characters."""
-    _libc.prctl(_PR_SET_NAME, name.encode(), 0, 0, 0)
-
-
-def die_with_parent() -> None:
-    """Have the kernel kill this process when its parent ends."""
-    _checked(_libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0), "prctl PDEATHSIG")
-
-
-def adopt_orphans() -> None:
-    """Become the parent of every descendant whose own parent ends (PR_SET_CHILD_SUBREAPER)."""
-    _checked(_libc.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0), "prctl CHILD_SUBREAPER")
-
-
 def forbid_tracing() -> None:
     """Let no process of the same user read this one's memory or trace it (ptrace(2))."""
-    _checked(_libc.prctl(_PR_SET_DUMPABLE, 0, 0, 0, 0), "prctl DUMPABLE")
+    libc.prctl(_PR_SET_DUMPABLE, 0, what="DUMPABLE")
 
 
 def allow_tracing() -> None:
     """Take `forbid_tracing` back; a change of the user forbids it as well."""
-    _checked(_libc.prctl(_PR_SET_DUMPABLE, 1, 0, 0, 0), "prctl DUMPABLE")
+    libc.prctl(_PR_SET_DUMPABLE, 1, what="DUMPABLE")
 
 
 def join_new_keyring() -> None:
     """Leave the user's session keyring for an empty one (keyctl(2)); a kernel without keyrings has nothing to leave."""
     number = _SYS_KEYCTL.get(os.uname().machine)
     if number is not None:
-        _libc.syscall(ctypes.c_long(number), ctypes.c_int(_KEYCTL_JOIN_SESSION_KEYRING), None)
+        with suppress(OSError):
+            libc.system_call(number, ctypes.c_int(_KEYCTL_JOIN_SESSION_KEYRING), None, what="keyctl")
+
+
+def forbid_new_privileges() -> None:
+    """Let no program that this process starts have more rights than itself, set-uid ones included."""
+    libc.prctl(_PR_SET_NO_NEW_PRIVS, 1, what="NO_NEW_PRIVS")
 
 
 def drop_privileges() -> None:
     """Give up every capability for good, and the chance to gain one by running a set-uid program."""
-    _checked(_libc.prctl(_PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0), "prctl NO_NEW_PRIVS")
-    for capability in range(_HIGHEST_CAPABILITY + 1):
-        if _libc.prctl(_PR_CAPBSET_DROP, capability, 0, 0, 0) < 0:
-            break  # past the last capability of this kernel, or none of our own to drop
-    _libc.prctl(_PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0)
+    forbid_new_privileges()
+    with suppress(OSError):  # past the last capability of this kernel, or none of our own to drop
+        for capability in range(_HIGHEST_CAPABILITY + 1):
+            libc.prctl(_PR_CAPBSET_DROP, capability, what="CAPBSET_DROP")
+    with suppress(OSError):  # a kernel without them
+        libc.prctl(_PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL, what="CAP_AMBIENT")
     header = struct.pack("Ii", _CAPABILITY_VERSION_3, 0)
-    _checked(_libc.capset(header, bytes(24)), "capset")
+    libc.call("capset", header, bytes(24))

@@ -26,7 +26,8 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import limits
-from course_kit.grading.sandbox import locking, namespaces, values
+from course_kit.grading.sandbox import locking, values
+from course_kit.process.parent import set_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -79,7 +80,7 @@ class Program:
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
     """Turn this process into the submission; never returns but where it cannot be locked in."""
-    namespaces.set_name("submission")
+    set_name("submission")
     folder = cell.scratch
     os.setsid()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it

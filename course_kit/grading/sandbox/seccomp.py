@@ -13,10 +13,13 @@ import os
 import struct
 from typing import TYPE_CHECKING
 
+from course_kit.grading.sandbox import namespaces
+from course_kit.process import libc
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_PR_SET_NO_NEW_PRIVS, _PR_SET_SECCOMP, _MODE_FILTER = 38, 22, 2
+_PR_SET_SECCOMP, _MODE_FILTER = 22, 2
 
 # Offsets in struct seccomp_data.
 _NUMBER, _ARCHITECTURE, _FIRST_ARGUMENT, _SECOND_ARGUMENT = 0, 4, 16, 24
@@ -120,8 +123,6 @@ _REFUSED = {
     },
 }
 
-_libc = ctypes.CDLL(None, use_errno=True)
-
 
 class _Program(ctypes.Structure):
     """struct sock_fprog."""
@@ -140,11 +141,8 @@ def install() -> None:
         raise OSError(errno.ENOSYS, f"there is no list of system calls for {machine}")
     code = b"".join(_filter(machine))
     program = _Program(len(code) // 8, code)
-    if _libc.prctl(_PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) < 0 or (
-        _libc.prctl(_PR_SET_SECCOMP, _MODE_FILTER, ctypes.byref(program), 0, 0) < 0
-    ):
-        number = ctypes.get_errno()
-        raise OSError(number, f"prctl SECCOMP: {os.strerror(number)}")
+    namespaces.forbid_new_privileges()
+    libc.prctl(_PR_SET_SECCOMP, _MODE_FILTER, ctypes.byref(program), what="SECCOMP")
 
 
 def _filter(machine: str) -> Iterator[bytes]:

@@ -15,12 +15,14 @@ from course_kit import environment
 from course_kit.grading import limits
 from course_kit.grading.checks.context import PHASES
 from course_kit.grading.output import Output
-from course_kit.grading.sandbox import conditions, file_view, init_process, namespaces, processes
+from course_kit.grading.sandbox import conditions, file_view, init_process, memory
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import LaunchError
 from course_kit.grading.sandbox.output_collector import OutputCollector
 from course_kit.grading.sandbox.sandbox import Sandbox
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.process import tree
+from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -70,25 +72,25 @@ class Supervisor:
         self._results: list[dict[str, Any]] = []
         self._extra: dict[str, Any] = {}
         self._fault = ""
-        self._killed_before = processes.killed_for_lack_of_memory()
+        self._killed_before = memory.oom_kills()
         self._probe_id = 0
         self._again = False  # whether this may go better the next time: something was killed that should not be
 
     def run(self) -> dict[str, Any]:
         """Grade, and return the outcome as plain data; nothing that was started is alive then."""
-        namespaces.set_name("grade supervise")
-        namespaces.die_with_parent()
-        namespaces.adopt_orphans()
+        set_name("grade supervise")
+        die_with_parent()
+        adopt_orphans()
         if self._job.isolation.network and self._job.mode != "attach":
             enter_network(self._job.user)
-            namespaces.die_with_parent()  # entering a user namespace has cleared it
+            die_with_parent()  # entering a user namespace has cleared it
             self._network = tuple(os.open(f"/proc/self/ns/{kind}", os.O_RDONLY) for kind in ("user", "net"))
             self._profile = conditions.expect_few_participants()
         probe_end = self._start_probe()
         problem = self._serve(probe_end)
         stopping = time.monotonic()
         self._stop()
-        processes.end_descendants()
+        tree.end_descendants()
         return {
             "results": self._results,
             "stdout": self._totals[0].text(),
@@ -115,7 +117,7 @@ class Supervisor:
 
             ours.close()
             try:
-                namespaces.die_with_parent()
+                die_with_parent()
                 grader_process.main(theirs, self._job)
             finally:
                 os._exit(init_process.FAILED)
@@ -287,7 +289,7 @@ class Supervisor:
     def _stop(self) -> None:
         if self._collector is not None and self._collector.killed():
             self._again = True
-            if processes.killed_for_lack_of_memory() != self._killed_before:
+            if memory.oom_kills() != self._killed_before:
                 self._fault = "the machine ran out of memory, and Linux killed a process to free some"
         self._kill()
         if self._arguments and self._collector is not None and self._collector.facts()["stderr"]:

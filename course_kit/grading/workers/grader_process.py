@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading import bounds, limits, machine
 from course_kit.grading.checks.check import run_all
 from course_kit.grading.checks.context import CheckContext
-from course_kit.grading.sandbox import namespaces
 from course_kit.grading.workers.ipc import ChannelClosedError
+from course_kit.process.parent import set_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -54,7 +54,7 @@ def checks_of(grader: Any, job: Job) -> Sequence[Check]:
 
 def main(supervisor: Channel, job: Job) -> None:
     """Run all checks of the job's exercise; returns when each is told, or why they could not be run."""
-    namespaces.set_name("grade grader")
+    set_name("grade grader")
     os.setpriority(os.PRIO_PROCESS, 0, job.priority)
     limits.bound_reader(job.limits.wall_s)
     told: dict[str, Any] = {"do": "done", "problem": "", "timings": {}}

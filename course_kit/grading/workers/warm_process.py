@@ -9,14 +9,14 @@ from __future__ import annotations
 import os
 import signal
 import socket
-import subprocess
-import tempfile
 import threading
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.workers.ipc import Channel
+from course_kit.process.child import INTO_STDOUT, Child
+from course_kit.process.output import LastWords
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -68,19 +68,17 @@ class WarmProcess:
         pairs = [socket.socketpair() for _ in range(workers)]
         self.channels = [Channel(ours) for ours, _ in pairs]
         theirs = [end for _, end in pairs]
-        self._said = tempfile.TemporaryFile()  # noqa: SIM115 - closed at the end; a pipe nobody reads would fill up
+        self._said = LastWords()
         descriptors = [end.fileno() for end in theirs]
         python, *call = environment.trusted_python("course_kit.grading.workers.worker_process", "main")
         try:
-            self._process = subprocess.Popen(
+            self._process = Child(
                 [python, "-W", _FORKS_ARE_MEANT, *call, ",".join(map(str, descriptors)), *graders],
-                cwd="/",
-                env=dict(variables),
-                stdin=subprocess.DEVNULL,
-                stdout=self._said,
-                stderr=subprocess.STDOUT,
-                pass_fds=descriptors,
-                start_new_session=True,
+                folder="/",
+                environ=variables,
+                stdout=self._said.file,
+                stderr=INTO_STDOUT,
+                descriptors=descriptors,
             )
         finally:
             for end in theirs:
@@ -95,50 +93,28 @@ class WarmProcess:
             self._using -= 1
             if self._using:
                 return
-        try:
-            self._process.wait(_STOP_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()  # the forks die with it
-            self._process.wait()
-        with self._lock:
-            self._said.close()
+        self._process.wait_or_kill(_STOP_S)  # the forks die with it
+        self._said.file.close()
 
     def give_up(self, worker: int | None) -> str:
-        """End a worker that has stopped working; returns how it has ended, as far as is known.
+        """End a worker that has stopped working; returns what was printed last, or how it has ended as far as is known.
 
         Args:
             worker: its process, None when it has not said.
         """
         if not self._shared:
-            return self._give_up_all()
-        with suppress(subprocess.TimeoutExpired):
-            self._process.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
+            code = self._process.wait_or_kill(_STOP_S)
+            return self._said.last_line() or f"Its exit status was {code}."
+        ended = self._process.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
         # As long as the warm process lives its forks are not reaped, and no other process gets their numbers.
-        if worker is not None and self._process.poll() is None:
+        if worker is not None and ended is None:
             with suppress(ProcessLookupError):
                 os.kill(worker, signal.SIGKILL)
-        return "It hung, or another program has ended it."
+        return self._said.last_line() or "It hung, or another program has ended it."
 
     def has_ended(self) -> bool:
         """Whether it has gone, and all workers with it."""
-        return self._process.poll() is not None
-
-    def last_words(self) -> str:
-        """The last line it has printed; it prints nothing as long as all is well."""
-        with self._lock:
-            if self._said.closed:
-                return ""
-            self._said.seek(0)
-            lines = self._said.read().decode("utf-8", errors="replace").strip().splitlines()
-        return lines[-1] if lines else ""
-
-    def _give_up_all(self) -> str:
-        try:
-            status = self._process.wait(_STOP_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            status = self._process.wait()
-        return f"Its exit status was {status}."
+        return self._process.exit_code() is not None
 
 
 def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:

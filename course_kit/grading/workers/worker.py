@@ -84,7 +84,7 @@ class Worker:
         return dict(self._greeting["isolation"])
 
     def grade(self, job: Job) -> dict[str, Any]:
-        """Grade one submission; returns the outcome as `Warden.run` describes it.
+        """Grade one submission; returns the outcome as `Supervisor.run` describes it.
 
         Raises:
             GradingError: the worker ended or hung; it can take no further job then.
@@ -113,9 +113,7 @@ class Worker:
     def _last_words(self) -> str:
         """What the process has printed, when it has ended."""
         how = self._process.give_up((self._greeting or {}).get("process"))
-        if self._closing:
-            return "It was closed meanwhile."
-        return self._process.last_words() or how
+        return "It was closed meanwhile." if self._closing else how
 
 
 def side_by_side(number: int, graders: Sequence[str] = ()) -> list[Worker]:

@@ -18,12 +18,14 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import needs
 from course_kit.grading.job import Job
-from course_kit.grading.sandbox import file_view, isolation, namespaces, processes, scratch
+from course_kit.grading.sandbox import file_view, isolation, namespaces, scratch
 from course_kit.grading.sandbox import launcher as launchers
 from course_kit.grading.sandbox.launcher import Launcher, LaunchError
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.process import tree
+from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence
@@ -57,13 +59,13 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
         channels: the line to each worker. A single worker is this process; of several each is a fork of it.
         graders: modules of checks that are loaded beforehand.
     """
-    namespaces.set_name("grade warm")
+    set_name("grade warm")
     usual = os.getpriority(os.PRIO_PROCESS, 0)
     with suppress(OSError):
         # Root only, whom the kernel's limit on processes does not hold: the guard has to get a turn in a fork bomb.
         os.setpriority(os.PRIO_PROCESS, 0, _FIRST_SERVED)
     namespaces.forbid_tracing()
-    namespaces.adopt_orphans()
+    adopt_orphans()
     found = isolation.try_out()
     grader_process.warm_up()
     pairs = [Launcher.pair() for _ in channels]
@@ -86,7 +88,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
         launcher.close()
     for child in children:  # not reaped: while this process lives, no other one gets the number of a fork
         os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
-    processes.end_descendants()
+    tree.end_descendants()
 
 
 def _fork_launchers(
@@ -127,8 +129,8 @@ def _fork_worker(line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, 
     status = 1
     try:
         os.setsid()  # Linux shares a busy machine out among sessions; each worker is to have its part
-        namespaces.die_with_parent()
-        namespaces.adopt_orphans()
+        die_with_parent()
+        adopt_orphans()
         for other in lines:
             if other is not line:
                 other[0].close()  # else nobody would notice the end of that worker
@@ -151,7 +153,7 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
         common: what holds for all workers.
         keep: children of this process that outlive a grading.
     """
-    namespaces.set_name("grade worker")
+    set_name("grade worker")
     folder = scratch.make()
     found = common.isolation
     user = isolation.guest(os.getpid()) if found.user else 0
@@ -198,7 +200,7 @@ def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep:
         return _outcome(ours, channel)
     finally:
         ours.close()
-        processes.end_descendants(keep)
+        tree.end_descendants(keep)
         launcher.end()
 
 

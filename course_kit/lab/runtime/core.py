@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from course_kit.lab import goals
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.nodes import NodeList
-    from course_kit.lab.scripts.child import Script
     from course_kit.lab.scripts.running import Scripts
+    from course_kit.lab.scripts.script import Script
 
 
 class Lab:

@@ -10,7 +10,6 @@ lines over an inherited pipe, together with the moment a node begins to spin.
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import io
 import json
 import os
@@ -23,6 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.lab.recording.events import Taps
+from course_kit.process.parent import die_with_parent
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.recording.events import Event
 
-_PR_SET_PDEATHSIG = 1  # see prctl(2)
 _ATOMIC = 4000  # bytes; pipe(7) writes up to PIPE_BUF, 4096, in one piece
 INTERRUPTED = 130
 
@@ -213,17 +212,10 @@ def _exit_code(code: object) -> int:
     return 1
 
 
-def end_with_parent(parent: int) -> bool:
-    """Have this process ended when its parent dies; False if it has died already."""
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-    return os.getppid() == parent
-
-
 def main() -> int:
     """Become the program given on the command line."""
     name, parent, descriptor, path, *arguments = sys.argv[1:]
-    if not end_with_parent(int(parent)):
-        return INTERRUPTED
+    die_with_parent(int(parent), signal.SIGTERM)
     interrupts = _Interrupts()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):

@@ -10,8 +10,6 @@ import contextlib
 import json
 import os
 import select
-import signal
-import subprocess
 import sys
 import threading
 import time
@@ -20,7 +18,10 @@ from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 from course_kit import environment
 from course_kit.lab.errors import ScriptError
 from course_kit.lab.recording.events import KINDS, Event
-from course_kit.lab.scripts.child import Script, checked_name, pipe
+from course_kit.lab.scripts.script import Script, checked_name
+from course_kit.process.child import Child
+from course_kit.process.output import LineReader
+from course_kit.process.signals import Ladder
 
 if TYPE_CHECKING:
     from course_kit.lab.notebook.output import Output
@@ -33,7 +34,6 @@ _CLIENT = 60.0  # the same for one that has asked something
 _WAIT = 600.0  # the same in mode "wait"
 _GRACE = (2.0, 1.0, 1.0)  # seconds for SIGINT, SIGTERM, SIGKILL
 _TURN = 0.1
-_BLOCK = 65536
 
 
 class Scripts:
@@ -44,9 +44,8 @@ class Scripts:
         self._output: Output = lab.output
         self._running: dict[str, Script] = {}
         self._lock = threading.Lock()
-        self._text, self._text_end = pipe()
-        self._reports, self._reports_end = pipe()
-        self._unfinished = {self._text: b"", self._reports: b""}
+        self._pipes = text, self._text_end, reports, self._reports_end = (*os.pipe(), *os.pipe())
+        self._text, self._reports = LineReader(text), LineReader(reports)
         self._closing = threading.Event()
         self._output.pumps.append(self.pump)
         self._reader = threading.Thread(target=self._read, name="ros-scripts", daemon=True)
@@ -91,7 +90,7 @@ class Scripts:
         self._reader.join(_GRACE[0])
         self.pump()
         self._output.pumps.remove(self.pump)
-        for descriptor in (self._text, self._text_end, self._reports, self._reports_end):
+        for descriptor in self._pipes:
             os.close(descriptor)
 
     def wait_for_end_of_those_without_node(self, seen: set[str]) -> None:
@@ -103,10 +102,10 @@ class Scripts:
     def pump(self) -> None:
         """Take in what has been written so far, without waiting for more."""
         with self._lock:
-            for line in self._lines(self._reports):
+            for line in self._reports.read():
                 self._take_report(line)
-            for line in self._lines(self._text):
-                self._output.put(line.decode(errors="replace") + "\n")
+            for line in self._text.read():
+                self._say(line)
 
     def _start(self, name: str, source: str, arguments: tuple[str, ...], runner: str) -> Script:
         folder = environment.run_dir() / "scripts"
@@ -114,19 +113,17 @@ class Scripts:
         path = folder / f"{name}.py"
         path.write_text(source, encoding="utf-8")
         command = [sys.executable, "-m", runner, name, str(os.getpid()), str(self._reports_end)]
-        process = subprocess.Popen(
+        process = Child(
             [*command, str(path), *arguments],
-            stdin=subprocess.DEVNULL,
             stdout=self._text_end,
             stderr=self._text_end,
-            pass_fds=(self._reports_end,),
-            env=environment.child_environment(
+            descriptors=(self._reports_end,),
+            environ=environment.child_environment(
                 RCUTILS_CONSOLE_OUTPUT_FORMAT=LOG_FORMAT,
                 RCUTILS_COLORIZED_OUTPUT="0",
                 PYTHON_COLORS="0",  # kernels set FORCE_COLOR, and Python 3.13 would colour what it complains of
                 PYTHONIOENCODING="utf-8",  # as it is read here, whatever the locale
             ),
-            start_new_session=True,
         )
         script = Script(name, process)
         self._running[name] = script
@@ -184,12 +181,7 @@ class Scripts:
 
     def _terminate(self, script: Script) -> None:
         script.stopping = True
-        for number, grace in zip((signal.SIGINT, signal.SIGTERM, signal.SIGKILL), _GRACE, strict=True):
-            script.signal(number)
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                script.process.wait(grace)
-                break
-        script.signal(signal.SIGKILL)  # what it has started and left behind
+        script.process.end(Ladder(*_GRACE))
         self._running.pop(script.name, None)
         self.pump()
         self._lab.wait_for_nodes(script.nodes, there=False)
@@ -199,33 +191,19 @@ class Scripts:
 
     def _read(self) -> None:
         poll = select.poll()
-        for descriptor in (self._text, self._reports):
+        for descriptor in (self._pipes[0], self._pipes[2]):
             poll.register(descriptor, select.POLLIN)
         while not self._closing.is_set():
             poll.poll()
             self.pump()
 
-    def _lines(self, descriptor: int) -> list[bytes]:
-        data = self._unfinished[descriptor]
-        while True:
-            try:
-                block = os.read(descriptor, _BLOCK)
-            except BlockingIOError:
-                break
-            data += block
-            if len(block) < _BLOCK:
-                break
-        *lines, self._unfinished[descriptor] = data.split(b"\n")
-        return lines
-
     def _end_line(self) -> None:
         """Show what has no line end and, now that nobody is left to write it, will get none."""
         with self._lock:
-            rest, self._unfinished[self._text] = self._unfinished[self._text], b""
-        if rest:
-            self._say(rest.decode(errors="replace"))
+            for line in self._text.rest():
+                self._say(line)
 
-    def _take_report(self, line: bytes) -> None:
+    def _take_report(self, line: str) -> None:
         try:
             report = json.loads(line)
             script = self._running.get(report["script"])

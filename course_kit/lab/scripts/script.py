@@ -1,18 +1,16 @@
-"""One program as a child process, and the pipes to it."""
+"""One program as a child process."""
 
 from __future__ import annotations
 
-import contextlib
-import os
 import re
 from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import ScriptError
 
 if TYPE_CHECKING:
-    import signal
-    import subprocess
     import threading
+
+    from course_kit.process.child import Child
 
 
 class Script:
@@ -27,7 +25,7 @@ class Script:
         follower: the thread that waits for its end.
     """
 
-    def __init__(self, name: str, process: subprocess.Popen[bytes]) -> None:
+    def __init__(self, name: str, process: Child) -> None:
         self.name = name
         self.process = process
         self.nodes: list[str] = []
@@ -38,25 +36,13 @@ class Script:
     @property
     def running(self) -> bool:
         """Whether it has not ended."""
-        return self.process.poll() is None
+        return self.process.exit_code() is None
 
     def __repr__(self) -> str:
-        if self.running:
+        code = self.process.exit_code()
+        if code is None:
             return f"{self.name} is running."
-        code = self.process.returncode
         return f"{self.name} has ended." if code == 0 or self.stopping else f"{self.name} ended with exit code {code}."
-
-    def signal(self, number: signal.Signals) -> None:
-        """Send a signal to it and to all it has started."""
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(self.process.pid, number)
-
-
-def pipe() -> tuple[int, int]:
-    """A pipe whose reading end never blocks; the writing end reaches only children that are given it."""
-    reading, writing = os.pipe()
-    os.set_blocking(reading, False)
-    return reading, writing
 
 
 def checked_name(name: str) -> str:
