@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import endings, limits, machine, scheduling
 from course_kit.grading.checks import Evidence, Failed, NotRun
-from course_kit.grading.patience import MOST, FairClock, Recent, State, Used
+from course_kit.grading.patience import MOST, FairClock, Recent, Start, State, Used
 from course_kit.grading.steps import Record
 from course_kit.grading.tester import Tester
 
@@ -123,9 +123,7 @@ class Bench:
         self.memory.clear()
         if arguments:
             self.record.sent(f"start with {' '.join(arguments)}", "message")
-        domain = None
-        if self.job.mode != "attach":
-            domain = self._start(arguments, files or {}, variables or {})
+        domain = None if self.job.mode == "attach" else self._start(arguments, files or {}, variables or {})
         self._tester = Tester(domain)
         self.spent["start"] += time.monotonic() - began
 
@@ -221,6 +219,10 @@ class Bench:
             return Life(running=True)
         return _life(self._ask("facts" if fresh else "state"))
 
+    def computed(self) -> float:
+        """Seconds for which the program that was started last has computed, as of now or a moment ago."""
+        return self._state.lately().submission.cpu_s - self._used_before.cpu_s
+
     def stacks(self) -> str:
         """What each thread of the submission is executing, by faulthandler; empty for other than Python source."""
         return str(self._ask("stacks")["stacks"]) if self.job.mode == "run" else ""
@@ -265,9 +267,11 @@ class Bench:
         Raises:
             SubmissionEndedError: the submission has ended meanwhile.
         """
-        began = time.monotonic()
+        began, may = time.monotonic(), self.job.limits
+        start = Start(condition, may.start_cpu_s, self.computed, self.tester.nodes)
         try:
-            return self.wait_until(condition, self.job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
+            came = self.wait_until(start.over, may.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
+            return came and not start.endless
         finally:
             self.spent["discovery"] += time.monotonic() - began
 
@@ -280,8 +284,7 @@ class Bench:
     def _look(self, own_waiting: Callable[[], float] = scheduling.own_waiting) -> State:
         if self._started:
             life = self.life(fresh=True)
-            before = self._used_before
-            self._used = Used(before.cpu_s + life.cpu_s, before.waited_s + life.waited_s)
+            self._used = self._used_before.plus(life.cpu_s, life.waited_s)
         busy_s = machine.processor_times().busy
         return State(self._used, Used(time.process_time(), own_waiting()), busy_s or None)
 
