@@ -66,7 +66,7 @@ class Goal:
         bench.require_time(Evidence(shown, "an answer to the goal"))
         self.shown = shown
         self._bench, self._parts, self._line = bench, action.interface.Impl, Line(bench, action)
-        self._stderr = bench.life(fresh=True).stderr
+        self._stderr = bench.life().stderr
         self._id = uuid.uuid4().bytes
         self._results: list[Any] = []
         self.clock = bench.clock()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import namespaces, processes, runner
 from course_kit.grading.isolation import arrange_files
-from course_kit.grading.scheduling import Waiting
+from course_kit.grading.scheduling import Waiting, last_task
 
 if TYPE_CHECKING:
     from course_kit.grading.limits import Limits
@@ -69,6 +69,9 @@ class _Watch:
         self._inside = inside
         self._waiting = waiting
         self._root = processes.this_process()
+        self._known: list[int] = []  # what was there when the task `_last` was the latest that had been started
+        self._last = 0
+        self._files, self._files_at = 0, -1.0  # bytes in files in memory, and what had been computed then
 
     def until_end(self, wakeup: int) -> None:
         poll = select.poll()
@@ -119,14 +122,28 @@ class _Watch:
         if usage.tasks > self._limits.tasks:
             return "processes"
         allowed = self._limits.memory_mb * _MB
-        files = processes.memory_files(everything, _PATIENCE_S)  # their pages take memory without being mapped, too
+        files = self._files_in_memory(everything, usage.cpu_s)
         if usage.memory + files > allowed and processes.own_memory(everything, files, _PATIENCE_S) > allowed:
             return "memory"
         return ""
 
+    def _files_in_memory(self, everything: list[int], computed: float) -> int:
+        """Bytes that take memory without being mapped; a program that has not computed meanwhile has written none."""
+        if computed != self._files_at:
+            self._files, self._files_at = processes.memory_files(everything, _PATIENCE_S), computed
+        return self._files
+
     def _everything(self) -> list[int]:
-        """All the program has started; process 1 of a PID namespace sees nothing else."""
-        return processes.all_but(1) if self._root == 1 else processes.descendants(self._root)
+        """All the program has started; process 1 of a PID namespace sees nothing else.
+
+        Listing them anew takes longer than all else that is looked at here, and most programs are one process.
+        """
+        if self._root != 1:
+            return processes.descendants(self._root)
+        last = last_task()  # first: what is started while they are listed is listed again the next time
+        if last != self._last or not last:
+            self._known, self._last = processes.all_but(1), last
+        return self._known
 
     def _usage(self) -> dict[str, Any]:
         everything = self._everything()
