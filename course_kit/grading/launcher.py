@@ -20,7 +20,7 @@ import socket
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import guard, namespaces, processes
+from course_kit.grading import freezing, guard, namespaces, processes
 from course_kit.grading.isolation import enter_processes
 from course_kit.grading.runner import Program
 from course_kit.grading.sandbox import Cell, Streams
@@ -110,7 +110,7 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
     namespaces.die_with_parent()
     _load(json.loads(names.recv(_LARGEST_ORDER) or b"[]"))
     names.close()
-    gc.freeze()  # keeps the forks from copying what they only look at
+    freezing.freeze()
     if len(lines) == 1:
         _serve(lines[0])
         return

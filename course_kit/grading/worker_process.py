@@ -5,7 +5,6 @@ It never calls rclpy.init itself: a process that has cannot be forked any more.
 
 from __future__ import annotations
 
-import gc
 import json
 import os
 import select
@@ -16,7 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import file_view, isolation, namespaces, needs, probing, processes, scratch
+from course_kit.grading import file_view, freezing, isolation, namespaces, needs, probing, processes, scratch
 from course_kit.grading import launcher as launchers
 from course_kit.grading.job import Job
 from course_kit.grading.launcher import Launcher, LaunchError
@@ -73,7 +72,7 @@ def serve(channels: Sequence[Channel], exercises: Sequence[str]) -> None:
     names.send(json.dumps(_interfaces(loaded)).encode())
     names.close()
     common = _Common(found, usual, file_view.of_a_program())
-    gc.freeze()  # keeps the forks from copying what they only look at
+    freezing.freeze()
     if len(channels) == 1:
         _work(channels[0], launchers[0], common, keep=(starter,))
         return
@@ -96,7 +95,7 @@ def _fork_launchers(
         its number, and the line on which it waits for the names of the interfaces to load.
     """
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    gc.freeze()
+    freezing.freeze()
     if child := os.fork():
         theirs.close()
         return child, ours
