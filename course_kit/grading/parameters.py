@@ -53,11 +53,17 @@ class Outcome:
 
 
 class Remote:
-    """The parameters of one node, asked from outside. Each verb may raise Failed when no answer comes."""
+    """The parameters of one node, asked from outside. Each verb may raise Failed when no answer comes.
+
+    Attributes:
+        node: the node's full name.
+        changed: whether it was asked to change something.
+    """
 
     def __init__(self, bench: Bench, node: str) -> None:
         """Prepare to ask the node with the full name `node`."""
         self.node = node
+        self.changed = False
         self._bench = bench
         self._clients = {
             verb: bench.tester.client(interface, f"{node}/{verb}")
@@ -82,6 +88,7 @@ class Remote:
 
     def set(self, name: str, value: Any) -> Outcome:
         """Set one parameter."""
+        self.changed = True
         request = SetParameters.Request(parameters=[_message(name, value)])
         evidence = Evidence(f"set_parameters: {shown({name: value})}", "an answer: accepted, or refused and why")
         results = self._call("set_parameters", request, evidence).results
@@ -89,6 +96,7 @@ class Remote:
 
     def set_together(self, values: Mapping[str, Any]) -> Outcome:
         """Set several at once, all or none, in this order."""
+        self.changed = True
         request = SetParametersAtomically.Request(parameters=[_message(*pair) for pair in values.items()])
         evidence = Evidence(f"set_parameters_atomically: {shown(values)}", "an answer: accepted, or refused and why")
         result = self._call("set_parameters_atomically", request, evidence).result
