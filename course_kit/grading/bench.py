@@ -267,10 +267,10 @@ class Bench:
         Raises:
             SubmissionEndedError: the submission has ended meanwhile.
         """
-        began, may = time.monotonic(), self.job.limits
-        start = Start(condition, may.start_cpu_s, self.computed, self.tester.nodes)
+        began, job = time.monotonic(), self.job
+        start = Start(condition, job.start_cpu_s, self.computed, self.tester.nodes)
         try:
-            came = self.wait_until(start.over, may.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
+            came = self.wait_until(start.over, job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
             return came and not start.endless
         finally:
             self.spent["discovery"] += time.monotonic() - began

@@ -26,13 +26,12 @@ def why_empty(bench: Bench, wanted: str) -> endings.Cause:
     """
     if bench.job.mode == "attach":
         return "start.nothing", f"Nobody on the graph of ROS domain {bench.tester.domain} offers {wanted}."
-    promised = bench.job.limits
     doing = silence.doing(bench)
     where = f" It is in {endings.source_line(bench.job, doing.own.line)}." if doing.own else ""
-    if bench.computed() >= promised.start_cpu_s:
-        computed = f"{promised.start_cpu_s:g} s"
+    if bench.computed() >= bench.job.start_cpu_s:
+        computed = f"{bench.job.start_cpu_s:g} s"
         return "limit.time", f"Your program has computed for {computed}, and no node has appeared.{where}"
-    start = f"{promised.start_s:g} s"
+    start = f"{bench.job.limits.start_s:g} s"
     if silence.computes(bench):
         return "limit.time", f"After {start} your program was still computing, and no node had appeared.{where}"
     return "start.nothing", f"Your program runs, but within {start} no node has appeared on the graph.{where}"
