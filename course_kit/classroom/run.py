@@ -124,12 +124,14 @@ class ClassRun:
         Raises:
             OSError: a result could not be written, as on a full disk; those before it are safe.
         """
-        groups = self._take_stock()
-        if groups:
-            executor = start()
-            try:
+        # It gets ready while the submissions are read.
+        executor = start() if any(self._records.find(entry) is None for entry in self.intake.entries) else None
+        try:
+            if groups := self._take_stock():
+                executor = executor or start()
                 self._work_through(groups, executor)
-            finally:
+        finally:
+            if executor is not None:
                 executor.close()
         return self._gradebook()
 

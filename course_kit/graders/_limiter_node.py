@@ -60,7 +60,7 @@ class Limiter:
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
         context = self._context
-        if not context.spoiled:
+        if self.remote.changed and not context.spoiled:
             # What is wrong with it was or will be said by the checks themselves.
             with suppress(Failed), context.record.looking_away(), context.after_the_verdict():
                 self.remote.set_together(self._before.to_mapping())
@@ -79,9 +79,8 @@ class Limiter:
         return LimiterSettings(**{name: value.value for name, value in found.items()})
 
     def driving(self) -> LimiterSettings:
-        """The same, once `enabled` is true: only then is there something to see."""
-        settings = self.settings()
-        return settings if settings.enabled else self.set(enabled=True)
+        """What a check begins with: the settings, once `enabled` is true, as only then there is something to see."""
+        return self._before if self._before.enabled else self.set(enabled=True)
 
     def set(self, **values: Any) -> LimiterSettings:
         """Set valid values, one after the other; returns the settings after it.

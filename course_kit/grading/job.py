@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -56,6 +57,11 @@ class Job:
     user: int = 0
     priority: int = 0
     scratch: str = ""
+
+    @property
+    def start_cpu_s(self) -> float:
+        """Seconds of computing in which a node has to appear; a command has yet to load what a program finds loaded."""
+        return self.limits.start_cpu_s if self.mode == "run" else math.inf
 
     def to_mapping(self) -> dict[str, Any]:
         """The job as JSON can carry it."""

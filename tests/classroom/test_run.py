@@ -22,6 +22,8 @@ from course_kit.grading import GradingError, exercise
 from course_kit.grading.report import CheckReport, Report
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from course_kit.classroom.gradebook import Gradebook
     from course_kit.grading.workers.pool import Task
 
@@ -94,6 +96,30 @@ def test_what_may_never_end_is_begun_first(handed_in: Path, tmp_path: Path) -> N
     executor = StandInForGrading()
     run(handed_in, tmp_path / "out", executor)
     assert [task.shown.partition("/")[0] for task in executor.tasks] == ["eve", "ada", "bob", "dee"]
+
+
+class Order(Progress):
+    """Notes when all submissions have been read."""
+
+    def __init__(self, happened: list[str]) -> None:
+        super().__init__(io.StringIO())
+        self._happened = happened
+
+    def begin(self, total: int, ready: Sequence[Record]) -> None:
+        self._happened.append("read")
+        super().begin(total, ready)
+
+
+def test_the_workers_get_ready_while_submissions_are_read(handed_in: Path, tmp_path: Path) -> None:
+    happened: list[str] = []
+
+    def start() -> StandInForGrading:
+        happened.append("started")
+        return StandInForGrading()
+
+    for resume in (False, True):  # the second time there is nothing to do
+        ClassRun(Plan(handed_in, tmp_path / "out", (SERVICE,), resume=resume), Order(happened)).grade(start)
+    assert happened == ["started", "read", "read"]
 
 
 def test_each_result_is_a_record_and_a_page_that_belong_to_the_student(handed_in: Path, tmp_path: Path) -> None:

@@ -97,7 +97,7 @@ def test_what_has_ended_has_computed_all_the_same(proc: MadeUpProc, ended: str) 
     waiting = Waiting(PROGRAM, with_children=False)
     proc.threads(PROGRAM, main=(0.0, 2.0))
     proc.process(PROGRAM, *((0.0, 2.0) if ended == "children" else (2.0, 0.0)))
-    assert waiting.look([PROGRAM], 1) == 0.0
+    assert waiting.look([PROGRAM], 1) == pytest.approx(0.0)
 
 
 def test_while_children_come_and_go_unseen_nothing_counts(proc: MadeUpProc) -> None:

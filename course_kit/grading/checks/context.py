@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import limits, machine
 from course_kit.grading.checks.check import Evidence, Failed, NotRun
-from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, State, Used
+from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, Start, State, Used
 from course_kit.grading.checks.grader_node import GraderNode
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.exchange_log import ExchangeLog
@@ -127,9 +127,7 @@ class CheckContext:
         self.memory.clear()
         if arguments:
             self.record.sent(f"start with {' '.join(arguments)}", "message")
-        domain = None
-        if self.job.mode != "attach":
-            domain = self._start(arguments, files or {}, variables or {})
+        domain = None if self.job.mode == "attach" else self._start(arguments, files or {}, variables or {})
         self._grader_node = GraderNode(domain)
         self.spent["start"] += time.monotonic() - began
 
@@ -225,6 +223,10 @@ class CheckContext:
             return ProcessStatus(running=True)
         return _process_status(self._ask("facts" if fresh else "state"))
 
+    def computed(self) -> float:
+        """Seconds for which the program that was started last has computed, as of now or a moment ago."""
+        return self._state.lately().submission.cpu_s - self._used_before.cpu_s
+
     def stacks(self) -> str:
         """What each thread of the submission is executing, by faulthandler; empty for other than Python source."""
         return str(self._ask("stacks")["stacks"]) if self.job.mode == "run" else ""
@@ -269,9 +271,11 @@ class CheckContext:
         Raises:
             SubmissionEndedError: the submission has ended meanwhile.
         """
-        began = time.monotonic()
+        began, job = time.monotonic(), self.job
+        start = Start(condition, job.start_cpu_s, self.computed, self.grader_node.nodes)
         try:
-            return self.wait_until(condition, self.job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
+            came = self.wait_until(start.over, job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
+            return came and not start.endless
         finally:
             self.spent["discovery"] += time.monotonic() - began
 
@@ -284,8 +288,7 @@ class CheckContext:
     def _look(self, own_waiting: Callable[[], float] = scheduling.own_waiting) -> State:
         if self._started:
             process = self.process(fresh=True)
-            before = self._used_before
-            self._used = Used(before.cpu_s + process.cpu_s, before.waited_s + process.waited_s)
+            self._used = self._used_before.plus(process.cpu_s, process.waited_s)
         busy_s = machine.processor_times().busy
         return State(self._used, Used(time.process_time(), own_waiting()), busy_s or None)
 

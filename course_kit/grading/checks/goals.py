@@ -67,7 +67,7 @@ class Goal:
         context.require_time(Evidence(shown, "an answer to the goal"))
         self.shown = shown
         self._context, self._parts, self._line = context, action.interface.Impl, ActionChannels(context, action)
-        self._stderr = context.process(fresh=True).stderr
+        self._stderr = context.process().stderr
         self._id = uuid.uuid4().bytes
         self._results: list[Any] = []
         self.clock = context.clock()

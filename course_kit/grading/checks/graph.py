@@ -28,12 +28,14 @@ def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
     if context.job.mode == "attach":
         return "start.nothing", f"No node on ROS domain {context.grader_node.domain} offers {wanted}."
     doing = hangs.doing(context)
-    busy = hangs.computes(context)
     where = f" It is in {exits.source_line(context.job, doing.own.line)}." if doing.own else ""
-    start_s = context.job.limits.start_s
-    if busy:
-        return "limit.time", f"After {start_s:g} s your program was still computing and no node had appeared.{where}"
-    return "start.nothing", f"Your program runs, but no node appeared on the graph within {start_s:g} s.{where}"
+    if context.computed() >= context.job.start_cpu_s:
+        computed = f"{context.job.start_cpu_s:g} s"
+        return "limit.time", f"Your program has computed for {computed} and no node has appeared.{where}"
+    start = f"{context.job.limits.start_s:g} s"
+    if hangs.computes(context):
+        return "limit.time", f"After {start} your program was still computing and no node had appeared.{where}"
+    return "start.nothing", f"Your program runs, but no node appeared on the graph within {start}.{where}"
 
 
 def closest(wanted: str, names: Sequence[str]) -> str:

@@ -57,6 +57,7 @@ class Remote:
     def __init__(self, context: CheckContext, node: str) -> None:
         """Prepare to ask the node with the full name `node`."""
         self.node = node
+        self.changed = False  # whether it was asked to change something
         self._context = context
         self._clients = {
             verb: context.grader_node.client(interface, f"{node}/{verb}")
@@ -77,11 +78,13 @@ class Remote:
 
     def set(self, name: str, value: Any) -> SetResult:
         """Set one parameter."""
+        self.changed = True
         results = self._ask(parameters.set_each([parameters.to_message(name, value)]))
         return _result(results[0]) if results else SetResult(successful=False, reason="")
 
     def set_together(self, values: Mapping[str, Any]) -> SetResult:
         """Set several at once, all or none, in this order."""
+        self.changed = True
         messages = [parameters.to_message(*pair) for pair in values.items()]
         return _result(self._ask(parameters.set_together(messages)))
 

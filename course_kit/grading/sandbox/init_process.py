@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.sandbox import memory, namespaces, runner
 from course_kit.grading.sandbox.isolation import arrange_files
-from course_kit.grading.sandbox.scheduling import Waiting
+from course_kit.grading.sandbox.scheduling import Waiting, last_task
 from course_kit.process import tree
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
@@ -71,6 +71,9 @@ class _Watch:
         self._inside = inside
         self._waiting = waiting
         self._root = tree.this_process()
+        self._known: list[int] = []  # what was there when the task `_last` was the latest that had been started
+        self._last = 0
+        self._files, self._files_at = 0, -1.0  # bytes in files in memory, and what had been computed then
 
     def until_end(self, wakeup: int) -> None:
         poll = select.poll()
@@ -121,14 +124,28 @@ class _Watch:
         if usage.tasks > self._limits.tasks:
             return "processes"
         allowed = self._limits.memory_mb * _MB
-        files = memory.in_files(everything, _PATIENCE_S)  # their pages take memory without being mapped, too
+        files = self._files_in_memory(everything, usage.cpu_s)
         if usage.memory + files > allowed and memory.exact_use(everything, files, _PATIENCE_S) > allowed:
             return "memory"
         return ""
 
+    def _files_in_memory(self, everything: list[int], computed: float) -> int:
+        """Bytes that take memory without being mapped; a program that has not computed meanwhile has written none."""
+        if computed != self._files_at:
+            self._files, self._files_at = memory.in_files(everything, _PATIENCE_S), computed
+        return self._files
+
     def _everything(self) -> list[int]:
-        """All the program has started; process 1 of a PID namespace sees nothing else."""
-        return tree.all_but(1) if self._root == 1 else tree.descendants(self._root)
+        """All the program has started; process 1 of a PID namespace sees nothing else.
+
+        Listing them anew takes longer than all else that is looked at here, and most programs are one process.
+        """
+        if self._root != 1:
+            return tree.descendants(self._root)
+        last = last_task()  # first: what is started while they are listed is listed again the next time
+        if last != self._last or not last:
+            self._known, self._last = tree.all_but(1), last
+        return self._known
 
     def _usage(self) -> dict[str, Any]:
         everything = self._everything()

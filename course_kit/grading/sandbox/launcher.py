@@ -25,7 +25,7 @@ from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions, Streams
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
-from course_kit.process import tree
+from course_kit.process import freezing, tree
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
     die_with_parent()
     _load(json.loads(names.recv(_LARGEST_ORDER) or b"[]"))
     names.close()
-    gc.freeze()  # keeps the forks from copying what they only look at
+    freezing.freeze()
     if len(lines) == 1:
         _serve(lines[0])
         return

@@ -76,7 +76,7 @@ class Waiting:
                 computed = sum(_columns(child, _OWN)) / _TICKS
                 self._children[child] = max(computed, self._children.get(child, 0.0))
         before, self._tasks = self._tasks, tasks
-        last, self._last_task = self._last_task, _last_task()
+        last, self._last_task = self._last_task, last_task()
         self._in_the_dark |= bool(last) and self._last_task - last - max(tasks - before, 0) > _UNSEEN
 
     def look(self, process_ids: Sequence[int], tasks: int) -> float:
@@ -113,7 +113,7 @@ def _reaped() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def _last_task() -> int:
+def last_task() -> int:
     """The number of the task that was started last in this PID namespace; 0 where others start some, too."""
     with suppress(OSError, ValueError, IndexError):
         if os.readlink(f"{_PROC}/self") == "1":  # noqa: PTH115 - hot

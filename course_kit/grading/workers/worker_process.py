@@ -5,7 +5,6 @@ It never calls rclpy.init itself: a process that has cannot be forked any more.
 
 from __future__ import annotations
 
-import gc
 import json
 import os
 import select
@@ -24,7 +23,7 @@ from course_kit.grading.sandbox.launcher import Launcher, LaunchError
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
-from course_kit.process import tree
+from course_kit.process import freezing, tree
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -77,7 +76,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     names.send(json.dumps(_interfaces(loaded)).encode())
     names.close()
     common = _Common(found, usual, file_view.of_a_program())
-    gc.freeze()  # keeps the forks from copying what they only look at
+    freezing.freeze()
     if len(channels) == 1:
         _work(channels[0], launchers[0], common, keep=(starter,))
         return
@@ -100,7 +99,7 @@ def _fork_launchers(
         its number, and the line on which it waits for the names of the interfaces to load.
     """
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    gc.freeze()
+    freezing.freeze()
     if child := os.fork():
         theirs.close()
         return child, ours
