@@ -1,4 +1,4 @@
-"""Fixtures for all rooms, and what happens to the browser tests where there is no browser."""
+"""Fixtures for all packages, and what happens to the browser tests where there is no browser."""
 
 from __future__ import annotations
 

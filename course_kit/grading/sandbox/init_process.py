@@ -31,7 +31,7 @@ _MB = 1024 * 1024
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
     """Arrange the files, start the program, watch it, and end when it has ended."""
-    namespaces.set_name("grade guard")
+    namespaces.set_name("grade init")
     namespaces.die_with_parent()
     namespaces.adopt_orphans()
     if cell.isolation.files:
