@@ -129,7 +129,7 @@ def test_it_says_how_the_class_did() -> None:
         "--resume",
         "1 of 3 submissions passed",
         "Could not be graded",
-        "our fault",
+        "the grader's fault",
         "the worker was gone",
         "Handed in, but not graded",
         "zoe: it is a link, and links are not followed",
