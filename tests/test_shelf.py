@@ -201,7 +201,7 @@ def test_a_copy_of_the_solution_takes_the_place_of_nothing(tmp_path: Path) -> No
     (tmp_path / "mine.py").write_text(MINE)
     refused = course.run("solution", TEMPERATURE, "--copy", str(tmp_path / "mine.py"))
     assert refused.returncode == 2
-    assert "nothing is overwritten" in refused.stderr
+    assert "is not overwritten" in refused.stderr
     assert (tmp_path / "mine.py").read_text() == MINE
     assert course.run("solution", TEMPERATURE, "--copy", str(tmp_path / "no" / "folder.py")).returncode == 2
 

@@ -1,4 +1,4 @@
-"""No ROS domain to work in, because all are taken or ROS_DOMAIN_ID is impossible: every face of the course says so.
+"""No ROS domain to work in, because all are taken or ROS_DOMAIN_ID is impossible: every command and magic says so.
 
 One sentence that says what to do, no traceback, and nothing that could have been done without a domain is left undone.
 """

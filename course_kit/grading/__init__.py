@@ -1,7 +1,7 @@
-"""Grading: a submission in its cage, a grader that asks it over the wire, and a report written by us alone.
+"""Grading: a submission in its sandbox, a grader that asks it over ROS, and a report written by us alone.
 
-A face needs these: `grade` for a `Report`, `exit_code`, `render_text`, `render_html`, `GradingError` for what to tell
-the user; `Worker` to grade many; `isolation_status` for the doctor.
+Commands and magics need these: `grade` for a `Report`, `exit_code`, `render_text`, `render_html`, `GradingError` for
+what to tell the user; `Worker` to grade many; `isolation_status` for the doctor.
 """
 
 from course_kit.grading.engine import grade

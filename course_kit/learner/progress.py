@@ -1,7 +1,7 @@
 """What a learner has reached, kept in one file of the user's state directory.
 
 One file for a user, not one for each folder: who unpacks next week's edition beside the old one goes on where they
-were. The faces record (`grade`, `%grade`, `watch`); the engine does not, so grading a class marks nothing as the
+were. The commands record (`grade`, `%grade`, `watch`); the engine does not, so grading a class marks nothing as the
 instructor's own. COURSE_KIT_PROGRESS names another file; `off` keeps nothing, as for the tests. The file is the
 learner's and proves nothing to anybody: marks come from reports.
 """

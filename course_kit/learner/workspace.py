@@ -25,7 +25,7 @@ STARTERS = environment.PACKAGE / "starters"
 PRISTINE = ".pristine"
 COPIED = ("notebooks", "exercises")
 _NAME = "ros2-course"
-_DOOR = "course"
+_COMMAND = "course"
 _LEFT_OUT = shutil.ignore_patterns(".ipynb_checkpoints", "__pycache__", "*.backup-*")
 
 
@@ -75,10 +75,10 @@ def make_copy(root: Path, target: Path) -> None:
         copied = target / source.relative_to(root)
         if not os.path.lexists(copied):
             environment.write_atomically(copied, _pristine(source).read_bytes(), durable=False)
-    door = target / _DOOR
-    if door.is_symlink() or not door.exists():  # so that `./course` works there as the lessons say it
-        door.unlink(missing_ok=True)
-        door.symlink_to(root / _DOOR)
+    command = target / _COMMAND
+    if command.is_symlink() or not command.exists():  # so that `./course` works there as the lessons say it
+        command.unlink(missing_ok=True)
+        command.symlink_to(root / _COMMAND)
 
 
 def _files(root: Path) -> Iterator[Path]:

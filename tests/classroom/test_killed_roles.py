@@ -29,8 +29,8 @@ ROLES = (
     "grade worker",
     "grade supervise",
     "grade grader",
-    "grade gate",
-    "grade guard",
+    "grade enter",
+    "grade init",
     "submission",
 )
 SIZE = int(os.environ.get("COURSE_KILLS_SIZE", "8"))

@@ -168,7 +168,7 @@ def test_when_the_time_is_up_nothing_more_is_asked(context: CheckContext) -> Non
 
     (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], context)
     assert (result.status, result.diagnosis, result.got) == ("failed", "service.blocks", "too late to ask")
-    assert "0.4 s that this check may take" in result.message
+    assert "0.4 s for this check ran out" in result.message
 
 
 def test_the_next_check_has_time_of_its_own(context: CheckContext) -> None:

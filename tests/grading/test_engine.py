@@ -28,7 +28,7 @@ SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
 
 @pytest.fixture
 def node_running(domain: int) -> Iterator[int]:
-    """The solution as a program of its own, started by nobody of the grader's, on the graph of ROS_DOMAIN_ID."""
+    """The solution as a program of its own, not started by the grader, on the graph of ROS_DOMAIN_ID."""
     program = subprocess.Popen(
         [sys.executable, str(SOLUTION)],
         env=environment.child_environment(ROS_DOMAIN_ID=str(domain)),

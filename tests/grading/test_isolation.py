@@ -1,4 +1,4 @@
-"""The walls: found by trying, told truthfully, and still a fair grade where there are none."""
+"""Isolation: found by trying, told truthfully, and still a fair grade where there are none."""
 
 from __future__ import annotations
 

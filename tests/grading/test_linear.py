@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 ROOT = Path(course_kit.__file__).parent
-ROOMS = ("grading", "graders", "reader", "quiz")
+PACKAGES = ("grading", "graders", "reader", "quiz")
 METHODS = {"match", "fullmatch", "search", "findall", "finditer", "sub", "split"}
 # Runs of each of these, and of each with what a pattern itself is made of before and behind.
 UNITS = (
@@ -60,8 +60,8 @@ pytestmark = pytest.mark.attack("Texts that make a pattern slow")
 
 
 def modules() -> Iterator[Path]:
-    for room in ROOMS:
-        yield from sorted((ROOT / room).rglob("*.py"))
+    for package in PACKAGES:
+        yield from sorted((ROOT / package).rglob("*.py"))
 
 
 def patterns() -> Iterator[tuple[str, str, str]]:

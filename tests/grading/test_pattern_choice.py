@@ -107,7 +107,7 @@ def test_nothing_called_answers(grade: Callable[..., grading.Report], answers: d
 def test_answers_that_are_no_dictionary(text: str, grade: Callable[..., grading.Report]) -> None:
     first = failed(grade(f"answers = {text}"))[0]
     assert (first.id, first.diagnosis) == ("answers", "quiz.malformed")
-    assert "no dictionary" in first.message
+    assert "is not a dictionary" in first.message
 
 
 def test_far_too_many_answers(grade: Callable[..., grading.Report]) -> None:

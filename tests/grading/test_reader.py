@@ -91,7 +91,7 @@ def test_a_child_of_the_reader_that_somebody_has_killed_is_no_fault_of_the_submi
                 one.kill()
         return False
 
-    with Reader(kill) as reader, Copy(tmp_path / "slow.py") as copy, pytest.raises(GradingError, match="was at work"):
+    with Reader(kill) as reader, Copy(tmp_path / "slow.py") as copy, pytest.raises(GradingError, match="was reading"):
         reader.read(copy, TASK)
     assert len(killed) == 2
 

@@ -59,7 +59,7 @@ REPORT = Report(
     checks=(PASSED, FREE, FAILED, SKIPPED),
     stdout="<i>out</i>",
     stderr="err",
-    isolation="walls",
+    isolation="own network",
 )
 KEYS = [
     "format_version",
@@ -153,7 +153,7 @@ def test_text_fits_and_says_all(width: int) -> None:
         "1.5 of 4 points",
         "1. grader -> your node: request /convert",
         "4. your node --x grader: no answer",
-        "Isolation: walls.",
+        "Isolation: own network.",
     ):
         assert word in text
     assert "\x1b" not in text

@@ -52,7 +52,7 @@ def test_what_is_older_than_the_seconds_shown_is_forgotten() -> None:
     wait_until(lambda: time.monotonic() - panel._begun > first + 0.3)
     lab.publish("/speed", Float64, data=2.0)
     assert [value for _, value in panel.samples] == [2.0]
-    with pytest.raises(lab.LabError, match="some seconds"):
+    with pytest.raises(lab.LabError, match="a number of seconds"):
         panels.plot("/speed", Float64, "data", seconds=0)
 
 

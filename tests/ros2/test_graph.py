@@ -128,8 +128,8 @@ try:
     print(os.readlink("/proc/self/ns/net"))
 except OSError:
     print("refused")
-from course_kit.ros2cli.daemon_socket import Meeting
-print(Meeting.here().name)
+from course_kit.ros2cli.daemon_socket import DaemonSocket
+print(DaemonSocket.here().name)
 """
 
 

@@ -117,9 +117,7 @@ class CheckContext:
             NotRun: arguments for a program that somebody else has started.
         """
         if arguments and self.job.mode == "attach":
-            raise NotRun(
-                "it starts your program again with other arguments, but with --attach your program is already running."
-            )
+            raise NotRun("it starts your program again, but with --attach your program is already running.")
         began = time.monotonic()
         self.close()
         self._spoiled = False

@@ -33,7 +33,7 @@ _MB = 1024 * 1024
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
     """Arrange the files, start the program, watch it, and end when it has ended."""
-    set_name("grade guard")
+    set_name("grade init")
     die_with_parent()
     adopt_orphans()
     if cell.isolation.files:

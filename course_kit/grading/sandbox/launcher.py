@@ -4,8 +4,8 @@ A submission is a fork of it, so what this process has ever held in memory the s
 orders of one word and descriptors; the program to run, and nothing else of the grading, is read by the fork. The
 grader, its checks, the seed and other submissions exist only in processes that are no ancestors of it.
 
-Between it and the program stand two processes: the *gate* enters the namespaces and waits; the *guard*, process 1 of
-the new PID namespace, arranges the files, counts, and enforces what the kernel does not (see `guard`). When the guard
+Between it and the program are two processes: one enters the namespaces and waits; the *init process*, process 1 of
+the new PID namespace, arranges the files, counts, and enforces what the kernel does not (see `init_process`). When it
 ends, the kernel ends all the program has started. Where there are no namespaces, this process adopts every orphan and
 kills it.
 """
@@ -174,7 +174,7 @@ def _fork_gate(line: socket.socket, descriptors: Sequence[int]) -> None:
 
 def _gate(descriptors: Sequence[int]) -> None:
     gc.disable()  # a collection would copy pages; the program has it again
-    set_name("grade gate")
+    set_name("grade enter")
     die_with_parent()
     inside = Streams(*descriptors[_STREAMS])
     program, cell = _receive(descriptors[_REQUEST][0])

@@ -1,6 +1,6 @@
 """A submission's sandbox as the supervisor of a grading sees it: what it is given, its streams, its end.
 
-What stands around the program, process by process, is in `launcher`, `guard` and `runner`. What it is not is said in
+What is around the program, process by process, is in `launcher`, `init_process` and `runner`. What it is not is said in
 LIMITS.md, the page for users.
 """
 
@@ -119,7 +119,7 @@ class Sandbox:
             inside.close()
 
     def ask(self, what: bytes) -> None:
-        """Ask the guard for `guard.SAMPLE` or `guard.STACKS`; the answer comes on its stream."""
+        """Ask the init process for `SAMPLE` or `STACKS`; the answer comes on its stream."""
         with suppress(OSError):  # it has ended; so its stream says
             os.write(self.streams.control, what)
 

@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.launcher import Launcher
 
-_ANSWER_S = 5.0  # how long the guard is waited for; it has answered long before, unless the machine is very busy
+_ANSWER_S = 5.0  # how long the init process is waited for; it has answered long before, unless the machine is very busy
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
-_PROBE_GRACE_S = 20.0  # the grader process stops by itself at the wall time; one that hangs is stopped this much later
+_GRADER_GRACE_S = 20.0  # the grader process stops by itself at the wall time; one that hangs is stopped this much later
 _NO_DOMAIN = (
     "no ROS domain became free within {:g} s, because courses and graders on this machine use all of them. Close some, "
     "then grade again"
@@ -161,7 +161,7 @@ class Supervisor:
             raise _BrokenOffError(fault)
         if now > deadline and self._collector is not None and not self._collector.over:
             self._end_submission("time")
-        if now > deadline + _PROBE_GRACE_S:
+        if now > deadline + _GRADER_GRACE_S:
             raise _BrokenOffError("the grader's own process did not finish in time")
 
     def _obey(self, message: dict[str, Any]) -> dict[str, Any] | None:

@@ -84,7 +84,7 @@ class Worker:
         return dict(self._greeting["isolation"])
 
     def grade(self, job: Job) -> dict[str, Any]:
-        """Grade one submission; returns the outcome as `Supervisor.run` describes it.
+        """Grade one submission; returns the outcome as the supervisor describes it.
 
         Raises:
             GradingError: the worker ended or hung; it can take no further job then.

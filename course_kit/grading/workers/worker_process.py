@@ -61,7 +61,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     set_name("grade warm")
     usual = os.getpriority(os.PRIO_PROCESS, 0)
     with suppress(OSError):
-        # Root only, whom the kernel's limit on processes does not hold: the guard has to get a turn in a fork bomb.
+        # Root only, whom the kernel's limit on processes does not hold: the init process needs a turn in a fork bomb.
         os.setpriority(os.PRIO_PROCESS, 0, _FIRST_SERVED)
     namespaces.forbid_tracing()
     adopt_orphans()

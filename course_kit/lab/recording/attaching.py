@@ -23,9 +23,9 @@ def attach(lab: Lab | None = None) -> Recording:
     Returns:
         the recording; the lab's own one if there is one already.
     """
-    from course_kit import lab as room
+    from course_kit import lab as labs
 
-    target = lab or room.current()
+    target = lab or labs.current()
     if isinstance(target.recorder, Recording):
         return target.recorder
     recording = Recording()

@@ -61,7 +61,7 @@ class Event(NamedTuple):
 
 
 class Recorder(Protocol):
-    """Keeps events and draws them. The trace room has the one the course uses."""
+    """Keeps events and draws them. `recording` has the one the course uses."""
 
     def observe(self, event: Event) -> None:
         """Take note of an event; called on the thread it happened on, so it must return at once."""

@@ -1,6 +1,6 @@
 """The running half of a lab: made when ROS is first needed, ended once.
 
-It puts the parts together: the spinner and its nodes, the guards on rclpy's functions, the client side of calls,
+It puts the parts together: the spinner and its nodes, the overrides of rclpy's functions, the client side of calls,
 and what to say when a callback fails.
 """
 
@@ -213,7 +213,7 @@ class Engine:
         """Show what callbacks have printed, unless this is a callback."""
         self.output.drain()
 
-    # What the guards ask (guards.Guarded)
+    # What the overrides ask
 
     def in_callback(self) -> bool:
         """Whether the caller is inside a callback of the lab."""
