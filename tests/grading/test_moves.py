@@ -23,7 +23,7 @@ from course_kit.graders._moves import (
     telling_target,
 )
 from course_kit.grading.checks.actions import ReceivedFeedback
-from course_kit.grading.checks.context import ProcessStatus
+from course_kit.grading.checks.process_status import ProcessStatus
 from course_kit.grading.diagnosis import goals
 from course_kit.grading.job import Job
 

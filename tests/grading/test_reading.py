@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.checks.context import ProcessStatus
+from course_kit.grading.checks.process_status import ProcessStatus
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import activity, last_exception
 from course_kit.grading.job import Job

@@ -9,13 +9,14 @@ from __future__ import annotations
 import random
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import limits, machine
 from course_kit.grading.checks.check import Evidence, Failed, NotRun
 from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, Start, State, Used
 from course_kit.grading.checks.grader_node import GraderNode
+from course_kit.grading.checks.process_status import ProcessStatus
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.exchange_log import ExchangeLog
 from course_kit.grading.sandbox import scheduling
@@ -33,23 +34,6 @@ PHASES = ("start", "discovery")  # where time goes beside checking: the program'
 _MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a very busy machine, twelve times as long
 _FINISH_S = 0.25  # how often it is asked whether the time is up, while a program's end is waited for
 _RPC_S = 30.0  # the supervisor answers in milliseconds; without it there is no grading
-
-
-@dataclass(frozen=True)
-class ProcessStatus:
-    """What the supervisor knows of the submission; hints for the diagnosis, see `sandbox.output_collector`."""
-
-    running: bool
-    exit_code: int | None = None
-    signal: int | None = None
-    limit: str | None = None
-    cpu_s: float = 0.0
-    waited_s: float = 0.0
-    tasks: int = 0
-    memory: int = 0
-    stdout: str = ""
-    stderr: str = ""
-    notes: dict[str, Any] = field(default_factory=dict)
 
 
 class SubmissionEndedError(Failed):
@@ -136,9 +120,9 @@ class CheckContext:
         as `values.describe` puts it.
         """
         self._start((), {}, {})
-        while (process := _process_status(self._ask("finish", seconds=_FINISH_S))).running:
+        while (process := ProcessStatus.from_mapping(self._ask("finish", seconds=_FINISH_S))).running:
             if self.time_is_up():
-                return _process_status(self._ask("time is up"))
+                return ProcessStatus.from_mapping(self._ask("time is up"))
         return process
 
     def _start(self, arguments: Sequence[str], files: Mapping[str, str], variables: Mapping[str, str]) -> int:
@@ -219,7 +203,7 @@ class CheckContext:
         """What is known of the submission; `fresh` has it counted now instead of up to 50 ms ago."""
         if self.job.mode == "attach":
             return ProcessStatus(running=True)
-        return _process_status(self._ask("facts" if fresh else "state"))
+        return ProcessStatus.from_mapping(self._ask("facts" if fresh else "state"))
 
     def computed(self) -> float:
         """Seconds for which the program that was started last has computed, as of now or a moment ago."""
@@ -296,7 +280,3 @@ class CheckContext:
     def _ask(self, what: str, *, patience_s: float = 0.0, **more: Any) -> dict[str, Any]:
         self._supervisor.send({"do": what, **more})
         return self._supervisor.receive(patience_s + _RPC_S)
-
-
-def _process_status(facts: dict[str, Any]) -> ProcessStatus:
-    return ProcessStatus(**{name: value for name, value in facts.items() if name in ProcessStatus.__dataclass_fields__})

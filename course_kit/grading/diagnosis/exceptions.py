@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from course_kit.grading.checks.check import Evidence
-    from course_kit.grading.checks.context import CheckContext, ProcessStatus
+    from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.process_status import ProcessStatus
     from course_kit.grading.job import Job
 
 # Where rclpy (Node in node.py) calls the callbacks of add_on_set_parameters_callback, on declaration as well.

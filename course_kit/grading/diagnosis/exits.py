@@ -14,7 +14,7 @@ from course_kit.grading.submission import where
 from course_kit.ros.names import nearest
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.context import ProcessStatus
+    from course_kit.grading.checks.process_status import ProcessStatus
     from course_kit.grading.job import Job
 
 _FIELD = re.compile(r"'(?P<field>\w+)' field must be (?:a sub message )?of type '(?P<type>[\w.]+)'")

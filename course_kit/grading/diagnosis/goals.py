@@ -9,7 +9,8 @@ from course_kit.grading.diagnosis import exits, hangs
 from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.context import CheckContext, ProcessStatus
+    from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.process_status import ProcessStatus
     from course_kit.grading.diagnosis.exits import Cause
     from course_kit.grading.job import Job
 
