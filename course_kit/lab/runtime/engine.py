@@ -35,9 +35,9 @@ from course_kit.ros.names import full_action_name
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.goal_client import GoalClient
     from course_kit.lab.notebook.output import Output
     from course_kit.lab.recording.events import Taps
+    from course_kit.ros.goal import GoalClient
 
 LAB_NAME = "lab"
 _FREE = 1.0  # seconds a callback may keep the thread before goals are not ended properly
