@@ -35,9 +35,3 @@ def find_type(name: str, kind: str) -> Any:
     if f"/{kind}/" not in wanted:
         raise CommandError(f"The passed {_WORDS[kind]} type is invalid: {wanted} is no {_WORDS[kind]}.")
     return interface
-
-
-def name_of(interface: Any) -> str:
-    """The ROS name of an interface's class: `pkg/srv/Name`."""
-    package, kind = interface.__module__.split(".")[:2]
-    return f"{package}/{kind}/{interface.__name__}"

@@ -11,7 +11,7 @@ from example_interfaces.action import Fibonacci
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import qos_profile_action_status_default as STATUS_QOS  # noqa: N812 - what it is
+from rclpy.qos import qos_profile_action_status_default
 
 from course_kit.ros.goal import GoalClient, GoalTracker, status_name
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from rclpy.action import ActionClient, ActionServer
 from rclpy.action.server import GoalEvent, ServerGoalHandle
 
-from course_kit.lab.messages import type_name
 from course_kit.ros.goal import status_name
+from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.subscription import Subscription
 
-from course_kit.lab.messages import type_name
+from course_kit.ros.messages import type_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine

@@ -16,7 +16,6 @@ from rclpy.action import ActionServer
 from course_kit.lab import graph
 from course_kit.lab.clients import Clients, OtherTypeError
 from course_kit.lab.errors import ActionNotFoundError, DeadlockError, ServiceNotFoundError
-from course_kit.lab.messages import type_name
 from course_kit.lab.notebook import asyncio_bridge
 from course_kit.lab.overrides import rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
@@ -30,6 +29,7 @@ from course_kit.lab.runtime.executor_thread import Spinner
 from course_kit.lab.runtime.failures import Failures
 from course_kit.lab.runtime.nodes import Nodes
 from course_kit.ros.graph import RUNS, SERVES
+from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
