@@ -15,8 +15,9 @@ from rclpy.exceptions import InvalidHandle
 
 from course_kit.lab import graph
 from course_kit.lab.errors import FieldError, NoAnswerError, ServiceFailedError, ServiceNotFoundError
-from course_kit.lab.messages import build, is_service_type, type_name
+from course_kit.lab.messages import build
 from course_kit.ros.graph import SERVES
+from course_kit.ros.messages import is_service_type, type_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable

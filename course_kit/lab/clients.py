@@ -15,10 +15,10 @@ from rclpy.parameter import Parameter
 from rclpy.validate_topic_name import validate_topic_name
 
 from course_kit.lab.errors import LabError
-from course_kit.lab.goal_client import GoalClient
-from course_kit.lab.messages import type_name
 from course_kit.ros import graph
 from course_kit.ros.compat import rcl_error
+from course_kit.ros.goal import GoalClient
+from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from course_kit.lab.errors import NoAnswerError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.goal_client import GoalClient, GoalTracker
+    from course_kit.ros.goal import GoalClient, GoalTracker
 
 _CHECK = 0.2  # seconds between looks at whether the server is still there
 _MISSED = 2  # such looks in a row without it

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_kit.lab import calls, graph
 from course_kit.lab.errors import ActionNotFoundError, FieldError, LabError, NoAnswerError
-from course_kit.lab.goal_client import GoalTracker
 from course_kit.lab.goal_waits import Awaited, Wait, gone, is_there
-from course_kit.lab.messages import build, is_action_type, type_name
+from course_kit.lab.messages import build
 from course_kit.lab.recording.snapshot import snapshot
+from course_kit.ros.goal import GoalTracker
 from course_kit.ros.graph import RUNS
+from course_kit.ros.messages import is_action_type, type_name
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable

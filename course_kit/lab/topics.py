@@ -8,7 +8,8 @@ import time
 from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.lab.errors import FieldError, NoAnswerError
-from course_kit.lab.messages import build, is_message_type, type_name
+from course_kit.lab.messages import build
+from course_kit.ros.messages import is_message_type, type_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable

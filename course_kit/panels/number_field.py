@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from course_kit.lab.errors import FieldError
-from course_kit.lab.messages import is_message_type, type_name
+from course_kit.ros.messages import is_message_type, type_name
 from course_kit.ros.names import nearest
 
 _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")

@@ -12,9 +12,9 @@ import numpy as np
 import traitlets
 
 from course_kit import lab
-from course_kit.lab.messages import type_name
 from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.number_field import NumberField
+from course_kit.ros.messages import type_name
 
 _KEPT = 20_000  # samples, however fast they come
 _DRAWN = 600  # points a line has at most; a screen has hardly more

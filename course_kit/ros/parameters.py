@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from course_kit.ros.errors import FieldError
+from course_kit.ros.messages import with_article
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Generator, Iterable, Mapping, Sequence
@@ -268,6 +269,5 @@ def _require_int64(name: str, given: Sequence[Any]) -> None:
 
 
 def _unfit(name: str, value: Any, rule: str, hint: str = "") -> FieldError:
-    word = type(value).__name__
     shown = textwrap.shorten(repr(value), 60, placeholder="...")
-    return FieldError(f"{rule}; {name!r} was given {shown}, {'an' if word[0] in 'aeio' else 'a'} {word}.{hint}")
+    return FieldError(f"{rule}; {name!r} was given {shown}, {with_article(type(value).__name__)}.{hint}")

@@ -16,9 +16,8 @@ from course_kit.ros2cli.text import to_yaml
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+    from course_kit.ros.goal import GoalTracker
     from course_kit.ros2cli.session import Session
-
-_STATUS = {0: "UNKNOWN", 1: "ACCEPTED", 2: "EXECUTING", 3: "CANCELING", 4: "SUCCEEDED", 5: "CANCELED", 6: "ABORTED"}
 
 
 class Goal:
@@ -33,12 +32,11 @@ class Goal:
     """
 
     def __init__(self, session: Session, node: Any, action_type: Any, name: str, timeout: float) -> None:
-        from rclpy.action import ActionClient
+        from course_kit.ros.goal import GoalClient
 
         self._session, self._node, self._name, self._timeout = session, node, name, timeout
-        self._client = ActionClient(node, action_type, name)
-        self._heard = time.monotonic()
-        self._early: list[Any] | None = []  # feedback that overtook the word that the goal is accepted
+        self._client = GoalClient(node, action_type, name)
+        self._seen = 0  # feedback messages
 
     def close(self) -> None:
         """Leave the action."""
@@ -50,50 +48,58 @@ class Goal:
         Raises:
             CommandError: no server, or it fell silent.
         """
+        from course_kit.ros.goal import GoalTracker
+
         print("Waiting for an action server to become available...", flush=True)
         self._wait_for_server()
         print(f"Sending goal:\n     {to_yaml(goal)}", flush=True)
-        callback = self._on_feedback if show_feedback else self._on_sign_of_life
-        sent = self._client.send_goal_async(goal, feedback_callback=callback)
-        silent = f"{self._name} has not said within {self._timeout:g} s whether it accepts the goal."
-        handle = self._session.result_of(sent, self._timeout, silent)
-        if not handle.accepted:
+        tracker = GoalTracker(self._client, goal)
+        tracker.begin()
+        if not self._session.spin_until(lambda: tracker.accepted is not None, self._timeout):
+            raise CommandError(f"{self._name} has not said within {self._timeout:g} s whether it accepts the goal.")
+        if not tracker.accepted:
             print("Goal was rejected.")
             return
-        print(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n\n", end="", flush=True)
-        early, self._early = self._early or [], None
-        for feedback in early:
-            _print_feedback(feedback)
-        result = handle.get_result_async()
+        print(f"Goal accepted with ID: {tracker.identifier.hex()}\n\n", end="", flush=True)
         with _Interrupt() as interrupt:
-            self._wait_for_result(result, interrupt)
-        if not result.done():
-            self._cancel(handle)
-            self._wait_for_result(result)
-        answer = result.result()
-        print(f"Result:\n    {to_yaml(answer.result)}")
-        print(f"Goal finished with status: {_STATUS.get(answer.status, answer.status)}")
+            self._follow(tracker, interrupt, show_feedback=show_feedback)
+        if not tracker.ended:
+            self._cancel(tracker)
+            self._follow(tracker, show_feedback=show_feedback)
+        if tracker.result is None:
+            raise CommandError(
+                f"{self._name} went away before the goal ended: its program has ended. Its own output says why."
+            )
+        print(f"Result:\n    {to_yaml(tracker.result)}")
+        print(f"Goal finished with status: {tracker.status}")
 
-    def _cancel(self, handle: Any) -> None:
+    def _cancel(self, tracker: GoalTracker) -> None:
         print("Canceling goal...\n", end="", flush=True)
-        silent = f"{self._name} has not answered the request to cancel within {self._timeout:g} s."
-        answer = self._session.result_of(handle.cancel_goal_async(), self._timeout, silent)
-        if answer.goals_canceling:
+        answers: list[bool] = []
+        tracker.cancel(answers.append)
+        if not self._session.spin_until(lambda: bool(answers), self._timeout):
+            raise CommandError(f"{self._name} has not answered the request to cancel within {self._timeout:g} s.")
+        if answers[0]:
             print("Goal canceled.\n", end="", flush=True)
         else:
             sys.stderr.write(f"{self._name} does not cancel the goal; waiting for its result.\n")
 
-    def _wait_for_result(self, result: Any, interrupt: _Interrupt | None = None) -> None:
+    def _follow(self, tracker: GoalTracker, interrupt: _Interrupt | None = None, *, show_feedback: bool) -> None:
         """Wait as long as feedback comes; shown or not, it is the only sign that the goal is worked on."""
-        self._heard = time.monotonic()
+        heard = time.monotonic()
 
         def is_over() -> bool:
+            nonlocal heard
+            for feedback in tracker.feedback[self._seen :]:
+                heard, self._seen = time.monotonic(), self._seen + 1
+                if show_feedback:  # one piece, its line end included: another thread may print at the same time
+                    print(f"Feedback:\n    {to_yaml(feedback)}\n", end="", flush=True)
             if interrupt is not None and interrupt.seen:
                 return True
-            return bool(result.done()) or time.monotonic() - self._heard > self._timeout
+            return tracker.ended or time.monotonic() - heard > self._timeout
 
         self._session.spin_until(is_over, math.inf)
-        if not result.done() and not (interrupt is not None and interrupt.seen):
+        if not tracker.ended and not (interrupt is not None and interrupt.seen):
             raise CommandError(
                 f"Neither feedback nor a result from {self._name} for {self._timeout:g} s; the goal has not been "
                 "canceled. A longer wait: --timeout SECONDS."
@@ -107,22 +113,6 @@ class Goal:
         actions = actions_among(dict(self._node.get_topic_names_and_types()))
         hint = did_you_mean(self._name, set(actions) - {self._name})
         raise CommandError(f"No action server for {self._name} within {self._timeout:g} s.{hint}")
-
-    def _on_sign_of_life(self, message: Any) -> None:
-        del message
-        self._heard = time.monotonic()
-
-    def _on_feedback(self, message: Any) -> None:
-        self._on_sign_of_life(message)
-        if self._early is None:
-            _print_feedback(message.feedback)
-        else:
-            self._early.append(message.feedback)
-
-
-def _print_feedback(feedback: Any) -> None:
-    # One piece, its line end included: another thread may print at the same time.
-    print(f"Feedback:\n    {to_yaml(feedback)}\n", end="", flush=True)
 
 
 class _Interrupt:

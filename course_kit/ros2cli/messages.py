@@ -9,6 +9,7 @@ from collections import deque
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli import types
 from course_kit.ros2cli.errors import CommandError
@@ -133,7 +134,7 @@ def publish(options: Any, session: Session, topic: str) -> None:
     node = session.node
     message_type = types.find_type(options.message_type, "msg")
     message = message_type()
-    values.fill(message, options.values, types.name_of(message_type))
+    values.fill(message, options.values, type_name(message_type))
     times = 1 if options.once else options.times
     publisher = node.create_publisher(message_type, topic, qos.for_publishing(options))
     wanted = options.wait_matching_subscriptions

@@ -36,9 +36,3 @@ def find_type(name: str, kind: str) -> Any:
     if f"/{kind}/" not in wanted:
         raise CommandError(f"The passed {_WORDS[kind]} type is invalid: {wanted} is not {_ARTICLES[kind]} type.")
     return interface
-
-
-def name_of(interface: Any) -> str:
-    """The ROS name of an interface's class: `pkg/srv/Name`."""
-    package, kind = interface.__module__.split(".")[:2]
-    return f"{package}/{kind}/{interface.__name__}"

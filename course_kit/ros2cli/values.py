@@ -6,6 +6,7 @@ import math
 import re
 from typing import Any
 
+from course_kit.ros.messages import ros_word, with_article
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
 
@@ -14,7 +15,6 @@ _ARRAY = re.compile(r"(?P<element>[^\[]+)\[(?P<length>\d+)\]")
 _SEQUENCE = re.compile(r"sequence<(?P<element>.+?)(?:, (?P<bound>\d+))?>")
 _BOUNDED_STRING = re.compile(r"w?string<(?P<bound>\d+)>")
 _FLOATS = {"float": 3.4028234663852886e38, "double": math.inf}
-_ROS_WORDS = {"boolean": "bool", "double": "float64", "float": "float32", "octet": "byte"}
 _BYTE = 256
 
 
@@ -103,7 +103,7 @@ def _fit_integer(value: Any, bits: int, field: str, *, signed: bool) -> int:
         raise _unfit(value, field_type, field)
     lowest, highest = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
     if not lowest <= value <= highest:
-        limits = f"{_article(field_type)} {field_type}, from {lowest} to {highest}"
+        limits = f"{with_article(field_type)}, from {lowest} to {highest}"
         raise CommandError(f"The field {field!r} is {limits}; {value} is out of range.")
     return value
 
@@ -116,7 +116,7 @@ def _fit_float(value: Any, field_type: str, field: str) -> float:
     except (ValueError, OverflowError):
         raise _unfit(value, field_type, field) from None
     if math.isfinite(number) and abs(number) > _FLOATS[field_type]:
-        raise CommandError(f"The field {field!r} is a {_ROS_WORDS[field_type]}; {value} is out of range.")
+        raise CommandError(f"The field {field!r} is a {ros_word(field_type)}; {value} is out of range.")
     return number
 
 
@@ -155,13 +155,9 @@ def _now(stamp: Any) -> Any:
 
 
 def _unfit(value: Any, field_type: str, field: str) -> CommandError:
-    word = _ROS_WORDS.get(field_type, field_type)
+    word = ros_word(field_type)
     kinds = {bool: "a boolean", int: "an integer", float: "a float", str: "a string", list: "a list", dict: "a mapping"}
     given = kinds.get(type(value), "nothing" if value is None else type(value).__name__)
     if listed := _ARRAY.fullmatch(field_type) or _SEQUENCE.fullmatch(field_type):
-        word = f"list of {_ROS_WORDS.get(listed['element'], listed['element'])}"
-    return CommandError(f"The field {field!r} is {_article(word)} {word}; {value!r} is {given}.")
-
-
-def _article(word: str) -> str:
-    return "an" if word[0] in "aeio" else "a"
+        word = f"list of {ros_word(listed['element'])}"
+    return CommandError(f"The field {field!r} is {with_article(word)}; {value!r} is {given}.")

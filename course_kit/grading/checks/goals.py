@@ -18,6 +18,7 @@ from course_kit.grading.checks.retry import RESEND_AFTER_S
 from course_kit.grading.diagnosis import goals, hangs
 from course_kit.grading.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
 from course_kit.ros.arrows import Arrow
+from course_kit.ros.goal import status_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,16 +28,8 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.process_status import ProcessStatus
 
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
-_NAMES = {
-    getattr(GoalStatus, name): name.removeprefix("STATUS_") for name in dir(GoalStatus) if name.startswith("STATUS_")
-}
 _QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
 _REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's next heartbeat, each 3 s in Fast DDS
-
-
-def _named(status: int) -> str:
-    """A status in words; a number that action_msgs/msg/GoalStatus does not have as it is."""
-    return _NAMES.get(status, str(status))
 
 
 @dataclass(frozen=True)
@@ -49,7 +42,7 @@ class Ended:
     @property
     def name(self) -> str:
         """The status in words, `SUCCEEDED`."""
-        return _named(self.status)
+        return status_name(self.status)
 
 
 class Goal:
@@ -160,7 +153,7 @@ class Goal:
                 return end
         self._context.spoil()
         seconds = min(seconds, clock.fair())
-        over = next((_named(status) for _, status in self.statuses if status >= SUCCEEDED), "")
+        over = next((status_name(status) for _, status in self.statuses if status >= SUCCEEDED), "")
         diagnosis, message = goals.of_silence(self._context, over, seconds, self.process())
         evidence = Evidence(self.shown, expected, f"no result within {seconds:.1f} s")
         self._turn.missed(evidence.got)

@@ -12,12 +12,12 @@ import uuid
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient, ActionServer
 from rclpy.action.server import GoalEvent, ServerGoalHandle
 from unique_identifier_msgs.msg import UUID
 
-from course_kit.lab.messages import type_name
+from course_kit.ros.goal import status_name
+from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
@@ -28,11 +28,6 @@ if TYPE_CHECKING:
 _WHERE = "_course_kit_where"  # on a client or server: its node, the action's full name and its type
 _GOAL = "_course_kit_goal"  # on the future of a cancel request: the goal's number
 _KEPT = 1000  # goals that are still known as sent or accepted
-_STATUS = {
-    GoalStatus.STATUS_SUCCEEDED: "SUCCEEDED",
-    GoalStatus.STATUS_CANCELED: "CANCELED",
-    GoalStatus.STATUS_ABORTED: "ABORTED",
-}
 
 
 def number_of(goal_id: Any) -> int:
@@ -207,4 +202,4 @@ def _answer(agreed: bool) -> dict[str, bool]:
 
 
 def _result(response: Any) -> dict[str, Any]:
-    return {"status": _STATUS.get(response.status, "UNKNOWN"), "result": response.result}
+    return {"status": status_name(response.status), "result": response.result}

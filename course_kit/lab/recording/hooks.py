@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from rclpy.exceptions import InvalidHandle
 from rclpy.subscription import Subscription
 
-from course_kit.lab.messages import type_name
+from course_kit.ros.messages import type_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from course_kit.lab.messages import type_name
+from course_kit.ros.messages import type_name
 from course_kit.ros.names import is_of_every_node, is_of_ros, short_name
 
 

@@ -16,7 +16,6 @@ from rclpy.action import ActionServer
 from course_kit.lab import graph
 from course_kit.lab.clients import Clients, OtherTypeError
 from course_kit.lab.errors import ActionNotFoundError, DeadlockError, ServiceNotFoundError
-from course_kit.lab.messages import type_name
 from course_kit.lab.notebook import asyncio_bridge
 from course_kit.lab.overrides import rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
@@ -30,16 +29,17 @@ from course_kit.lab.runtime.failures import Failures
 from course_kit.lab.runtime.nodes import Nodes
 from course_kit.ros import compat_names
 from course_kit.ros.graph import RUNS, SERVES
+from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.goal_client import GoalClient
     from course_kit.lab.notebook.cells import Notebook
     from course_kit.lab.notebook.output import Output
     from course_kit.lab.recording.events import Taps
     from course_kit.ros.compat import Compatibility
+    from course_kit.ros.goal import GoalClient
 
 LAB_NAME = "lab"
 _FREE = 1.0  # seconds a callback may keep the thread before goals are not ended properly

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
@@ -74,7 +75,7 @@ def _send_goal(options: Any, session: Session) -> None:
     node = session.node  # before the type is imported: the graph is being discovered meanwhile
     action_type = types.find_type(options.action_type, "action")
     goal = action_type.Goal()
-    values.fill(goal, options.goal, f"{types.name_of(action_type)}_Goal")
+    values.fill(goal, options.goal, f"{type_name(action_type)}_Goal")
     sending = Goal(session, node, action_type, name, options.timeout)
     try:
         sending.run(goal, show_feedback=options.feedback)

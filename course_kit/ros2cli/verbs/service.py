@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
@@ -93,10 +94,10 @@ def _call(options: Any, session: Session) -> None:
     node = session.node  # before the type is imported: the graph is being discovered meanwhile
     service_type = types.find_type(options.service_type, "srv")
     request = service_type.Request()
-    values.fill(request, options.values, f"{types.name_of(service_type)}_Request")
+    values.fill(request, options.values, f"{type_name(service_type)}_Request")
     client = node.create_client(service_type, name)
     print("waiting for service to become available...", flush=True)
-    _wait_for_server(client, name, types.name_of(service_type), options.timeout, session)
+    _wait_for_server(client, name, type_name(service_type), options.timeout, session)
     while True:
         print(f"requester: making request: {request!r}\n", flush=True)
         print(f"response:\n{session.answer_of(client, request, options.timeout, name)!r}\n", flush=True)

@@ -1,10 +1,11 @@
-"""The lab's own action client: rclpy's, whose feedback is not lost.
+"""The kit's own action client: rclpy's, whose feedback is not lost, and a goal on its way.
 
 rclpy's action client forgets a goal's feedback callback when the result arrives, so feedback that comes with the
 result or after it is dropped; and it takes one message a turn from a queue of ten. Here all that has arrived is
 taken at once, and handed on before the result that was taken with it.
 
-Everything here runs on the lab's thread: a reply cannot arrive before its sending is complete (issue 1123 of rclpy).
+Nothing here waits. Everything runs on the thread that spins the node, the sending too: so a reply cannot arrive before
+its sending is complete (issue 1123 of rclpy).
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ import uuid
 import weakref
 from typing import TYPE_CHECKING, Any
 
-from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.qos import QoSProfile
@@ -25,23 +25,22 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _LOOK = 0.5  # seconds between looks at whether the servers of goals are still there
-_DEPTH = 1000  # feedback messages that may wait while a callback keeps the lab's thread
-_STATUS = {
-    GoalStatus.STATUS_ACCEPTED: "ACCEPTED",
-    GoalStatus.STATUS_EXECUTING: "EXECUTING",
-    GoalStatus.STATUS_CANCELING: "CANCELING",
-    GoalStatus.STATUS_SUCCEEDED: "SUCCEEDED",
-    GoalStatus.STATUS_CANCELED: "CANCELED",
-    GoalStatus.STATUS_ABORTED: "ABORTED",
-}
+_DEPTH = 1000  # feedback messages that may wait while a callback keeps the thread
+# By action_msgs/msg/GoalStatus.
+_STATUS = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
 _ORDER = ("ACCEPTED", "EXECUTING", "CANCELING")  # a status message may be older than what is known already
+
+
+def status_name(status: int) -> str:
+    """A status of action_msgs/msg/GoalStatus in words; a number that has none as it is."""
+    return _STATUS[status] if 0 <= status < len(_STATUS) else str(status)
 
 
 class GoalClient(ActionClient):
     """An action client that keeps track of its goals.
 
     Args:
-        node: the lab's own node.
+        node: whose client it is.
         action_type: the action's class.
         action: its name.
 
@@ -89,30 +88,30 @@ class GoalClient(ActionClient):
             await super().execute({"feedback": message})  # for whoever records; it has no callback of rclpy's
             self.deliver(message)
         for status in getattr(taken_data.get("status"), "status_list", ()):
-            pursuit = self._find(status.goal_info.goal_id)
-            if pursuit is not None:
-                pursuit.note_status(_STATUS.get(status.status, ""))
+            tracker = self._find(status.goal_info.goal_id)
+            if tracker is not None:
+                tracker.note_status(status_name(status.status))
         await super().execute(taken_data)
 
     def deliver(self, message: Any) -> None:
         """Hand on one feedback message; those of other clients' goals come here, too."""
-        pursuit = self._find(message.goal_id)
-        if pursuit is not None:
-            pursuit.take_feedback(message.feedback)
+        tracker = self._find(message.goal_id)
+        if tracker is not None:
+            tracker.take_feedback(message.feedback)
 
-    def begin(self, pursuit: GoalTracker, goal: Any) -> Any:
+    def begin(self, tracker: GoalTracker, goal: Any) -> Any:
         """Send a goal; returns the future of rclpy's goal handle."""
         identifier = UUID(uuid=list(uuid.uuid4().bytes))
-        self.busy[bytes(identifier.uuid)] = pursuit
+        tracker.identifier = bytes(identifier.uuid)
+        self.busy[tracker.identifier] = tracker
         if self._watch is None:
             self._watch = self._own_node.create_timer(_LOOK, self._look_for_servers, callback_group=self.callback_group)
         return self.send_goal_async(goal, goal_uuid=identifier)
 
-    def end(self, pursuit: GoalTracker) -> None:
+    def end(self, tracker: GoalTracker) -> None:
         """Keep track of a goal only as long as somebody holds it: it has ended."""
-        for identifier, one in list(self.busy.items()):
-            if one is pursuit:
-                self._ended[identifier] = self.busy.pop(identifier)
+        if self.busy.pop(tracker.identifier, None) is not None:
+            self._ended[tracker.identifier] = tracker
 
     def servers(self) -> frozenset[bytes]:
         """What identifies the action's servers that are on the graph; one that was started again is another."""
@@ -128,8 +127,8 @@ class GoalClient(ActionClient):
         """Tell of goals whose server has gone: of itself no result would ever come."""
         if self.busy:
             servers = self.servers()
-            for pursuit in list(self.busy.values()):
-                pursuit.note_servers(servers)
+            for tracker in list(self.busy.values()):
+                tracker.note_servers(servers)
         else:
             self._stop_watching()
 
@@ -144,14 +143,15 @@ class GoalClient(ActionClient):
 
 
 class GoalTracker:
-    """A goal on its way: what is known of it. Changed on the lab's thread only, read anywhere.
+    """A goal on its way: what is known of it. Changed on the thread that spins the node, read anywhere.
 
     Args:
         client: sends it.
         goal: the message.
-        call: calls a function of the learner's and tells of what it raises.
+        call: calls one of the two functions below and tells of what it raises.
 
     Attributes:
+        identifier: its own, 16 bytes; none before it is sent.
         accepted: None until the server has answered.
         status: the name of its state; "" until the server has answered.
         feedback: the messages received so far.
@@ -163,8 +163,11 @@ class GoalTracker:
         unwanted: whoever wanted it has been interrupted: it is not sent, or cancelled as soon as it is accepted.
     """
 
-    def __init__(self, client: GoalClient, goal: Any, call: Callable[[Callable[[], object]], None]) -> None:
+    def __init__(
+        self, client: GoalClient, goal: Any, call: Callable[[Callable[[], object]], object] = lambda run: run()
+    ) -> None:
         self.client = client
+        self.identifier = b""
         self.accepted: bool | None = None
         self.status = ""
         self.feedback: list[Any] = []
@@ -242,7 +245,7 @@ class GoalTracker:
 
     def _finished(self, future: Any) -> None:
         response = future.result()
-        self._end(_STATUS.get(response.status, "UNKNOWN"), response.result)
+        self._end(status_name(response.status), response.result)
 
     def _end(self, status: str, result: Any) -> None:
         if self.ended:
