@@ -33,6 +33,9 @@ class Receiver(Protocol):
     def receive(self, timeout_s: float) -> None:
         """Take in what has come, after waiting at most `timeout_s` seconds for any."""
 
+    def close(self) -> None:
+        """Receive nothing any more; the node is still there."""
+
 
 def receiver(node: Node) -> Receiver:
     """The fast one where rclpy lets itself be used that way, else one that is an executor of rclpy's."""
@@ -41,21 +44,32 @@ def receiver(node: Node) -> Receiver:
 
 
 class ExecutorReceiver:
-    """Receives by an executor; a node's clients and subscriptions are known to it."""
+    """Receives by an executor of rclpy's, which takes in one message at a time."""
 
     def __init__(self, node: Node) -> None:
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(node)
+        self._entities = 0
 
     def add_client(self, client: Client) -> None:
-        """See `Receiver`."""
+        """See `Receiver`; the executor knows it from its node."""
+        del client
+        self._entities += 1
 
     def add_subscription(self, subscription: Subscription, take: Callable[[Any, Any], None]) -> None:
-        """See `Receiver`."""
+        """See `Receiver`; the executor knows it from its node, and calls `take` as its callback."""
+        del subscription, take
+        self._entities += 1
 
     def receive(self, timeout_s: float) -> None:
         """See `Receiver`."""
         self._executor.spin_once(timeout_sec=timeout_s)
+        for _ in range(1, self._entities):
+            self._executor.spin_once(timeout_sec=0)
+
+    def close(self) -> None:
+        """See `Receiver`."""
+        self._executor.shutdown(timeout_sec=0)
 
 
 class WaitSetReceiver:
@@ -95,6 +109,9 @@ class WaitSetReceiver:
             if header is not None:  # else the response was for another client of the same service
                 with suppress(KeyError):  # a second answer to the same request
                     client.get_pending_request(header.request_id.sequence_number).set_result(response)
+
+    def close(self) -> None:
+        """See `Receiver`."""
 
     def _wait(self, timeout_s: float) -> Any:
         if self._wait_set is None:
