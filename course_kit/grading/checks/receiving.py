@@ -6,10 +6,11 @@ turn, and a grading is a thousand turns. With ten clients of one service each of
 
 from __future__ import annotations
 
+import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Protocol
 
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor, TimeoutException
 
 from course_kit.ros import compat, compat_names
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from rclpy.client import Client
     from rclpy.node import Node
     from rclpy.subscription import Subscription
+
+_STEP_S = 0.005
 
 
 class Receiver(Protocol):
@@ -49,23 +52,29 @@ class ExecutorReceiver:
     def __init__(self, node: Node) -> None:
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(node)
-        self._entities = 0
 
     def add_client(self, client: Client) -> None:
         """See `Receiver`; the executor knows it from its node."""
-        del client
-        self._entities += 1
 
     def add_subscription(self, subscription: Subscription, take: Callable[[Any, Any], None]) -> None:
         """See `Receiver`; the executor knows it from its node, and calls `take` as its callback."""
-        del subscription, take
-        self._entities += 1
 
     def receive(self, timeout_s: float) -> None:
         """See `Receiver`."""
-        self._executor.spin_once(timeout_sec=timeout_s)
-        for _ in range(1, self._entities):
-            self._executor.spin_once(timeout_sec=0)
+        deadline = time.monotonic() + timeout_s
+        while not self._take_one() and time.monotonic() < deadline:
+            pass
+
+    def _take_one(self) -> bool:
+        """Wait a moment for one message, and take it in; whether there was one."""
+        try:
+            # Always for the same time: with another one the executor begins anew, and the last are never reached.
+            handler, _, _ = self._executor.wait_for_ready_callbacks(timeout_sec=_STEP_S)
+        except TimeoutException:
+            return False
+        handler()
+        handler.result()  # raises what it has raised
+        return True
 
     def close(self) -> None:
         """See `Receiver`."""
