@@ -36,6 +36,7 @@ def test_a_working_installation_is_found_in_order_with_a_verdict_on_each_line() 
         "your files",
         "ROS graph",
         "rclpy",
+        "inside rclpy",
         "RMW",
         "Jupyter",
         "message types",

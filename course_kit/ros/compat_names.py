@@ -88,7 +88,7 @@ REPLIES = Feature(
 )
 FEEDBACK = Feature(
     "Feedback that comes faster than callbacks run may be shown late or not at all",
-    ("lab/goal_client.py",),
+    ("ros/goal.py",),
     (_CLIENT + "_client_handle",),
 )
 WAITING_FOR_GOALS = Feature(

@@ -193,6 +193,7 @@ class GraderNode:
     def close(self) -> None:
         """Leave the graph. Safe to call twice."""
         if self._context.ok():
+            self._receiver.close()
             self.node.destroy_node()
             self._context.try_shutdown()
 

@@ -6,10 +6,11 @@ turn, and a grading is a thousand turns. With ten clients of one service each of
 
 from __future__ import annotations
 
+import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Protocol
 
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor, TimeoutException
 
 from course_kit.ros import compat, compat_names
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from rclpy.client import Client
     from rclpy.node import Node
     from rclpy.subscription import Subscription
+
+_STEP_S = 0.005
 
 
 class Receiver(Protocol):
@@ -33,6 +36,9 @@ class Receiver(Protocol):
     def receive(self, timeout_s: float) -> None:
         """Take in what has come, after waiting at most `timeout_s` seconds for any."""
 
+    def close(self) -> None:
+        """Receive nothing any more; the node is still there."""
+
 
 def receiver(node: Node) -> Receiver:
     """The fast one where rclpy lets itself be used that way, else one that is an executor of rclpy's."""
@@ -41,21 +47,38 @@ def receiver(node: Node) -> Receiver:
 
 
 class ExecutorReceiver:
-    """Receives by an executor; a node's clients and subscriptions are known to it."""
+    """Receives by an executor of rclpy's, which takes in one message at a time."""
 
     def __init__(self, node: Node) -> None:
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(node)
 
     def add_client(self, client: Client) -> None:
-        """See `Receiver`."""
+        """See `Receiver`; the executor knows it from its node."""
 
     def add_subscription(self, subscription: Subscription, take: Callable[[Any, Any], None]) -> None:
-        """See `Receiver`."""
+        """See `Receiver`; the executor knows it from its node, and calls `take` as its callback."""
 
     def receive(self, timeout_s: float) -> None:
         """See `Receiver`."""
-        self._executor.spin_once(timeout_sec=timeout_s)
+        deadline = time.monotonic() + timeout_s
+        while not self._take_one() and time.monotonic() < deadline:
+            pass
+
+    def _take_one(self) -> bool:
+        """Wait a moment for one message, and take it in; whether there was one."""
+        try:
+            # Always for the same time: with another one the executor begins anew, and the last are never reached.
+            handler, _, _ = self._executor.wait_for_ready_callbacks(timeout_sec=_STEP_S)
+        except TimeoutException:
+            return False
+        handler()
+        handler.result()  # raises what it has raised
+        return True
+
+    def close(self) -> None:
+        """See `Receiver`."""
+        self._executor.shutdown(timeout_sec=0)
 
 
 class WaitSetReceiver:
@@ -95,6 +118,9 @@ class WaitSetReceiver:
             if header is not None:  # else the response was for another client of the same service
                 with suppress(KeyError):  # a second answer to the same request
                     client.get_pending_request(header.request_id.sequence_number).set_result(response)
+
+    def close(self) -> None:
+        """See `Receiver`."""
 
     def _wait(self, timeout_s: float) -> Any:
         if self._wait_set is None:
