@@ -91,7 +91,13 @@ def main(arguments: Sequence[str]) -> int:
 def choose(
     found: Sequence[Interpreter], options: argparse.Namespace, *, has_uv: bool
 ) -> tuple[list[Combination], list[str]]:
-    """What is tried, and sentences about what is not."""
+    """What is tried, and sentences about what is not.
+
+    Args:
+        found: the Pythons of this machine.
+        options: the command line.
+        has_uv: whether uv is to be had.
+    """
     missing = [version for version in pythons.wanted() if version not in {one.minor for one in found}]
     notes = [f"This machine has no Python {', '.join(missing)}."] if missing else []
     if options.python:
@@ -176,7 +182,13 @@ def copy(root: Path, target: Path) -> None:
 
 
 def environ_of(combination: Combination, folder: Path, uv: str | None) -> dict[str, str]:
-    """The environment of somebody who has never seen the course, whose state goes into the temporary folder."""
+    """The environment of somebody who has never seen the course, whose state goes into the temporary folder.
+
+    Args:
+        combination: the Python and the installer.
+        folder: the temporary folder.
+        uv: the program, where there is one.
+    """
     environ = delegation.clean_environment({**os.environ})
     environ = {name: value for name, value in environ.items() if not name.startswith(_NOT_INHERITED)}
     ours = Path(sys.executable).parent

@@ -25,7 +25,11 @@ class CourseKernel(RunningKernel):  # type: ignore[misc]  # it has no types
                 os.environ["PYTEST_CURRENT_TEST"] = current
 
     def await_reply(self, msg_id: str, timeout: float | None = None) -> None:
-        """Wait for the reply in short steps, looking each time whether the kernel still lives."""
+        """Wait for the reply in short steps, looking each time whether the kernel still lives.
+
+        Raises:
+            queue.Empty: no reply came in time, or the kernel has died.
+        """
         deadline = None if timeout is None else time.monotonic() + timeout
         while not self._replied(msg_id):
             if not self.is_alive():

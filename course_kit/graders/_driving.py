@@ -114,7 +114,13 @@ def is_at(context: CheckContext, place: MovePlace) -> None:
 
 
 def send(context: CheckContext, target: MovePlace, z: float = 0.0) -> Goal:
-    """Send a goal."""
+    """Send a goal.
+
+    Args:
+        context: the check's.
+        target: x and y, in metres.
+        z: in metres; it does not matter.
+    """
     shown = f"a goal with target=({target.x:.4g}, {target.y:.4g}, {z:.4g})"
     return Goal(context, ACTION, MoveRobot.Goal(target=Point(x=target.x, y=target.y, z=z)), shown)
 
@@ -124,6 +130,11 @@ def set_off(context: CheckContext, target: MovePlace, z: float = 0.0) -> Goal:
 
     Raises:
         Failed: it was not.
+
+    Args:
+        context: the check's.
+        target: x and y, in metres.
+        z: in metres; it does not matter.
     """
     goal = send(context, target, z)
     goal.wait_for_answer("the goal accepted")
@@ -137,6 +148,11 @@ def drive(context: CheckContext, target: MovePlace, z: float = 0.0) -> Move:
 
     Raises:
         Failed: the goal was not accepted, or ended otherwise than SUCCEEDED.
+
+    Args:
+        context: the check's.
+        target: x and y, in metres.
+        z: in metres; it does not matter.
     """
     begin = here(context)
     try:
@@ -148,7 +164,13 @@ def drive(context: CheckContext, target: MovePlace, z: float = 0.0) -> Move:
 
 
 def drive_on(context: CheckContext, length: float, z: float = 0.0) -> Move:
-    """Drive the robot so many metres, anywhere; as `drive`."""
+    """Drive the robot so many metres, anywhere; as `drive`.
+
+    Args:
+        context: the check's.
+        length: in metres.
+        z: in metres; it does not matter.
+    """
     return drive(context, target_from(here(context), length, context.random), z)
 
 
@@ -202,7 +224,13 @@ def misses(place: MovePlace, target: MovePlace) -> bool:
 
 
 def reject_all_or_some(context: CheckContext, goal: Goal, others: list[MovePlace]) -> Failed:
-    """A first goal was rejected: are all, or is it just this one?"""
+    """A first goal was rejected: are all, or is it just this one?
+
+    Args:
+        context: the check's.
+        goal: the one that was rejected.
+        others: targets to try.
+    """
     evidence = Evidence(goal.shown, "the goal accepted", "the goal rejected")
     process = goal.process()
     for other in others:

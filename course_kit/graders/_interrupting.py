@@ -34,7 +34,11 @@ _NEAR_M = 0.5  # metres; a robot that tells five times a metre was seen so near 
 
 
 def second_goal_of_two(context: CheckContext) -> Evidence:
-    """A second goal is rejected, and the first reaches its target all the same."""
+    """A second goal is rejected, and the first reaches its target all the same.
+
+    Raises:
+        Failed: both are accepted, or the first is lost.
+    """
     begin = here(context)
     first = set_off(context, target_from(begin, _FIRST_M, context.random))
     _get_under_way(context, first, begin)

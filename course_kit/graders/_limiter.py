@@ -100,7 +100,13 @@ def right_reaction(settings: LimiterSettings, twist: Any) -> Reaction:
 
 
 def velocity_fits(settings: LimiterSettings, twist: Any, got: Reaction) -> bool:
-    """Whether /cmd_vel is right."""
+    """Whether /cmd_vel is right.
+
+    Args:
+        settings: what the parameters were set to.
+        twist: the command.
+        got: what came for it.
+    """
     return all(_same(one, two) for one, two in zip(right_fields(settings, twist), got.fields, strict=True))
 
 
@@ -115,7 +121,13 @@ def same_reaction(one: Reaction, two: Reaction) -> bool:
 
 
 def explain_velocity(settings: LimiterSettings, twist: Any, got: Reaction) -> tuple[str | None, str]:
-    """What is wrong with a /cmd_vel: the diagnosis, if there is one, and a sentence."""
+    """What is wrong with a /cmd_vel: the diagnosis, if there is one, and a sentence.
+
+    Args:
+        settings: what the parameters were set to.
+        twist: the command.
+        got: what came for it.
+    """
     asked, right = fields_of(twist)[0], right_fields(settings, twist)
     if not settings.enabled:
         return None, "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."

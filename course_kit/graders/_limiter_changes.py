@@ -66,7 +66,11 @@ def change_diameter(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["reacts"])
 def change_enabled(context: CheckContext) -> Evidence:
-    """With enabled=False the robot stands still, with enabled=True it drives again."""
+    """With enabled=False the robot stands still, with enabled=True it drives again.
+
+    Raises:
+        Failed: it does not.
+    """
     with Limiter(context) as limiter:
         twist = command(limiter.driving().max_velocity * 0.6, **rest(context))
         drove = _seen(limiter, twist)
@@ -94,7 +98,11 @@ def change_status(context: CheckContext) -> Evidence:
 
 @check(points=2.0, depends_on=["reacts"], deadline_s=12.0)
 def refuses(context: CheckContext) -> Evidence:
-    """An invalid value is refused with a reason, and the old one stays."""
+    """An invalid value is refused with a reason, and the old one stays.
+
+    Raises:
+        Failed: it is accepted, refused without a reason, or kept.
+    """
     evidence = Evidence()
     velocities = (-1.0, context.random.uniform(5.1, 20.0), math.inf, math.nan)
     diameters = (0.0, -0.1, context.random.uniform(1.1, 20.0))

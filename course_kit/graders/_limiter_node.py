@@ -106,6 +106,11 @@ class Limiter:
 
         The last one drives backwards and the others do not, so that its answers are known: on each topic the
         messages come in order, and what belongs to the others is there when they are.
+
+        Args:
+            burst: the commands that are sent at once.
+            then: the one after them.
+            evidence: what the check has so far.
         """
         self.react(then, evidence)
         before = [heard.count for heard in self._heard()]
@@ -175,7 +180,13 @@ def endpoints(context: CheckContext) -> tuple[TopicExchange, Heard]:
 
 
 def drawn(context: CheckContext, low: float, high: float) -> float:
-    """A value with one decimal place, which survives whatever format a status line is written in."""
+    """A value with one decimal place, which survives whatever format a status line is written in.
+
+    Args:
+        context: the check's, whose random numbers are drawn from.
+        low: the smallest value.
+        high: the largest value.
+    """
     return round(context.random.uniform(low, high), 1)
 
 
@@ -185,7 +196,14 @@ def rest(context: CheckContext) -> dict[str, float]:
 
 
 def fits(settings: LimiterSettings, twist: Any, part: str, got: Reaction) -> bool:
-    """Whether that part of a reaction is right."""
+    """Whether that part of a reaction is right.
+
+    Args:
+        settings: what the parameters were set to.
+        twist: the command.
+        part: which topic.
+        got: what came for it.
+    """
     velocity = part == WHEELS or _limiter.velocity_fits(settings, twist, got)
     return velocity and (part == VELOCITY or _limiter.wheel_fits(settings, got))
 
@@ -208,6 +226,12 @@ def require_refused(outcome: SetResult, values: Mapping[str, Any], expected: str
 
     Raises:
         Failed: with the code `accepted`, or parameter.bad_callback.
+
+    Args:
+        outcome: how the attempt went.
+        values: what was tried.
+        expected: in words.
+        accepted: the diagnosis and the message where it was accepted.
     """
     evidence = Evidence(shown(values), expected, outcome.shown())
     if outcome.successful:

@@ -40,7 +40,13 @@ _LEAST, _MOST = 0.6, 5.6
 
 
 def target_from(here: MovePlace, length: float, random: random.Random) -> MovePlace:
-    """A target `length` metres away (5 at most), drawn from those in the middle of the arena where there are any."""
+    """A target `length` metres away (5 at most), drawn from those in the middle of the arena where there are any.
+
+    Args:
+        here: where the robot is.
+        length: in metres.
+        random: what is drawn from.
+    """
     return _most_central(_drawn(here, length, random))
 
 
@@ -96,7 +102,13 @@ def place_of(point: Any) -> MovePlace:
 
 
 def beside(begin: MovePlace, end: MovePlace, place: MovePlace) -> float:
-    """How far a place lies from the straight way between two others, in metres; NaN for a place that is none."""
+    """How far a place lies from the straight way between two others, in metres; NaN for a place that is none.
+
+    Args:
+        begin: one end.
+        end: the other one.
+        place: the place.
+    """
     way = math.dist(begin, end)
     if way == 0.0:
         return math.dist(begin, place)

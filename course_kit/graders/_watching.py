@@ -13,7 +13,11 @@ if TYPE_CHECKING:
 
 
 def feedback_of_a_move(context: CheckContext) -> Evidence:
-    """A move comes with enough feedback, all along."""
+    """A move comes with enough feedback, all along.
+
+    Raises:
+        Failed: it does not.
+    """
     move = drive_on(context, LONGEST_M)
     heard = move.goal.wait_for_last_feedback(lambda all_told: len(all_told) >= ENOUGH)
     expected = f"at least {ENOUGH} feedback messages, spread over the move of {move.length:.2g} m"
@@ -32,7 +36,11 @@ def feedback_of_a_move(context: CheckContext) -> Evidence:
 
 
 def progress_of_a_move(context: CheckContext) -> Evidence:
-    """What feedback tells of a move makes sense."""
+    """What feedback tells of a move makes sense.
+
+    Raises:
+        Failed: it does not.
+    """
     move = drive_on(context, SHORTEST_M)
     heard = move.goal.wait_for_last_feedback(
         lambda all_told: bool(all_told) and all_told[-1].feedback.progress >= NEARLY_DONE

@@ -72,7 +72,11 @@ def node_name(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["offered"])
 def accepted(context: CheckContext) -> Evidence:
-    """A goal in the arena is accepted."""
+    """A goal in the arena is accepted.
+
+    Raises:
+        Failed: it is not.
+    """
     target = MovePlace(0.3, 0.2)
     goal = send(context, target)
     goal.wait_for_answer("the goal accepted")

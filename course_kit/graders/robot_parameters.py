@@ -58,7 +58,11 @@ def topics(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["node_up"])
 def declared(context: CheckContext) -> Evidence:
-    """The four parameters are declared."""
+    """The four parameters are declared.
+
+    Raises:
+        Failed: they are not.
+    """
     names = Limiter(context).remote.names()
     missing = [name for name in TYPES if name not in names]
     evidence = Evidence("list_parameters", ", ".join(TYPES), ", ".join(names))
@@ -70,7 +74,11 @@ def declared(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["declared"])
 def types(context: CheckContext) -> Evidence:
-    """Each parameter has its type."""
+    """Each parameter has its type.
+
+    Raises:
+        Failed: one has another.
+    """
     found = Limiter(context).remote.values(list(TYPES))
     empty = [name for name, value in found.items() if value.type == NOT_SET]
     wrong = [f"{name} is {value.type}" for name, value in found.items() if value.type != TYPES[name]]
@@ -86,7 +94,11 @@ def types(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["types"])
 def defaults(context: CheckContext) -> Evidence:
-    """Each parameter has its default."""
+    """Each parameter has its default.
+
+    Raises:
+        Failed: one has another.
+    """
     expected, got = LimiterSettings().to_mapping(), Limiter(context).settings().to_mapping()
     wrong = {name: value for name, value in got.items() if value != expected[name]}
     evidence = Evidence("get_parameters", shown_values(expected), shown_values(got))
@@ -131,7 +143,11 @@ def wheel_speed(context: CheckContext) -> Evidence:
 
 @check(points=0.5, depends_on=["reacts"])
 def one_each(context: CheckContext) -> Evidence:
-    """Each command brings exactly one message on each topic."""
+    """Each command brings exactly one message on each topic.
+
+    Raises:
+        Failed: it brings none, or more.
+    """
     with Limiter(context) as limiter:
         limiter.driving()
         burst = [command(0.01 * number) for number in range(1, _BURST + 1)]

@@ -57,7 +57,11 @@ def node_name(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["offered"])
 def answers(context: CheckContext) -> Evidence:
-    """A request gets an answer."""
+    """A request gets an answer.
+
+    Raises:
+        Failed: it gets none.
+    """
     sample = _FIRST
     expected = "an answer with success=True"
     answer = _ask(context, sample, expected)
@@ -129,7 +133,11 @@ def absolute_zero(context: CheckContext) -> Evidence:
 
 @check(points=1.5, depends_on=["answers"], deadline_s=30.0)
 def fifty_calls(context: CheckContext) -> Evidence:
-    """Fifty calls, ten at a time, each get the answer to their own value within 5 s."""
+    """Fifty calls, ten at a time, each get the answer to their own value within 5 s.
+
+    Raises:
+        Failed: one gets another, or none.
+    """
     directions = ((CELSIUS, FAHRENHEIT), (FAHRENHEIT, CELSIUS))
     samples = [Sample(context.random.uniform(-200.0, 1000.0), *directions[number % 2]) for number in range(_CALLS)]
     sent = f"{_CALLS} requests from {_LOAD.clients} clients, at most {_LOAD.unanswered} unanswered at a time"

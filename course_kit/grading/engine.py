@@ -130,7 +130,14 @@ def grade_text(  # noqa: PLR0913 - the options of one grading
 
 
 def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
-    """The report of a submission that could not be graded at all."""
+    """The report of a submission that could not be graded at all.
+
+    Args:
+        task: the exercise.
+        shown: what the report calls the submission.
+        problem: why.
+        status: the report's.
+    """
     return Report(
         exercise=task.id,
         title=task.title,

@@ -50,7 +50,13 @@ class SubmissionCells:
         self._cells: dict[str, dict[str, str]] = {}
 
     def keep(self, exercise: str, cell_id: str | None, source: str) -> None:
-        """Remember a cell's text; a cell without an id (no JupyterLab behind it) replaces all of its exercise."""
+        """Remember a cell's text; a cell without an id (no JupyterLab behind it) replaces all of its exercise.
+
+        Args:
+            exercise: its id.
+            cell_id: the cell's, empty when it has none.
+            source: its text.
+        """
         cells = self._cells.setdefault(exercise, {})
         if cell_id is None:
             cells.clear()

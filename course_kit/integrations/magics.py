@@ -69,6 +69,9 @@ def ros_script(line: str, cell: str | None = None) -> None:
     A program that ends is waited for; one that serves goes on in the background until `%ros_stop NAME`. Running
     the cell again replaces it. `--wait` and `--background`, before the name, decide it yourself. With one percent
     sign and no program below, `%ros_script client 3 4` runs the program that was saved under the name again.
+
+    Raises:
+        MagicError: the line says something else.
     """
     __tracebackhide__ = True
     from course_kit import lab
@@ -104,6 +107,9 @@ def ros_launch(line: str, cell: str) -> None:
 
     What it starts goes on in the background until `%ros_stop robot.launch`. A program of a `%%ros_script` cell is
     found by its name, whatever the package.
+
+    Raises:
+        MagicError: the line says something else.
     """
     __tracebackhide__ = True
     from course_kit import lab
@@ -117,7 +123,11 @@ def ros_launch(line: str, cell: str) -> None:
 
 
 def ros_stop(line: str) -> None:
-    """Stop a script: `%ros_stop server`; without a name, all of them."""
+    """Stop a script: `%ros_stop server`; without a name, all of them.
+
+    Raises:
+        MagicError: the line says something else.
+    """
     __tracebackhide__ = True
     from course_kit import lab
 

@@ -65,7 +65,13 @@ def points(exercise: str, *, points: float | None = None, seed: int | None = Non
 
 
 def scaled(score: float, of: float, most: float) -> float:
-    """`score` of `of` points as so many of `most`: without the last digits' noise, a whole number as an int."""
+    """`score` of `of` points as so many of `most`: without the last digits' noise, a whole number as an int.
+
+    Args:
+        score: the points reached.
+        of: the points to be had.
+        most: what these are to become.
+    """
     number = min(round(score / of * most, _DIGITS), most)
     return int(number) if number == int(number) else number
 

@@ -68,7 +68,13 @@ def snake_case(name: str) -> str:
 
 
 def for_unknown_type(text: str, name: str, primitives: Iterable[str]) -> str:
-    """What was expected instead of an unknown type."""
+    """What was expected instead of an unknown type.
+
+    Args:
+        text: the line.
+        name: the type's name in it.
+        primitives: the types that need no package.
+    """
     if name in primitives:
         return f"Expected the type first and the name second: {name} {text.rstrip(':;,')}"
     if text in OTHER_NAMES:

@@ -81,7 +81,15 @@ async def call(service: str, service_type: Any, request: Any = None, /, *, timeo
 def call_blocking(
     service: str, service_type: Any, request: Any = None, /, *, timeout: float = 5.0, **fields: Any
 ) -> Any:
-    """The same as `call` for programs, which have no `await` at top level."""
+    """The same as `call` for programs, which have no `await` at top level.
+
+    Args:
+        service: as for `call`.
+        service_type: as for `call`.
+        request: as for `call`.
+        timeout: as for `call`.
+        fields: as for `call`.
+    """
     return current().call_blocking(service, service_type, _asked(request, fields, timeout))
 
 
@@ -99,6 +107,12 @@ def publish(topic: str, message_type: Any, message: Any = None, /, **fields: Any
 
     Raises:
         FieldError: no such field, or a value it cannot take.
+
+    Args:
+        topic: its name.
+        message_type: its class.
+        message: a ready message instead of `fields`.
+        fields: the message's fields; a dict for a message inside it.
     """
     current().publish(topic, message_type, message, fields)
 
@@ -108,6 +122,12 @@ async def next_messages(topic: str, message_type: Any, count: int = 1, *, timeou
 
     Raises:
         NoAnswerError: fewer came within `timeout` seconds.
+
+    Args:
+        topic: its name.
+        message_type: its class.
+        count: how many.
+        timeout: seconds for all of them.
     """
     return await current().next_messages(topic, message_type, count, timeout)
 

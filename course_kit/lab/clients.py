@@ -118,6 +118,12 @@ class Clients:
 
         Raises:
             LabError: the topic is no ROS name, or has another type on the graph.
+
+        Args:
+            message_type: its class.
+            topic: its name.
+            callback: called with each message.
+            qos: the profile.
         """
         wanted = type_name(message_type)
         types = dict(self.node.get_topic_names_and_types()).get("/" + str(topic).lstrip("/"), [wanted])

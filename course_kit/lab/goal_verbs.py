@@ -57,7 +57,17 @@ def send_goal_blocking(  # noqa: PLR0913 - the same
     on_result: Callable[[Goal], object] | None = None,
     **fields: Any,
 ) -> Goal:
-    """The same as `send_goal` for programs; so are `goal.result_blocking()` and `goal.cancel_blocking()`."""
+    """The same as `send_goal` for programs; so are `goal.result_blocking()` and `goal.cancel_blocking()`.
+
+    Args:
+        action: as for `send_goal`.
+        action_type: as for `send_goal`.
+        goal: as for `send_goal`.
+        timeout: as for `send_goal`.
+        on_feedback: as for `send_goal`.
+        on_result: as for `send_goal`.
+        fields: as for `send_goal`.
+    """
     asked = _asked_goal(goal, fields, timeout, on_feedback, on_result)
     return current().send_goal_blocking(action, action_type, asked)
 

@@ -87,7 +87,14 @@ async def set_parameters(
 def set_parameters_blocking(
     node: Any, given: dict[str, Any] | None = None, /, *, atomically: bool = False, **values: Any
 ) -> Outcome:
-    """The same as `set_parameters` for programs and for threads without an event loop."""
+    """The same as `set_parameters` for programs and for threads without an event loop.
+
+    Args:
+        node: as for `set_parameters`.
+        given: as for `set_parameters`.
+        atomically: as for `set_parameters`.
+        values: as for `set_parameters`.
+    """
     name = full_name(node)
     with ParameterEventWait() as hearing:
         outcome = _ask_blocking(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)

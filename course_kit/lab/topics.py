@@ -29,7 +29,16 @@ def require_message_type(message_type: Any) -> None:
 
 
 def message_of(message_type: Any, message: Any, fields: dict[str, Any]) -> Any:
-    """The message to publish: a ready one, or one made of fields."""
+    """The message to publish: a ready one, or one made of fields.
+
+    Args:
+        message_type: its class.
+        message: a ready one.
+        fields: or its fields.
+
+    Raises:
+        FieldError: both are given, no such field, or a value it cannot take.
+    """
     require_message_type(message_type)
     if message is None:
         return build(message_type, fields, f"a {type_name(message_type)}")
@@ -153,6 +162,13 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
 
     Raises:
         NoAnswerError: fewer came within `timeout` seconds; says who publishes what on that topic.
+
+    Args:
+        lab: the lab.
+        topic: its name.
+        message_type: its class.
+        count: how many.
+        timeout: seconds for all of them.
     """
     require_message_type(message_type)
     loop = asyncio.get_running_loop()

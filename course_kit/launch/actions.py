@@ -19,7 +19,11 @@ class Action:
     """Something a launch file does."""
 
     def execute(self, context: LaunchContext, service: LaunchService) -> None:
-        """Do it."""
+        """Do it.
+
+        Raises:
+            NotImplementedError: the action has not said.
+        """
         raise NotImplementedError(type(self).__name__)
 
 
@@ -47,7 +51,11 @@ class DeclareLaunchArgument(Action):
         self.description = description or "no description given"
 
     def execute(self, context: LaunchContext, service: LaunchService) -> None:
-        """Give the argument its default, unless it has a value."""
+        """Give the argument its default, unless it has a value.
+
+        Raises:
+            LaunchError: it has no value, or one that is not among its choices.
+        """
         del service
         values = context.launch_configurations
         if self.name not in values:
@@ -99,7 +107,11 @@ class TimerAction(Action):
         self._period, self.actions = period, list(actions)
 
     def execute(self, context: LaunchContext, service: LaunchService) -> None:
-        """Start the timer."""
+        """Start the timer.
+
+        Raises:
+            LaunchError: its period is no number of seconds.
+        """
         text = as_text(self._period, context)
         try:
             seconds = float(text)

@@ -26,6 +26,11 @@ class LaunchFinder:
 
         Raises:
             ModuleNotFoundError: a module of launch that is not in the subset; the message says so.
+
+        Args:
+            fullname: of the module.
+            path: where its package lies; not used.
+            target: not used.
         """
         del path, target
         root = fullname.partition(".")[0]

@@ -60,7 +60,11 @@ class Node(Action):
         self._arguments, self._output = list(arguments or []), output
 
     def execute(self, context: LaunchContext, service: LaunchService) -> None:
-        """Start the process."""
+        """Start the process.
+
+        Raises:
+            LaunchError: it has options that the course does not know, or its program is not found.
+        """
         output = as_text(self._output, context)
         if output not in _OUTPUTS:
             raise LaunchError(f"Node(output={output!r}): the course kit knows {', '.join(_OUTPUTS)}.")

@@ -66,7 +66,17 @@ class LaunchService:
     # What actions ask
 
     def start(self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]) -> None:
-        """Start a process; its temporary files are removed when it has ended."""
+        """Start a process; its temporary files are removed when it has ended.
+
+        Args:
+            command: the program and its arguments.
+            label: what its lines begin with.
+            show_stdout: whether these are shown or only logged.
+            temporary: files to remove when all is over.
+
+        Raises:
+            LaunchError: it cannot be started.
+        """
         self._started += 1
         try:
             child = self.make_child(command, f"{label}-{self._started}", show_stdout=show_stdout, temporary=temporary)
@@ -84,7 +94,13 @@ class LaunchService:
         return LaunchedProcess(command, label, self._environ, show_stdout=show_stdout, temporary=temporary)
 
     def later(self, seconds: float, actions: list[Any], context: LaunchContext) -> None:
-        """Run actions after a while."""
+        """Run actions after a while.
+
+        Args:
+            seconds: when.
+            actions: what.
+            context: of the launch.
+        """
         self._timers.append((time.monotonic() + seconds, actions, context))
 
     def say(self, text: str, *, shown: bool = True) -> None:

@@ -16,7 +16,11 @@ class Substitution:
     """Something that becomes text."""
 
     def perform(self, context: LaunchContext) -> str:
-        """The text."""
+        """The text.
+
+        Raises:
+            NotImplementedError: the substitution has not said.
+        """
         raise NotImplementedError(type(self).__name__)
 
     def describe(self) -> str:
@@ -55,7 +59,11 @@ class LaunchConfiguration(Substitution):
         self._name, self._default = variable_name, default
 
     def perform(self, context: LaunchContext) -> str:
-        """The value; a LaunchError when there is none."""
+        """The value; a LaunchError when there is none.
+
+        Raises:
+            LaunchError: it has no value.
+        """
         name = as_text(self._name, context)
         if name in context.launch_configurations:
             return context.launch_configurations[name]

@@ -90,7 +90,13 @@ class _Grader:
 
 
 def saves(path: Path, stop: threading.Event, poll_s: float = _POLL_S) -> Iterator[None]:
-    """Yield once at the beginning and once after each save, when the file has come to rest; ends when `stop` is set."""
+    """Yield once at the beginning and once after each save, when the file has come to rest; ends when `stop` is set.
+
+    Args:
+        path: the file.
+        stop: ends it.
+        poll_s: how often the file is looked at, in seconds.
+    """
     seen = before = None
     gone = 0
     while not stop.wait(poll_s):

@@ -92,7 +92,13 @@ class QuizPanel(Panel):
         return _DESCRIPTION.format(count=len(self._questions.scenarios), seed=seed, argument=argument)
 
     def answer(self, scenario: str, pattern: str, reason: str) -> None:
-        """Choose for one scenario, as a click in the form does."""
+        """Choose for one scenario, as a click in the form does.
+
+        Args:
+            scenario: its id.
+            pattern: `topic`, `service` or `action`.
+            reason: the id of one of its reasons.
+        """
         with self._one_at_a_time:
             self._form.choices = {**self._form.choices, scenario: [pattern, reason]}
 

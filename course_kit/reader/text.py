@@ -74,6 +74,11 @@ def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[i
 
     Raises:
         UnreadableTextError: there is none.
+
+    Args:
+        name: the file's name.
+        file: its bytes.
+        exercise: whose cells of a notebook count.
     """
     text = _decoded(name, file)
     places: list[tuple[int, int]] = []

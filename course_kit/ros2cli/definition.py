@@ -50,6 +50,9 @@ def shown_lines(name: str, *, comments: bool, inner_comments: bool) -> Iterator[
         name: such as "geometry_msgs/msg/Twist".
         comments: whether its comments and empty lines are shown.
         inner_comments: whether those of the messages inside it are.
+
+    Raises:
+        CommandError: there is no such interface.
     """
     from course_kit import interfaces
 

@@ -50,7 +50,11 @@ class Listener:
                 return
 
     def rate(self, window: int) -> None:
-        """Print once a second how often messages have come, over the last `window` of them."""
+        """Print once a second how often messages have come, over the last `window` of them.
+
+        Raises:
+            CommandError: the window is too small.
+        """
         if window < 2:  # noqa: PLR2004 - a rate needs two
             raise CommandError(f"--window has to be a number of messages, at least 2, not {window}.")
         self._subscribe()

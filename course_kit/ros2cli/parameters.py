@@ -94,7 +94,11 @@ def plain_value(value: Any) -> Any:
 
 
 def parse(name: str, text: str) -> Any:
-    """A parameter from what was typed, by ROS 2's rules: YAML decides the type, a mixed list is a string."""
+    """A parameter from what was typed, by ROS 2's rules: YAML decides the type, a mixed list is a string.
+
+    Raises:
+        CommandError: no type of a parameter fits.
+    """
     from rcl_interfaces.msg import Parameter
     from rclpy.parameter import get_parameter_value
     from yaml import YAMLError
@@ -110,6 +114,11 @@ def load_file(path: str, node: str, *, use_wildcard: bool) -> list[Any]:
 
     Raises:
         CommandError: the file cannot be read, or has nothing for this node.
+
+    Args:
+        path: of the file.
+        node: the node's full name.
+        use_wildcard: whether `/**` counts for it.
     """
     from rclpy.parameter import parameter_dict_from_yaml_file
     from yaml import YAMLError

@@ -69,7 +69,11 @@ class Parser(argparse.ArgumentParser):
         super().__init__(**{"formatter_class": _Help, **options})
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong and which word is nearest; exit code 2 as everywhere with argparse."""
+        """Say what is wrong and which word is nearest; exit code 2 as everywhere with argparse.
+
+        Raises:
+            SystemExit: always.
+        """
         if wrong := _BAD_CHOICE.search(message):
             choices = re.findall(r"[\w.-]+", wrong["choices"])
             near = did_you_mean(wrong["word"], choices) or f" There are: {', '.join(choices)}."
@@ -109,7 +113,14 @@ def add_verbs(place: argparse.ArgumentParser) -> Any:
 
 
 def add_verb(verbs: Any, name: str, run: Any, purpose: str) -> argparse.ArgumentParser:
-    """One verb, run by `run(options, session)`."""
+    """One verb, run by `run(options, session)`.
+
+    Args:
+        verbs: of the command.
+        name: the verb's.
+        run: called with the options and the session.
+        purpose: for the help.
+    """
     verb: argparse.ArgumentParser = verbs.add_parser(name, help=purpose, description=purpose)
     verb.set_defaults(run=run)
     return verb
@@ -131,7 +142,14 @@ def add_graph_options(verb: argparse.ArgumentParser) -> None:
 
 
 def add_named(verb: argparse.ArgumentParser, name: str, completer: str, **options: Any) -> None:
-    """A positional argument that the shell completes with `completer`, a function of `completion`."""
+    """A positional argument that the shell completes with `completer`, a function of `completion`.
+
+    Args:
+        verb: the verb's parser.
+        name: the argument's.
+        completer: the name of the function.
+        options: more for argparse.
+    """
     argument: Any = verb.add_argument(name, **options)
     argument.completer = _Completer(completer)
 

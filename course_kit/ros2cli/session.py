@@ -83,6 +83,11 @@ class Session:
 
         Raises:
             CommandError: it did not come; the message is `missing`.
+
+        Args:
+            future: what is waited for.
+            timeout: in seconds.
+            missing: what to say when nothing comes.
         """
         if not self.spin_until(future.done, timeout):
             raise CommandError(missing)
@@ -95,6 +100,12 @@ class Session:
 
         Raises:
             CommandError: no answer came, or none can come any more.
+
+        Args:
+            client: of the service.
+            request: what is asked.
+            timeout: in seconds.
+            server: what to call the server.
         """
         future = client.call_async(request)
         self.spin_until(lambda: future.done() or not client.service_is_ready(), timeout)

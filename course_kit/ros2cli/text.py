@@ -44,7 +44,13 @@ def to_yaml(value: Any, layout: Layout = WHOLE) -> str:
 
 
 def to_plain(value: Any, layout: Layout = WHOLE, field_type: str = "") -> Any:
-    """The message as mappings, lists and scalars."""
+    """The message as mappings, lists and scalars.
+
+    Args:
+        value: a message, or a field's value.
+        layout: what is shown.
+        field_type: in ROS's words; empty for a message.
+    """
     if hasattr(value, "get_fields_and_field_types"):
         types = value.get_fields_and_field_types()
         return {name: to_plain(getattr(value, name), layout, types[name]) for name in types}

@@ -154,6 +154,11 @@ def start_again(context: CheckContext, action: Action, variables: Mapping[str, s
 
     Raises:
         Failed: it does not come up a second time.
+
+    Args:
+        context: the check's.
+        action: what it is to offer.
+        variables: environment variables that differ from the exercise's own.
     """
     discovery.start_again(context, action.wanted, lambda: ActionChannels(context, action).ready(), variables)
     with suppress(SubmissionEndedError):  # whoever needs it will notice

@@ -78,6 +78,11 @@ def check(
 
     Raises:
         ValueError: the function has no docstring, or is worth nothing.
+
+    Args:
+        points: what it is worth.
+        depends_on: checks without which it cannot pass.
+        deadline_s: seconds for all its waiting together.
     """
 
     def declare(function: Callable[[CheckContext], Evidence]) -> Check:

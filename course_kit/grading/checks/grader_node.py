@@ -136,7 +136,13 @@ class GraderNode:
             raise Failed(evidence, message, "limit.memory") from None
 
     def client(self, interface: Any, name: str, number: int = 0) -> Client:
-        """The client `number` of a service; made on first use and kept, so that it is connected the next time."""
+        """The client `number` of a service; made on first use and kept, so that it is connected the next time.
+
+        Args:
+            interface: the service's class.
+            name: its full name.
+            number: to have several clients of one service.
+        """
         key = (name, number)
         if key not in self._clients:
             self._clients[key] = self.node.create_client(interface, name)
@@ -148,7 +154,14 @@ class GraderNode:
         return self.hear_with(Heard, interface, topic, DEPTH)
 
     def hear_with(self, make: Callable[[], Listener], interface: Any, topic: str, qos: QoSProfile | int) -> Listener:
-        """What `make` has made on first use, and what has taken every message on a topic since."""
+        """What `make` has made on first use, and what has taken every message on a topic since.
+
+        Args:
+            make: makes what takes the messages.
+            interface: their class.
+            topic: the topic's full name.
+            qos: a profile, or the depth of the default one.
+        """
         if topic not in self._heard:
             self._heard[topic] = heard = make()
             take: Any = heard.take  # of two arguments, which rclpy allows and its types do not tell

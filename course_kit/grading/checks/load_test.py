@@ -46,6 +46,13 @@ def call_many(
 
     Raises:
         Failed: not all were answered in time, with service.blocks when they came one by one but too slowly.
+
+    Args:
+        context: the check's.
+        service: which service.
+        requests: what is asked.
+        load: how many at a time, and within how many seconds.
+        evidence: what the check has so far.
     """
     ensure_ready(context, service)
     clients = [context.grader_node.client(service.interface, service.name, number) for number in range(load.clients)]

@@ -73,6 +73,11 @@ def expect_node(context: CheckContext, name: str, service: Service) -> Evidence:
 
     Raises:
         Failed: it is not; with name.node.
+
+    Args:
+        context: the check's.
+        name: the node's full name.
+        service: the service it is to offer.
     """
     return discovery.expect_node(context, name, lambda: ensure_ready(context, service))
 

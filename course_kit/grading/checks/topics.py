@@ -64,6 +64,11 @@ def expect_endpoints(context: CheckContext, published: Sequence[Topic], subscrib
 
     Raises:
         Failed: something is missing or does not fit; with topic.silent, type.interface or topic.qos.
+
+    Args:
+        context: the check's.
+        published: the topics the submission publishes.
+        subscribed: those it listens to.
     """
     expected = "; ".join(
         [f"publishes {topic.name} [{topic.type}]" for topic in published]
@@ -227,6 +232,13 @@ def await_next(context: CheckContext, heard: Heard, count: int, seconds: float, 
 
     Raises:
         Failed: the submission has ended.
+
+    Args:
+        context: the check's.
+        heard: what comes on the topic.
+        count: how many in all.
+        seconds: the patience.
+        evidence: what the check has so far.
     """
     with exceptions.explained(context, evidence):
         return context.wait_until(lambda: heard.count >= count, seconds)

@@ -78,7 +78,13 @@ def of_logged(stderr: str, job: Job) -> exits.Cause | None:
 
 
 def unanswered(context: CheckContext, evidence: Evidence, waited_s: float) -> Failed:
-    """Establish why a program that lives on has not answered a request about its parameters for so many seconds."""
+    """Establish why a program that lives on has not answered a request about its parameters for so many seconds.
+
+    Args:
+        context: the check's.
+        evidence: what the check has so far.
+        waited_s: for how many seconds.
+    """
     logged = of_logged(context.process(fresh=True).stderr, context.job)
     if logged is None:
         return hangs.unanswered(context, evidence.sent, evidence.expected, waited_s)

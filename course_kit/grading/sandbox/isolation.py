@@ -194,7 +194,17 @@ def enter_processes(user: int = 0) -> None:
 
 
 def arrange_files(view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:
-    """Make the view, with its scratch directory, the file system of this process, the first of its PID namespace."""
+    """Make the view, with its scratch directory, the file system of this process, the first of its PID namespace.
+
+    Args:
+        view: the files that are seen.
+        scratch: the scratch directory.
+        megabytes: what may be written there.
+        user: whose it is; 0 for the grader's own.
+
+    Raises:
+        OSError: the kernel refuses.
+    """
     file_view.lay_out(scratch, view, scratch, megabytes, user)
     with suppress(OSError):  # then only the filter of system calls keeps it from making user namespaces
         Path("/proc/sys/user/max_user_namespaces").write_text("0", encoding="ascii")

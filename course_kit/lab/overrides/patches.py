@@ -19,6 +19,11 @@ class Patches:
 
         Returns:
             what was there before.
+
+        Args:
+            owner: the module, class or object.
+            name: the attribute.
+            replacement: what it is to be.
         """
         before = getattr(owner, name)
         own = vars(owner).get(name, _MISSING)

@@ -88,7 +88,15 @@ class Taps:
             self._observers = (*self._observers, observer)
 
     def emit(self, kind: Kind, where: tuple[str, str, str], message: object, sequence: int = 0, at: int = 0) -> None:
-        """Report something that happened now, or at `at`; `where` is node, channel and type name."""
+        """Report something that happened now, or at `at`; `where` is node, channel and type name.
+
+        Args:
+            kind: what happened.
+            where: node, channel and type name.
+            message: what crossed.
+            sequence: which request it belongs to.
+            at: when, in seconds of the system's clock; now when None.
+        """
         if self._observers:
             self.forward(Event(kind, *where, snapshot(message), sequence, at or time.monotonic_ns()))
 

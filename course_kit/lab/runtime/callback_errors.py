@@ -57,7 +57,13 @@ class Crash(NamedTuple):
 
 
 def own_line(filename: str, number: int, locate: Locate) -> tuple[str, str]:
-    """How to call a line of the learner's, and its text."""
+    """How to call a line of the learner's, and its text.
+
+    Args:
+        filename: as a frame has it.
+        number: of the line.
+        locate: what a notebook's cell is called, by its file name.
+    """
     place = locate(filename) or Path(filename).name
     return f"{place}, line {number}", linecache.getline(filename, number).strip()
 

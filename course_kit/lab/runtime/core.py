@@ -48,7 +48,11 @@ class Lab:
 
     @property
     def engine(self) -> Engine:
-        """The half of the lab that needs ROS, started on first use."""
+        """The half of the lab that needs ROS, started on first use.
+
+        Raises:
+            LabError: the lab is closed.
+        """
         with self._lock:
             if self._closed:
                 raise LabError("This lab is closed.")

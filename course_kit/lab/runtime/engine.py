@@ -128,7 +128,11 @@ class Engine:
         return frozenset({self.clients.node.get_fully_qualified_name()})
 
     def client(self, service_type: Any, service: str) -> Any:
-        """The lab's client for a service."""
+        """The lab's client for a service.
+
+        Raises:
+            ServiceNotFoundError: no server of this name and type.
+        """
         try:
             return self.clients.client(service_type, service)
         except OtherTypeError:
@@ -139,7 +143,14 @@ class Engine:
             ) from None
 
     def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
-        """A new subscription of the lab's node."""
+        """A new subscription of the lab's node.
+
+        Args:
+            message_type: its class.
+            topic: its name.
+            callback: called with each message.
+            qos: the profile.
+        """
         return self.clients.subscription(message_type, topic, callback, qos)
 
     def destroy_subscription(self, subscription: Any) -> None:
@@ -165,7 +176,11 @@ class Engine:
         (self._tapping.on_delivery.add if listen else self._tapping.on_delivery.discard)(told)
 
     def goal_client(self, action_type: Any, action: str) -> GoalClient:
-        """The lab's client for an action."""
+        """The lab's client for an action.
+
+        Raises:
+            ActionNotFoundError: no server of this name and type.
+        """
         try:
             return self.clients.goal_client(action_type, action)
         except OtherTypeError:

@@ -177,6 +177,11 @@ class Executions:
         Raises:
             CallbackStopped: its node was stopped.
             BaseException: what the callback has raised.
+
+        Args:
+            server: the action server.
+            callback: its execute callback.
+            goal_handle: of the goal.
         """
         node = server._node  # noqa: SLF001 - rclpy has no other way to it
         execution = Execution(node, callback, goal_handle, self._executor.wake)

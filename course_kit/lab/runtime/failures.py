@@ -78,7 +78,13 @@ class Failures:
         self._output.put(crash.text(ending), "stderr")
 
     def request_failed(self, service: Any, sequence: int, error: BaseException) -> None:
-        """Give the one who waits for this answer an error, if it is a client in this lab."""
+        """Give the one who waits for this answer an error, if it is a client in this lab.
+
+        Args:
+            service: the service's object.
+            sequence: the request's number.
+            error: what was raised.
+        """
         turn = self._lab.turn()
         if turn is not None:  # before its caller goes on, so that the two are shown in this order
             self.callback_crashed(error, Turn(service, turn.node, turn.since))

@@ -104,7 +104,16 @@ class Nodes:
         patches.set(Node, "__init__", initialise)
 
     def start(self, node_class: type, arguments: tuple[Any, ...], options: dict[str, Any]) -> Any:
-        """Make a node and run it, in place of the ones it follows."""
+        """Make a node and run it, in place of the ones it follows.
+
+        Args:
+            node_class: the class.
+            arguments: for its `__init__`.
+            options: those by name.
+
+        Raises:
+            LabError: it is no node's class, or does not call `super().__init__`.
+        """
         __tracebackhide__ = True  # IPython: the learner's own lines are what matters
         _require_node_class(node_class)
         given = (arguments, options)

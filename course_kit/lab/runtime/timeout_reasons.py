@@ -32,7 +32,14 @@ class Running(NamedTuple):
 
 
 def no_answer(nodes: Iterable[LiveNode], running: Running, service: str, locate: Locate) -> str:
-    """What is known about a service's server that does not answer."""
+    """What is known about a service's server that does not answer.
+
+    Args:
+        nodes: the lab's.
+        running: the callback that is running, if any.
+        service: its full name.
+        locate: what a notebook's cell is called, by its file name.
+    """
     if running.turn is not None and running.turn.entity is not None:
         return f"{_still_in(running, locate)}; while a callback runs, no other does."
     for live in nodes:
@@ -45,7 +52,15 @@ def no_answer(nodes: Iterable[LiveNode], running: Running, service: str, locate:
 
 
 def no_result(nodes: Iterable[LiveNode], running: Running, action: str, locate: Locate, executions: Executions) -> str:
-    """What is known about an action server that does not answer."""
+    """What is known about an action server that does not answer.
+
+    Args:
+        nodes: the lab's.
+        running: the callback that is running, if any.
+        action: its full name.
+        locate: what a notebook's cell is called, by its file name.
+        executions: the execute callbacks.
+    """
     if running.turn is not None and running.turn.entity is not None:
         return f"{_still_in(running, locate)}; while a callback runs, no other does."
     for live in nodes:

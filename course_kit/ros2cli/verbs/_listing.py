@@ -22,7 +22,13 @@ def graph_of(options: Any, session: Session) -> Graph:
 
 
 def print_names(names: Names, *, types: bool, count: bool) -> None:
-    """One name a line, with its types in brackets when asked for; or only how many there are."""
+    """One name a line, with its types in brackets when asked for; or only how many there are.
+
+    Args:
+        names: the names, each with its types.
+        types: whether these are shown.
+        count: whether only their number is shown.
+    """
     if count:
         print(len(names))
         return
