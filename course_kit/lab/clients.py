@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 from rclpy.validate_topic_name import validate_topic_name
 
 from course_kit.lab.errors import LabError
@@ -20,6 +18,7 @@ from course_kit.ros.compat import rcl_error
 from course_kit.ros.goal import GoalClient
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name
+from course_kit.ros.node import quiet_node
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -59,14 +58,7 @@ class Clients:
     def node(self) -> Any:
         """The node, made on first use. The underscore in its name hides it from `ros2 node list`."""
         if self.known_node is None:
-            node = Node(
-                f"{HIDDEN_NAME}{os.getpid()}",
-                context=self._spinner.context,
-                use_global_arguments=False,
-                enable_rosout=False,
-                start_parameter_services=False,
-                parameter_overrides=[Parameter("start_type_description_service", value=False)],  # see spinner
-            )
+            node = quiet_node(f"{HIDDEN_NAME}{os.getpid()}", self._spinner.context)
             self._tapping.aliases[node.get_fully_qualified_name()] = self._alias
             self._spinner.executor.add_node(node)
             self.known_node = node

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from course_kit.lab.errors import FieldError, NoAnswerError
 from course_kit.lab.messages import build
 from course_kit.ros.messages import is_message_type, type_name
+from course_kit.ros.qos import as_offered
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -95,7 +96,7 @@ class Subscription:
         self._lab = lab
         self._type = type_name(message_type)
         self._open = True
-        self._subscription = lab.subscription(message_type, topic, callback, qos or _as_offered(_DEPTH))
+        self._subscription = lab.subscription(message_type, topic, callback, qos or as_offered(_DEPTH))
         self.topic: str = self._subscription.topic_name
         if not lab.in_callback():
             node, new = lab.node, self._subscription
@@ -185,7 +186,7 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
             if len(received) == count:
                 loop.call_soon_threadsafe(finish)
 
-    subscription = lab.node.create_subscription(message_type, topic, keep, _as_offered(max(_DEPTH, count)))
+    subscription = lab.node.create_subscription(message_type, topic, keep, as_offered(max(_DEPTH, count)))
     try:
         await asyncio.wait_for(complete, timeout)
     except (TimeoutError, asyncio.TimeoutError):  # two types until Python 3.11
@@ -196,13 +197,6 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
         lab.destroy_subscription(subscription)
         lab.flush_output()
     return received
-
-
-def _as_offered(depth: int) -> Any:
-    """A QoS profile that fits the publishers that are there."""
-    from rclpy.qos import QoSProfile, ReliabilityPolicy
-
-    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_AVAILABLE)
 
 
 def _why_none(node: Any, subscription: Any) -> str:

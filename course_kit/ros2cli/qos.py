@@ -38,16 +38,9 @@ def for_listening(options: Any, publishers: list[Any]) -> Any:
         options: parsed.
         publishers: rclpy's TopicEndpointInfo of each publisher.
     """
-    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+    from course_kit.ros.qos import as_offered
 
-    reliable = all(info.qos_profile.reliability == ReliabilityPolicy.RELIABLE for info in publishers)
-    local = publishers and all(info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in publishers)
-    matching = QoSProfile(
-        depth=10,
-        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if local else DurabilityPolicy.VOLATILE,
-    )
-    return _chosen(options, matching)
+    return _chosen(options, as_offered(keepers=publishers))
 
 
 def _chosen(options: Any, otherwise: Any) -> Any:

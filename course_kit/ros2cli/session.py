@@ -44,18 +44,10 @@ class Session:
         """The command's hidden node, made on first use, without services of its own."""
         if self._node is None:
             from rclpy.executors import SingleThreadedExecutor
-            from rclpy.node import Node
-            from rclpy.parameter import Parameter
 
-            self._node = Node(
-                f"_ros2cli_{os.getpid()}",
-                context=self._own_context(),
-                use_global_arguments=False,
-                enable_rosout=False,
-                start_parameter_services=False,
-                # rclpy leaves this service on the graph when the node is destroyed but its context lives on.
-                parameter_overrides=[Parameter("start_type_description_service", value=False)],
-            )
+            from course_kit.ros.node import quiet_node
+
+            self._node = quiet_node(f"_ros2cli_{os.getpid()}", self._own_context())
             self._executor = SingleThreadedExecutor(context=self._context)
             self._executor.add_node(self._node)
             self._guests.add(self._node)

@@ -11,14 +11,13 @@ import rclpy
 from rclpy.context import Context
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.executors import ExternalShutdownException
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.receiving import receiver
 from course_kit.ros import graph
+from course_kit.ros.node import quiet_node
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,8 +31,7 @@ DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
 _OF_EVERY_NODE = ("/rosout", "/parameter_events")
 _FOR_PARAMETERS = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
 NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an underscore are
-# What every node has unless it is switched off, costs at each turn of the executor, and nobody asks the grader for.
-_NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
+# What these have unless it is switched off costs at each turn, and nobody asks the grader for it.
 _NO_PUBLISHER_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)
 _NO_SUBSCRIPTION_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
 
@@ -98,15 +96,7 @@ class GraderNode:
         """Join the graph of `domain`, or of ROS_DOMAIN_ID when None."""
         self._context = Context()
         rclpy.init(args=[], context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
-        self.node = Node(
-            NAME,
-            context=self._context,
-            use_global_arguments=False,
-            enable_rosout=False,
-            start_parameter_services=False,
-            # What nobody can call, nobody can call wrongly: an exception in a callback of ours would end the grading.
-            parameter_overrides=[_NO_TYPE_DESCRIPTIONS],
-        )
+        self.node = quiet_node(NAME, self._context)
         self._receiver = receiver(self.node)
         self._clients: dict[tuple[str, int], Client] = {}
         self._heard: dict[str, Any] = {}
