@@ -18,7 +18,7 @@ from course_kit.process.signals import Ladder
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
 STUBBORN = """
 import signal, subprocess, sys, time
@@ -37,6 +37,12 @@ def tell(*_):
 signal.signal(signal.SIGINT, tell)
 print("ready", flush=True)
 time.sleep(600)
+"""
+LEAVING = """
+import signal, subprocess, sys
+signal.signal(signal.SIGINT, signal.SIG_IGN)  # which what it starts inherits
+sleep = [sys.executable, "-c", "import time; time.sleep(600)"]
+print(subprocess.Popen(sleep, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).pid, flush=True)
 """
 DYING_WITH_US = """
 import sys, time
@@ -87,11 +93,12 @@ def test_what_it_prints_at_its_end_is_read_however_long_and_it_ends_as_it_likes(
     assert [number for number, _ in ladder.climbed] == [SIGINT]
 
 
-def test_what_it_leaves_behind_is_killed() -> None:
-    child, grandchild = start(STUBBORN.replace("while True:", "while False:"))
+@pytest.mark.parametrize("end", [Child.kill, lambda child: child.end(Ladder(60.0, 0.0, 0.0))])
+def test_what_it_leaves_behind_is_killed(end: Callable[[Child], object]) -> None:
+    child, grandchild = start(LEAVING)
     assert child.wait(60) == 0
     assert is_alive(int(grandchild))
-    child.kill()
+    end(child)
     wait_until(lambda: not is_alive(int(grandchild)), "the end of the grandchild")
 
 
