@@ -125,7 +125,7 @@ def _run(context: CheckContext) -> FoundAnswers:
         if found.is_set or not process.notes.get("ended_itself"):
             return found
     code, message = exits.of_start(process, job)
-    raise Failed(Evidence("", _SHAPE, "a program that ended too early"), message, code)
+    raise Failed(Evidence("", _SHAPE, "a program that did not run to its end"), message, code)
 
 
 def _not_set(found: FoundAnswers, variable: str) -> Failed:

@@ -185,7 +185,7 @@ def test_the_proof_asks_for_otter_where_there_is_none(
 ) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
     assert main.main(["dev", "otter", QUICK]) == 2
-    assert '-e ".[context]"' in capsys.readouterr().err
+    assert '-e ".[bench]"' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("given", "code"), [(10.0, 0), (5.0, 1)])

@@ -144,7 +144,7 @@ def test_a_pip_that_is_too_old_is_renewed_first(clone: Clone, version: str, call
 
 def test_only_an_old_python_is_named_with_what_to_do(clone: Clone, bare: dict[str, str]) -> None:
     (clone.tools / "uv").unlink()
-    assert "here is none" in refusal(clone.course("lab", **bare))
+    assert "this machine has none" in refusal(clone.course("lab", **bare))
     clone.tool("python3", OLD_PYTHON)
     told = refusal(clone.course("lab", **bare))
     assert f"The course needs Python 3.10 to 3.14, and this machine has 3.9.2 ({clone.tools}/python3)." in told
