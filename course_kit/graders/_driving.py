@@ -128,13 +128,13 @@ def send(context: CheckContext, target: MovePlace, z: float = 0.0) -> Goal:
 def set_off(context: CheckContext, target: MovePlace, z: float = 0.0) -> Goal:
     """Send a reachable goal and have it accepted.
 
-    Raises:
-        Failed: it was not.
-
     Args:
         context: the check's.
         target: x and y, in metres.
         z: in metres; it does not matter.
+
+    Raises:
+        Failed: it was not.
     """
     goal = send(context, target, z)
     goal.wait_for_answer("the goal accepted")
@@ -146,13 +146,13 @@ def set_off(context: CheckContext, target: MovePlace, z: float = 0.0) -> Goal:
 def drive(context: CheckContext, target: MovePlace, z: float = 0.0) -> Move:
     """Drive the robot to a target.
 
-    Raises:
-        Failed: the goal was not accepted, or ended otherwise than SUCCEEDED.
-
     Args:
         context: the check's.
         target: x and y, in metres.
         z: in metres; it does not matter.
+
+    Raises:
+        Failed: the goal was not accepted, or ended otherwise than SUCCEEDED.
     """
     begin = here(context)
     try:

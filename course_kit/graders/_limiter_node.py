@@ -224,14 +224,14 @@ def require_accepted(outcome: SetResult, values: Mapping[str, Any]) -> None:
 def require_refused(outcome: SetResult, values: Mapping[str, Any], expected: str, accepted: str) -> Evidence:
     """A value was refused.
 
-    Raises:
-        Failed: with the code `accepted`, or parameter.bad_callback.
-
     Args:
         outcome: how the attempt went.
         values: what was tried.
         expected: in words.
         accepted: the diagnosis and the message where it was accepted.
+
+    Raises:
+        Failed: with the code `accepted`, or parameter.bad_callback.
     """
     evidence = Evidence(shown(values), expected, outcome.shown())
     if outcome.successful:

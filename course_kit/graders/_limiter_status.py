@@ -25,15 +25,15 @@ def expect_status(
 ) -> Evidence:
     """The next line tells these settings; or the one after it, as one may be on its way.
 
-    Raises:
-        Failed: it does not; with topic.silent, or parameter.read_once when it is what it `was` before a change.
-
     Args:
         context: the check's.
         heard: what comes on /status.
         settings: what the parameters were set to.
         was: how many lines had come before.
         sent: what was done, in words.
+
+    Raises:
+        Failed: it does not; with topic.silent, or parameter.read_once when it is what it `was` before a change.
     """
     evidence = Evidence(sent, f"on /status: {status_line(settings)}")
     first = heard.count

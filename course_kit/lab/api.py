@@ -105,14 +105,14 @@ def publish(topic: str, message_type: Any, message: Any = None, /, **fields: Any
     The first one on a topic waits for the subscriptions that are on the graph (1 s at most), so that it is not lost.
     Returns when the callbacks of this lab's own subscriptions have had the message (1 s at most).
 
-    Raises:
-        FieldError: no such field, or a value it cannot take.
-
     Args:
         topic: its name.
         message_type: its class.
         message: a ready message instead of `fields`.
         fields: the message's fields; a dict for a message inside it.
+
+    Raises:
+        FieldError: no such field, or a value it cannot take.
     """
     current().publish(topic, message_type, message, fields)
 
@@ -120,14 +120,14 @@ def publish(topic: str, message_type: Any, message: Any = None, /, **fields: Any
 async def next_messages(topic: str, message_type: Any, count: int = 1, *, timeout: float = 5.0) -> list[Any]:
     """Subscribe and return the next `count` messages: `await lab.next_messages("/chatter", String, 3)`.
 
-    Raises:
-        NoAnswerError: fewer came within `timeout` seconds.
-
     Args:
         topic: its name.
         message_type: its class.
         count: how many.
         timeout: seconds for all of them.
+
+    Raises:
+        NoAnswerError: fewer came within `timeout` seconds.
     """
     return await current().next_messages(topic, message_type, count, timeout)
 

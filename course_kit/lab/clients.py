@@ -12,7 +12,8 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
-from course_kit.lab.errors import LabError
+from course_kit.lab.errors import ActionNotFoundError, LabError, ServiceNotFoundError
+from course_kit.lab.graph import Wanted, not_offered
 from course_kit.ros import graph
 from course_kit.ros.compat import rcl_error
 from course_kit.ros.goal import GoalClient
@@ -65,14 +66,23 @@ class Clients:
         return self.known_node
 
     def client(self, service_type: Any, service: str) -> Any:
-        """The client for a service; one of the same name and another type is replaced."""
+        """The client for a service; one of the same name and another type is replaced.
+
+        Raises:
+            ServiceNotFoundError: no server of this name and type.
+        """
 
         def make() -> Any:
             client = self.node.create_client(service_type, service, callback_group=ReentrantCallbackGroup())
             self._tapping.direct.add(client)
             return client
 
-        return self._use(self._clients, (service_type, service), make, self._drop_client)
+        try:
+            return self._use(self._clients, (service_type, service), make, self._drop_client)
+        except OtherTypeError:
+            wanted = Wanted(graph.SERVES, self.node.resolve_service_name(service), type_name(service_type))
+            own = frozenset({self.node.get_fully_qualified_name()})
+            raise ServiceNotFoundError(not_offered(self.node, wanted, 0.0, own)) from None
 
     def publisher(self, message_type: Any, topic: str) -> Any:
         """The publisher for a topic; one of the same name and another type is replaced."""
@@ -83,7 +93,11 @@ class Clients:
         return self._use(self._publishers, (message_type, topic), make, self._drop_publisher)
 
     def goal_client(self, action_type: Any, action: str) -> GoalClient:
-        """The client for an action; one of the same name and another type is replaced."""
+        """The client for an action; one of the same name and another type is replaced.
+
+        Raises:
+            ActionNotFoundError: no server of this name and type.
+        """
 
         def make() -> Any:
             node = self.node
@@ -94,7 +108,11 @@ class Clients:
             # On the thread that will use it, and not while that looks through the node's entities.
             return self._spinner.ask(lambda: GoalClient(node, action_type, action), _FREE)
 
-        found: GoalClient = self._use(self._goal_clients, (action_type, action), make, self._drop_goal_client)
+        try:
+            found: GoalClient = self._use(self._goal_clients, (action_type, action), make, self._drop_goal_client)
+        except OtherTypeError:
+            wanted = Wanted(graph.RUNS, full_action_name(self.node, action), type_name(action_type))
+            raise ActionNotFoundError(not_offered(self.node, wanted, 0.0)) from None
         return found
 
     def wait_for_results(self, actions: set[str], timeout: float) -> None:
@@ -108,14 +126,14 @@ class Clients:
     def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
         """A new subscription.
 
-        Raises:
-            LabError: the topic is no ROS name, or has another type on the graph.
-
         Args:
             message_type: its class.
             topic: its name.
             callback: called with each message.
             qos: the profile.
+
+        Raises:
+            LabError: the topic is no ROS name, or has another type on the graph.
         """
         wanted = type_name(message_type)
         types = dict(self.node.get_topic_names_and_types()).get("/" + str(topic).lstrip("/"), [wanted])

@@ -161,15 +161,15 @@ def publish(lab: Deliveries, publisher: Any, message: Any) -> None:
 async def next_messages(lab: Surroundings, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:
     """Subscribe, and return the next messages once there are `count`.
 
-    Raises:
-        NoAnswerError: fewer came within `timeout` seconds; says who publishes what on that topic.
-
     Args:
         lab: the lab.
         topic: its name.
         message_type: its class.
         count: how many.
         timeout: seconds for all of them.
+
+    Raises:
+        NoAnswerError: fewer came within `timeout` seconds; says who publishes what on that topic.
     """
     require_message_type(message_type)
     loop = asyncio.get_running_loop()

@@ -24,13 +24,13 @@ class LaunchFinder:
     ) -> ModuleSpec | None:
         """Find a module of the subset.
 
-        Raises:
-            ModuleNotFoundError: a module of launch that is not in the subset; the message says so.
-
         Args:
             fullname: of the module.
             path: where its package lies; not used.
             target: not used.
+
+        Raises:
+            ModuleNotFoundError: a module of launch that is not in the subset; the message says so.
         """
         del path, target
         root = fullname.partition(".")[0]

@@ -72,13 +72,13 @@ def mentions(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, An
 def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[int, int]]]:
     """The program, and of a notebook for each cell it was joined from the cell's number and how many lines it gave.
 
-    Raises:
-        UnreadableTextError: there is none.
-
     Args:
         name: the file's name.
         file: its bytes.
         exercise: whose cells of a notebook count.
+
+    Raises:
+        UnreadableTextError: there is none.
     """
     text = _decoded(name, file)
     places: list[tuple[int, int]] = []

@@ -112,13 +112,13 @@ def parse(name: str, text: str) -> Any:
 def load_file(path: str, node: str, *, use_wildcard: bool) -> list[Any]:
     """The parameters for `node` in a parameter file, as rcl_interfaces/msg/Parameter.
 
-    Raises:
-        CommandError: the file cannot be read, or has nothing for this node.
-
     Args:
         path: of the file.
         node: the node's full name.
         use_wildcard: whether `/**` counts for it.
+
+    Raises:
+        CommandError: the file cannot be read, or has nothing for this node.
     """
     from rclpy.parameter import parameter_dict_from_yaml_file
     from yaml import YAMLError

@@ -73,13 +73,13 @@ class Session:
     def result_of(self, future: Any, timeout: float, missing: str) -> Any:
         """What a future brings within `timeout` seconds.
 
-        Raises:
-            CommandError: it did not come; the message is `missing`.
-
         Args:
             future: what is waited for.
             timeout: in seconds.
             missing: what to say when nothing comes.
+
+        Raises:
+            CommandError: it did not come; the message is `missing`.
         """
         if not self.spin_until(future.done, timeout):
             raise CommandError(missing)
@@ -90,14 +90,14 @@ class Session:
     def answer_of(self, client: Any, request: Any, timeout: float, server: str) -> Any:
         """What a service that is there answers within `timeout` seconds; `server` is what to call it.
 
-        Raises:
-            CommandError: no answer came, or none can come any more.
-
         Args:
             client: of the service.
             request: what is asked.
             timeout: in seconds.
             server: what to call the server.
+
+        Raises:
+            CommandError: no answer came, or none can come any more.
         """
         future = client.call_async(request)
         self.spin_until(lambda: future.done() or not client.service_is_ready(), timeout)

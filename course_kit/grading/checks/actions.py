@@ -152,13 +152,13 @@ def ensure_ready(context: CheckContext, action: Action) -> None:
 def start_again(context: CheckContext, action: Action, variables: Mapping[str, str] | None = None) -> None:
     """Start the submission anew, with other environment variables if wanted.
 
-    Raises:
-        Failed: it does not come up a second time.
-
     Args:
         context: the check's.
         action: what it is to offer.
         variables: environment variables that differ from the exercise's own.
+
+    Raises:
+        Failed: it does not come up a second time.
     """
     discovery.start_again(context, action.wanted, lambda: ActionChannels(context, action).ready(), variables)
     with suppress(SubmissionEndedError):  # whoever needs it will notice

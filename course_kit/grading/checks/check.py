@@ -76,13 +76,13 @@ def check(
 ) -> Callable[[Callable[[CheckContext], Evidence]], Check]:
     """Decorator that makes a function a `Check`.
 
-    Raises:
-        ValueError: the function has no docstring, or is worth nothing.
-
     Args:
         points: what it is worth.
         depends_on: checks without which it cannot pass.
         deadline_s: seconds for all its waiting together.
+
+    Raises:
+        ValueError: the function has no docstring, or is worth nothing.
     """
 
     def declare(function: Callable[[CheckContext], Evidence]) -> Check:

@@ -44,15 +44,15 @@ def call_many(
 ) -> list[Any]:
     """Send all requests and return the responses in their order.
 
-    Raises:
-        Failed: not all were answered in time, with service.blocks when they came one by one but too slowly.
-
     Args:
         context: the check's.
         service: which service.
         requests: what is asked.
         load: how many at a time, and within how many seconds.
         evidence: what the check has so far.
+
+    Raises:
+        Failed: not all were answered in time, with service.blocks when they came one by one but too slowly.
     """
     ensure_ready(context, service)
     clients = [context.grader_node.client(service.interface, service.name, number) for number in range(load.clients)]

@@ -71,13 +71,13 @@ def expect_offered(context: CheckContext, service: Service, request: Any) -> Evi
 def expect_node(context: CheckContext, name: str, service: Service) -> Evidence:
     """A node of this full name is on the graph, beside the service.
 
-    Raises:
-        Failed: it is not; with name.node.
-
     Args:
         context: the check's.
         name: the node's full name.
         service: the service it is to offer.
+
+    Raises:
+        Failed: it is not; with name.node.
     """
     return discovery.expect_node(context, name, lambda: ensure_ready(context, service))
 

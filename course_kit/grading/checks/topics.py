@@ -62,13 +62,13 @@ class Topic:
 def expect_endpoints(context: CheckContext, published: Sequence[Topic], subscribed: Sequence[Topic]) -> Evidence:
     """The submission publishes and subscribes to these topics, so that a default reliable endpoint connects.
 
-    Raises:
-        Failed: something is missing or does not fit; with topic.silent, type.interface or topic.qos.
-
     Args:
         context: the check's.
         published: the topics the submission publishes.
         subscribed: those it listens to.
+
+    Raises:
+        Failed: something is missing or does not fit; with topic.silent, type.interface or topic.qos.
     """
     expected = "; ".join(
         [f"publishes {topic.name} [{topic.type}]" for topic in published]
@@ -230,15 +230,15 @@ class TopicExchange:
 def await_next(context: CheckContext, heard: Heard, count: int, seconds: float, evidence: Evidence) -> bool:
     """Wait until so many messages have come in all; False when they have not within `seconds`.
 
-    Raises:
-        Failed: the submission has ended.
-
     Args:
         context: the check's.
         heard: what comes on the topic.
         count: how many in all.
         seconds: the patience.
         evidence: what the check has so far.
+
+    Raises:
+        Failed: the submission has ended.
     """
     with exceptions.explained(context, evidence):
         return context.wait_until(lambda: heard.count >= count, seconds)

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 import rclpy.utilities
 from rclpy.action import ActionServer
 
-from course_kit.lab import graph
-from course_kit.lab.clients import Clients, OtherTypeError
-from course_kit.lab.errors import ActionNotFoundError, DeadlockError, ServiceNotFoundError
+from course_kit.lab.clients import Clients
+from course_kit.lab.errors import DeadlockError
 from course_kit.lab.notebook import asyncio_bridge
 from course_kit.lab.overrides import rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
@@ -28,9 +27,6 @@ from course_kit.lab.runtime.executor_thread import Spinner
 from course_kit.lab.runtime.failures import Failures
 from course_kit.lab.runtime.nodes import Nodes
 from course_kit.ros import compat_names
-from course_kit.ros.graph import RUNS, SERVES
-from course_kit.ros.messages import type_name
-from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -133,14 +129,7 @@ class Engine:
         Raises:
             ServiceNotFoundError: no server of this name and type.
         """
-        try:
-            return self.clients.client(service_type, service)
-        except OtherTypeError:
-            full = self.node.resolve_service_name(service)
-            wanted = type_name(service_type)
-            raise ServiceNotFoundError(
-                graph.not_offered(self.node, graph.Wanted(SERVES, full, wanted), 0.0, self.own_names)
-            ) from None
+        return self.clients.client(service_type, service)
 
     def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
         """A new subscription of the lab's node.
@@ -181,13 +170,7 @@ class Engine:
         Raises:
             ActionNotFoundError: no server of this name and type.
         """
-        try:
-            return self.clients.goal_client(action_type, action)
-        except OtherTypeError:
-            full = full_action_name(self.node, action)
-            raise ActionNotFoundError(
-                graph.not_offered(self.node, graph.Wanted(RUNS, full, type_name(action_type)), 0.0)
-            ) from None
+        return self.clients.goal_client(action_type, action)
 
     def do(self, function: Callable[[], None]) -> None:
         """Have the lab's thread call a function between two callbacks; does not wait for it."""

@@ -174,14 +174,14 @@ class Executions:
     async def run(self, server: Any, callback: Any, goal_handle: Any) -> Any:
         """Execute a goal.
 
-        Raises:
-            CallbackStopped: its node was stopped.
-            BaseException: what the callback has raised.
-
         Args:
             server: the action server.
             callback: its execute callback.
             goal_handle: of the goal.
+
+        Raises:
+            CallbackStopped: its node was stopped.
+            BaseException: what the callback has raised.
         """
         node = server._node  # noqa: SLF001 - rclpy has no other way to it
         execution = Execution(node, callback, goal_handle, self._executor.wake)
