@@ -47,3 +47,12 @@ def test_the_set_up_needs_nothing_that_it_would_have_to_install(path: Path) -> N
         for name in names:
             top = name.split(".")[0]
             assert top in sys.stdlib_module_names or top == "course_setup", f"{path.name} imports {name}"
+
+
+def test_no_two_public_classes_share_a_name() -> None:
+    places: dict[str, list[str]] = {}
+    for path in sorted((REPOSITORY / "course_kit").rglob("*.py")):
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places.setdefault(node.name, []).append(str(path.relative_to(REPOSITORY)))
+    assert {name: where for name, where in places.items() if len(where) > 1} == {}

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
-    from course_kit.authoring.corpus import Corpus, Sample
+    from course_kit.authoring.corpus import Corpus, ProofSubmission
     from course_kit.authoring.rules import Fault
 
-    Progress = Callable[[int, int, "Sample", Report], None]
+    Progress = Callable[[int, int, "ProofSubmission", Report], None]
 
 
 @dataclass(frozen=True)
@@ -38,11 +38,11 @@ class Run:
     """
 
     seed: int
-    reports: dict[Sample, Report]
+    reports: dict[ProofSubmission, Report]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ProofOutcome:
     """What `check` has found.
 
     Attributes:
@@ -71,7 +71,7 @@ def check(  # noqa: PLR0913 - the options of one verb
     workers: int = 0,
     seed: int | None = None,
     progress: Progress | None = None,
-) -> Outcome:
+) -> ProofOutcome:
     """Grade all submissions of some exercises and judge the outcome.
 
     Args:
@@ -96,7 +96,7 @@ def check(  # noqa: PLR0913 - the options of one verb
     found += list(_unstable(runs))
     if not exercises:
         found += rules.codes_without_submission({one.name for each in chosen for one in each.of("broken")})
-    return Outcome(chosen, runs, tuple(found), busy, time.monotonic() - began, partial=bool(exercises))
+    return ProofOutcome(chosen, runs, tuple(found), busy, time.monotonic() - began, partial=bool(exercises))
 
 
 def _grade(pool: gradings.Gradings, chosen: Sequence[Corpus], runs: Sequence[Run], progress: Progress | None) -> None:
@@ -116,7 +116,7 @@ def _grade(pool: gradings.Gradings, chosen: Sequence[Corpus], runs: Sequence[Run
             progress(number, len(begun), submission, report)
 
 
-def _not_graded(submission: Sample, problem: str) -> Report:
+def _not_graded(submission: ProofSubmission, problem: str) -> Report:
     return Report(
         exercise=submission.exercise,
         title="",
@@ -130,13 +130,13 @@ def _not_graded(submission: Sample, problem: str) -> Report:
     )
 
 
-def _longest_first(one: Corpus) -> list[Sample]:
+def _longest_first(one: Corpus) -> list[ProofSubmission]:
     """Right programs go through all checks, and limits are reached slowly: what begins late is waited for alone."""
     slow = ("starter", "solution", "variant")
     return sorted(one.submissions, key=lambda each: each.kind not in slow and not each.name.startswith("limit."))
 
 
-def _of_exercise(run: Run, one: Corpus) -> dict[Sample, Report]:
+def _of_exercise(run: Run, one: Corpus) -> dict[ProofSubmission, Report]:
     return {submission: run.reports[submission] for submission in one.submissions}
 
 

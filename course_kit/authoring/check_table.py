@@ -12,8 +12,8 @@ from course_kit.grading.diagnosis import catalogue
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.authoring.check import Outcome, Run
-    from course_kit.authoring.corpus import Corpus, Sample
+    from course_kit.authoring.check import ProofOutcome, Run
+    from course_kit.authoring.corpus import Corpus, ProofSubmission
     from course_kit.grading import Report
 
 FORMAT_VERSION = 1
@@ -28,15 +28,15 @@ _COLUMNS = {
 }
 
 
-def progress(stream: TextIO) -> Callable[[int, int, Sample, Report], None]:
+def progress(stream: TextIO) -> Callable[[int, int, ProofSubmission, Report], None]:
     """Something to call after each grading; keeps one line up to date on a terminal, else writes some.
 
     A verdict that differs from an earlier one of the same submission is told at once: the end may be an hour away.
     """
     terminal = stream.isatty()
-    before: dict[Sample, Report] = {}
+    before: dict[ProofSubmission, Report] = {}
 
-    def show(done: int, total: int, submission: Sample, report: Report) -> None:
+    def show(done: int, total: int, submission: ProofSubmission, report: Report) -> None:
         what = f"{submission.exercise} {submission.kind} {submission.name}: {report.score:g} points"
         line = f"[{done:>{len(str(total))}}/{total}] {what}, {report.duration_s:.1f} s"
         earlier = before.setdefault(submission, report)
@@ -53,7 +53,7 @@ def progress(stream: TextIO) -> Callable[[int, int, Sample, Report], None]:
     return show
 
 
-def as_text(found: Outcome) -> str:
+def as_text(found: ProofOutcome) -> str:
     """The table, what does not hold, and a summary."""
     names = [*_COLUMNS, "checks", *(["stable"] if len(found.runs) > 1 else [])]
     width = max(len(one.task.id) for one in found.sets)
@@ -69,7 +69,7 @@ def as_text(found: Outcome) -> str:
     return "\n".join([*lines, "", _summary(found)])
 
 
-def as_json(found: Outcome) -> str:
+def as_json(found: ProofOutcome) -> str:
     """The same as data."""
     return json.dumps(
         {
@@ -111,7 +111,7 @@ def _heading(name: str) -> str:
     return "same again" if name == "stable" else name
 
 
-def _cell(found: Outcome, one: Corpus, name: str) -> str:
+def _cell(found: ProofOutcome, one: Corpus, name: str) -> str:
     wrong = [fault for fault in found.faults if (fault.exercise, fault.rule) == (one.task.id, name)]
     if name == "stable":
         count = len(found.runs)
@@ -125,7 +125,7 @@ def _cell(found: Outcome, one: Corpus, name: str) -> str:
     return f"✗ {len(submissions)} of {count}" if all(submissions) and count else "✗"
 
 
-def _codes(found: Outcome) -> str:
+def _codes(found: ProofOutcome) -> str:
     named = {one.name for each in found.sets for one in each.of("broken")} & set(catalogue.catalogue())
     text = "diagnoses have a submission in tests/broken that gets exactly that code"
     if found.partial:
@@ -134,7 +134,7 @@ def _codes(found: Outcome) -> str:
     return f"{mark} {len(named)} of {len(catalogue.catalogue())} {text}"
 
 
-def _summary(found: Outcome) -> str:
+def _summary(found: ProofOutcome) -> str:
     count = sum(len(run.reports) for run in found.runs)
     first = found.runs[0]
     times, seeds = "once", f"seed {first.seed}"

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Sample:
+class ProofSubmission:
     """One program, and what it is there for.
 
     Attributes:
@@ -67,9 +67,9 @@ class Corpus:
     """All submissions of one exercise."""
 
     task: Exercise
-    submissions: tuple[Sample, ...]
+    submissions: tuple[ProofSubmission, ...]
 
-    def of(self, kind: str) -> tuple[Sample, ...]:
+    def of(self, kind: str) -> tuple[ProofSubmission, ...]:
         """Those of one kind."""
         return tuple(one for one in self.submissions if one.kind == kind)
 
@@ -89,13 +89,13 @@ def load(exercise_id: str, root: Path) -> Corpus:
     """
     task = exercise.load(exercise_id, root / "exercises")
     tests = root / "tests"
-    found = [Sample(task.id, "starter", name, task.folder / name) for name in (task.starter, task.notebook)]
+    found = [ProofSubmission(task.id, "starter", name, task.folder / name) for name in (task.starter, task.notebook)]
     solution = root / "solutions" / task.id / f"{task.id}.py"
     if solution.is_file():
-        found.append(Sample(task.id, "solution", solution.name, solution))
+        found.append(ProofSubmission(task.id, "solution", solution.name, solution))
     for kind, folder in (("variant", tests / "grading" / "correct"), ("broken", tests / "broken")):
         paths = sorted((folder / task.id).glob("*.py"))
-        found += [Sample(task.id, kind, path.stem, path) for path in paths]
+        found += [ProofSubmission(task.id, kind, path.stem, path) for path in paths]
     found += _slips(task.id, tests, solution)
     for one in found:
         if one.changes:
@@ -103,7 +103,7 @@ def load(exercise_id: str, root: Path) -> Corpus:
     return Corpus(task, tuple(found))
 
 
-def _slips(exercise_id: str, tests: Path, solution: Path) -> list[Sample]:
+def _slips(exercise_id: str, tests: Path, solution: Path) -> list[ProofSubmission]:
     path = tests / "slips" / f"{exercise_id}.toml"
     if not path.is_file():
         return []
@@ -115,9 +115,9 @@ def _slips(exercise_id: str, tests: Path, solution: Path) -> list[Sample]:
         raise GradingError(f"{path} cannot be used: {what}.") from problem
 
 
-def _slip(exercise_id: str, name: str, entry: dict[str, Any], tests: Path, solution: Path) -> Sample:
+def _slip(exercise_id: str, name: str, entry: dict[str, Any], tests: Path, solution: Path) -> ProofSubmission:
     base = tests / "grading" / "correct" / exercise_id / f"{entry['base']}.py" if "base" in entry else solution
-    return Sample(
+    return ProofSubmission(
         exercise_id,
         "slip",
         name,

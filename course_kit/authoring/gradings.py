@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-    from course_kit.authoring.corpus import Sample
+    from course_kit.authoring.corpus import ProofSubmission
 
 # A grading mostly waits: for the robot, for the next status line, for what does not come.
 WORKERS_A_PROCESSOR = 3
@@ -67,11 +67,11 @@ class Gradings:
         self._close_workers()
         self._folder.cleanup()
 
-    def begin(self, submission: Sample, seed: int | None) -> Future[grading.Report]:
+    def begin(self, submission: ProofSubmission, seed: int | None) -> Future[grading.Report]:
         """Have one graded as soon as a worker is free; with `seed` None by the exercise's own."""
         return self._threads.submit(self._grade, submission, seed)
 
-    def _grade(self, submission: Sample, seed: int | None) -> grading.Report:
+    def _grade(self, submission: ProofSubmission, seed: int | None) -> grading.Report:
         path = submission.path
         if submission.changes:
             path = Path(self._folder.name) / submission.exercise / f"{submission.name}.py"

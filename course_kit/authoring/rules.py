@@ -12,10 +12,10 @@ from course_kit.grading.diagnosis import catalogue
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from course_kit.authoring.corpus import Corpus, Sample
+    from course_kit.authoring.corpus import Corpus, ProofSubmission
     from course_kit.grading import CheckReport, Report
 
-    Reports = Mapping[Sample, Report]
+    Reports = Mapping[ProofSubmission, Report]
 
 FEWEST_VARIANTS = 8
 
@@ -44,7 +44,7 @@ class Fault:
         return f"{where}: {self.text}" if where else self.text
 
 
-def starter(sets: Corpus, reports: Reports) -> Iterator[str | tuple[Sample, str]]:
+def starter(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """The starter and its notebook run, do not pass, and are helped on by the first rung of the exercise's ladder."""
     if not sets.of("starter"):
         yield "there is no starter."
@@ -62,14 +62,14 @@ def starter(sets: Corpus, reports: Reports) -> Iterator[str | tuple[Sample, str]
         yield "the starter program and the starter notebook get different verdicts."
 
 
-def solution(sets: Corpus, reports: Reports) -> Iterator[str | tuple[Sample, str]]:
+def solution(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """There is a solution, and it gets full marks."""
     if not sets.of("solution"):
         yield "there is no solution."
     yield from _not_full_marks(sets.of("solution"), reports)
 
 
-def variants(sets: Corpus, reports: Reports) -> Iterator[str | tuple[Sample, str]]:
+def variants(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """At least eight right programs, in all styles that learners write, get full marks."""
     right = sets.of("variant")
     if len(right) < FEWEST_VARIANTS:
@@ -83,7 +83,7 @@ def variants(sets: Corpus, reports: Reports) -> Iterator[str | tuple[Sample, str
     yield from _not_full_marks(right, reports)
 
 
-def broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[Sample, str]]:
+def broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Each broken program gets the diagnosis it is named after and no other, with evidence and a hint."""
     for one in sets.of("broken"):
         report = reports[one]
@@ -99,7 +99,7 @@ def broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[Sample, str]]
         yield from ((one, text) for text in _poor_feedback(report))
 
 
-def slips(sets: Corpus, reports: Reports) -> Iterator[str | tuple[Sample, str]]:
+def slips(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Each slip fails the checks it is listed with, with those diagnoses, and no other."""
     for one in sets.of("slip"):
         report = reports[one]
@@ -112,14 +112,14 @@ def slips(sets: Corpus, reports: Reports) -> Iterator[str | tuple[Sample, str]]:
         yield from ((one, text) for text in _poor_feedback(report))
 
 
-def checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[Sample, str]]:
+def checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Each check can fail: some submission turns it red."""
     red = {check.id for report in reports.values() for check in report.checks if check.status == "failed"}
     known = {check.id: None for one in sets.of("solution") for check in reports[one].checks}
     yield from (f"no submission makes the check '{check}' fail." for check in known if check not in red)
 
 
-RULES: Mapping[str, Callable[[Corpus, Reports], Iterator[str | tuple[Sample, str]]]] = {
+RULES: Mapping[str, Callable[[Corpus, Reports], Iterator[str | tuple[ProofSubmission, str]]]] = {
     "starter": starter,
     "solution": solution,
     "variants": variants,
@@ -162,7 +162,7 @@ def _shown(check: CheckReport) -> str:
     return f"{check.id} {check.status} ({check.diagnosis or 'no code'}: {check.message[:160]})"
 
 
-def _not_full_marks(right: tuple[Sample, ...], reports: Reports) -> Iterator[tuple[Sample, str]]:
+def _not_full_marks(right: tuple[ProofSubmission, ...], reports: Reports) -> Iterator[tuple[ProofSubmission, str]]:
     for one in right:
         report = reports[one]
         full = all(check.status == "passed" for check in report.checks) and report.status == "graded"

@@ -19,7 +19,7 @@ _TOO_EARLY = 3  # results before an estimate is worth anything
 _MINUTE = 60
 
 
-class Progress:
+class RunProgress:
     """Counts, estimates and prints."""
 
     def __init__(self, stream: IO[str], clock: Callable[[], float] = time.monotonic) -> None:

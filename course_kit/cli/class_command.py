@@ -80,7 +80,7 @@ def _say(text: str) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.classroom.progress import Progress
+    from course_kit.classroom.progress import RunProgress
     from course_kit.classroom.run import ClassRun, Plan
     from course_kit.grading import GradingError, exercise, isolation_status, needs
 
@@ -101,7 +101,7 @@ def _run(options: argparse.Namespace) -> int:
         layout=options.layout,
         resume=options.resume,
     )
-    tally = Progress(sys.stderr)
+    tally = RunProgress(sys.stderr)
     with _interrupts() as stops:
         grading = ClassRun(plan, tally, stops)
         book = grading.grade(lambda: _executor(options, [one.grader for one in chosen.values()]))

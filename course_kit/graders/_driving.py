@@ -10,9 +10,9 @@ from course_interfaces.action import MoveRobot
 from geometry_msgs.msg import Point
 
 from course_kit.graders._moves import ARENA, ORIGIN, TOLERANCE, MovePlace, in_the_arena, place_of, target_from
-from course_kit.grading.checks.actions import Action, ensure_ready, start_again
+from course_kit.grading.checks.actions import WantedAction, ensure_ready, start_again
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.goals import SUCCEEDED, Ended, Goal
+from course_kit.grading.checks.goals import SUCCEEDED, CheckedGoal, Ended
 from course_kit.grading.diagnosis import goals
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.context import CheckContext
 
-ACTION = Action("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
+ACTION = WantedAction("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
 SHORTEST_M, LONGEST_M = 1.2, 1.8  # metres; moves that are long enough for the rules about feedback
 _SCALE = "COURSE_KIT_TIME_SCALE"
 FAST, OWN_SPEED = {_SCALE: "0.1"}, {_SCALE: "1"}
@@ -41,7 +41,7 @@ class Move:
 
     begin: MovePlace
     target: MovePlace
-    goal: Goal
+    goal: CheckedGoal
     ended: Ended
 
     @property
@@ -113,7 +113,7 @@ def is_at(context: CheckContext, place: MovePlace) -> None:
     context.memory[_PLACE] = in_the_arena(place)
 
 
-def send(context: CheckContext, target: MovePlace, z: float = 0.0) -> Goal:
+def send(context: CheckContext, target: MovePlace, z: float = 0.0) -> CheckedGoal:
     """Send a goal.
 
     Args:
@@ -122,10 +122,10 @@ def send(context: CheckContext, target: MovePlace, z: float = 0.0) -> Goal:
         z: in metres; it does not matter.
     """
     shown = f"a goal with target=({target.x:.4g}, {target.y:.4g}, {z:.4g})"
-    return Goal(context, ACTION, MoveRobot.Goal(target=Point(x=target.x, y=target.y, z=z)), shown)
+    return CheckedGoal(context, ACTION, MoveRobot.Goal(target=Point(x=target.x, y=target.y, z=z)), shown)
 
 
-def set_off(context: CheckContext, target: MovePlace, z: float = 0.0) -> Goal:
+def set_off(context: CheckContext, target: MovePlace, z: float = 0.0) -> CheckedGoal:
     """Send a reachable goal and have it accepted.
 
     Args:
@@ -174,7 +174,7 @@ def drive_on(context: CheckContext, length: float, z: float = 0.0) -> Move:
     return drive(context, target_from(here(context), length, context.random), z)
 
 
-def arrive(context: CheckContext, goal: Goal, length: float, within_s: float | None = None) -> Ended:
+def arrive(context: CheckContext, goal: CheckedGoal, length: float, within_s: float | None = None) -> Ended:
     """Wait until an accepted goal has ended, SUCCEEDED, and remember where the robot is.
 
     Args:
@@ -223,7 +223,7 @@ def misses(place: MovePlace, target: MovePlace) -> bool:
     return not math.dist(place, target) <= TOLERANCE
 
 
-def reject_all_or_some(context: CheckContext, goal: Goal, others: list[MovePlace]) -> Failed:
+def reject_all_or_some(context: CheckContext, goal: CheckedGoal, others: list[MovePlace]) -> Failed:
     """A first goal was rejected: are all, or is it just this one?
 
     Args:
@@ -249,7 +249,7 @@ def reject_all_or_some(context: CheckContext, goal: Goal, others: list[MovePlace
     return Failed(evidence, message, "action.rejects_all")
 
 
-def _rejected(context: CheckContext, goal: Goal, target: MovePlace, z: float) -> Failed:
+def _rejected(context: CheckContext, goal: CheckedGoal, target: MovePlace, z: float) -> Failed:
     """A good goal was rejected by a server that has accepted others: for what it is, or for what was before?"""
     evidence = Evidence(goal.shown, "the goal accepted", "the goal rejected")
     context.spoil()

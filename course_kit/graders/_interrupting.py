@@ -21,7 +21,7 @@ from course_kit.graders._driving import (
 from course_kit.graders._moves import BESIDE, MovePlace, beside, farthest_corner, place_of, target_from
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
-from course_kit.grading.checks.goals import CANCELED, SUCCEEDED, Ended, Goal
+from course_kit.grading.checks.goals import CANCELED, SUCCEEDED, CheckedGoal, Ended
 from course_kit.grading.diagnosis import goals, hangs
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def cancel_midway(context: CheckContext) -> Evidence:
     return evidence
 
 
-def _get_under_way(context: CheckContext, goal: Goal, begin: MovePlace) -> None:
+def _get_under_way(context: CheckContext, goal: CheckedGoal, begin: MovePlace) -> None:
     """Wait until the robot has driven a little: as feedback tells, or long enough for a robot that says nothing."""
     way, seconds = (1.0, 1.2) if at_own_speed(context) else (0.3, 0.15)
 
@@ -91,7 +91,9 @@ def _get_under_way(context: CheckContext, goal: Goal, begin: MovePlace) -> None:
         raise Failed(evidence, message, diagnosis) from None
 
 
-def _both_accepted(context: CheckContext, first: Goal, second: Goal, waited_s: float, evidence: Evidence) -> Failed:
+def _both_accepted(
+    context: CheckContext, first: CheckedGoal, second: CheckedGoal, waited_s: float, evidence: Evidence
+) -> Failed:
     def interleaved() -> bool:
         return bool(second.feedback and first.feedback and first.feedback[-1].came_s > second.feedback[0].came_s)
 
@@ -113,7 +115,7 @@ def _both_accepted(context: CheckContext, first: Goal, second: Goal, waited_s: f
     )
 
 
-def _have_it_accepted(context: CheckContext, goal: Goal, length: float, expected: str) -> None:
+def _have_it_accepted(context: CheckContext, goal: CheckedGoal, length: float, expected: str) -> None:
     """Ask to cancel the goal, and have that accepted in time."""
     clock = context.clock()
     answer = goal.cancel()
@@ -149,7 +151,7 @@ def _have_it_accepted(context: CheckContext, goal: Goal, length: float, expected
 
 
 def _require_canceled(
-    context: CheckContext, goal: Goal, ended: Ended, evidence: Evidence, way: tuple[MovePlace, MovePlace]
+    context: CheckContext, goal: CheckedGoal, ended: Ended, evidence: Evidence, way: tuple[MovePlace, MovePlace]
 ) -> None:
     """The goal was ended as CANCELED, short of its target."""
     begin, target = way
@@ -172,7 +174,7 @@ def _require_canceled(
         raise Failed(evidence, message, diagnosis)
 
 
-def _require_stopped(goal: Goal, ended: Ended, evidence: Evidence, begin: MovePlace, target: MovePlace) -> None:
+def _require_stopped(goal: CheckedGoal, ended: Ended, evidence: Evidence, begin: MovePlace, target: MovePlace) -> None:
     """The final position can be where the robot has stopped."""
     stopped, seen = place_of(ended.result.final_position), _last_seen(goal, begin, target)
     if is_blank(ended.result):
@@ -187,7 +189,7 @@ def _require_stopped(goal: Goal, ended: Ended, evidence: Evidence, begin: MovePl
         raise Failed(evidence, message)
 
 
-def _last_seen(goal: Goal, begin: MovePlace, target: MovePlace) -> MovePlace | None:
+def _last_seen(goal: CheckedGoal, begin: MovePlace, target: MovePlace) -> MovePlace | None:
     """Where feedback last said that the robot was on its way; what lies beside it is another check's matter."""
     seen = [place_of(one.feedback.position) for one in goal.feedback]
     return next((place for place in reversed(seen) if beside(begin, target, place) <= BESIDE), None)

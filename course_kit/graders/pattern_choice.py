@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from course_kit.graders._answers import FoundAnswers
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.job import Job
-    from course_kit.quiz import Half, Result, Scenario
+    from course_kit.quiz import Half, MarkedAnswers, Scenario
 
 INTERFACES = ()
 _READ = "answers"  # the id of the check all others need
@@ -49,7 +49,7 @@ class _Sheet:
 
     def __init__(self, scenarios: tuple[Scenario, ...]) -> None:
         self._scenarios = scenarios
-        self._result: Result | None = None
+        self._result: MarkedAnswers | None = None
 
     def read(self, context: CheckContext) -> Evidence:
         entries = _read(context)
@@ -83,7 +83,7 @@ class _Sheet:
         got = f"{half.got}: {given}" if given else half.got
         return _verdict(half, "", f"the reason that decides, out of {', '.join(listed)}", got)
 
-    def _marked(self) -> Result:
+    def _marked(self) -> MarkedAnswers:
         if self._result is None:
             raise RuntimeError("the answers were not read")
         return self._result

@@ -7,7 +7,7 @@ from course_kit.text.sanitize import printable
 KEPT = 4096  # bytes, at the beginning and at the end
 
 
-class Output:
+class BoundedOutput:
     """The bytes of one stream, in bounded memory however much comes."""
 
     def __init__(self) -> None:

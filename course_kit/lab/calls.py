@@ -133,7 +133,7 @@ class ServiceExchange:
             return False
         raise ServiceNotFoundError(
             graph.not_offered(
-                self._lab.node, graph.Wanted(SERVES, self._service, self._type), waited, self._lab.own_names
+                self._lab.node, graph.WantedServer(SERVES, self._service, self._type), waited, self._lab.own_names
             )
         )
 

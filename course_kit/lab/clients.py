@@ -13,7 +13,7 @@ from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameExcept
 from rclpy.validate_topic_name import validate_topic_name
 
 from course_kit.lab.errors import ActionNotFoundError, LabError, ServiceNotFoundError
-from course_kit.lab.graph import Wanted, not_offered
+from course_kit.lab.graph import WantedServer, not_offered
 from course_kit.ros import graph
 from course_kit.ros.compat import rcl_error
 from course_kit.ros.goal import GoalClient
@@ -80,7 +80,7 @@ class Clients:
         try:
             return self._use(self._clients, (service_type, service), make, self._drop_client)
         except OtherTypeError:
-            wanted = Wanted(graph.SERVES, self.node.resolve_service_name(service), type_name(service_type))
+            wanted = WantedServer(graph.SERVES, self.node.resolve_service_name(service), type_name(service_type))
             own = frozenset({self.node.get_fully_qualified_name()})
             raise ServiceNotFoundError(not_offered(self.node, wanted, 0.0, own)) from None
 
@@ -111,7 +111,7 @@ class Clients:
         try:
             found: GoalClient = self._use(self._goal_clients, (action_type, action), make, self._drop_goal_client)
         except OtherTypeError:
-            wanted = Wanted(graph.RUNS, full_action_name(self.node, action), type_name(action_type))
+            wanted = WantedServer(graph.RUNS, full_action_name(self.node, action), type_name(action_type))
             raise ActionNotFoundError(not_offered(self.node, wanted, 0.0)) from None
         return found
 

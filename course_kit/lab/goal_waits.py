@@ -21,7 +21,7 @@ _CHECK = 0.2  # seconds between looks at whether the server is still there
 _MISSED = 2  # such looks in a row without it
 
 
-class Surroundings(Protocol):
+class GoalSurroundings(Protocol):
     """What a goal needs to know about the lab."""
 
     @property
@@ -76,7 +76,7 @@ class Wait:
         awaited: the news.
     """
 
-    def __init__(self, lab: Surroundings, pursuit: GoalTracker, timeout: float, awaited: Awaited) -> None:
+    def __init__(self, lab: GoalSurroundings, pursuit: GoalTracker, timeout: float, awaited: Awaited) -> None:
         self._lab = lab
         self._pursuit = pursuit
         self._timeout = timeout

@@ -21,7 +21,7 @@ from course_kit.ros.messages import is_action_type, type_name
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
-    from course_kit.lab.goal_waits import Surroundings
+    from course_kit.lab.goal_waits import GoalSurroundings
 
 _QUIET = 60.0  # seconds without any news of a goal, until its feedback is no longer waited for
 
@@ -52,7 +52,7 @@ class Goal:
         request: the goal message.
     """
 
-    def __init__(self, lab: Surroundings, pursuit: GoalTracker, request: Any) -> None:
+    def __init__(self, lab: GoalSurroundings, pursuit: GoalTracker, request: Any) -> None:
         self.action = pursuit.client.action_name
         self.request = request
         self._lab = lab
@@ -177,7 +177,7 @@ class Sending(Wait):
         FieldError: the goal cannot be built.
     """
 
-    def __init__(self, lab: Surroundings, action: str, action_type: Any, asked: AskedGoal) -> None:
+    def __init__(self, lab: GoalSurroundings, action: str, action_type: Any, asked: AskedGoal) -> None:
         request = _goal_message(action_type, asked)
         client = lab.goal_client(action_type, action)
         pursuit = GoalTracker(client, request, lab.call_back)
@@ -207,7 +207,9 @@ class Sending(Wait):
         if time.monotonic() - self._start < waited:
             return False
         action = self._pursuit.client.action_name
-        raise ActionNotFoundError(graph.not_offered(self._lab.node, graph.Wanted(RUNS, action, self._type), waited))
+        raise ActionNotFoundError(
+            graph.not_offered(self._lab.node, graph.WantedServer(RUNS, action, self._type), waited)
+        )
 
     def close(self) -> None:
         """Stop waiting; a goal that nobody will hold is cancelled should it be accepted after all."""

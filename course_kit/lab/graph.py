@@ -13,7 +13,7 @@ _SETTLING = 3.0  # seconds; a killed participant's lease lasts 2
 _POLL = 0.01
 
 
-class Wanted(NamedTuple):
+class WantedServer(NamedTuple):
     """A server that was looked for.
 
     Attributes:
@@ -27,7 +27,7 @@ class Wanted(NamedTuple):
     type: str
 
 
-def not_offered(node: Any, wanted: Wanted, waited: float, except_by: frozenset[str] = frozenset()) -> str:
+def not_offered(node: Any, wanted: WantedServer, waited: float, except_by: frozenset[str] = frozenset()) -> str:
     """Why no such server was found, and what to do.
 
     Args:

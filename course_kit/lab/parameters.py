@@ -150,7 +150,7 @@ def _setting(node: str, values: dict[str, Any], *, atomically: bool) -> Steps[Ou
         raise LabError('Say what to set: lab.set_parameters("/node", name=value).')
     try:
         messages = yield from parameters.to_messages(values)
-    except errors.FieldError as error:
+    except errors.BadFieldError as error:
         raise FieldError(str(error)) from None
     if atomically:
         results = [(yield from parameters.set_together(messages))] * len(values)

@@ -23,7 +23,7 @@ _BEGINNING = "the beginning"  # the ladder of who has not been graded yet
 
 
 @dataclass(frozen=True)
-class Ladder:
+class HintLadder:
     """The hints for one thing.
 
     Attributes:
@@ -77,16 +77,16 @@ def _taken(known: ProgressRecord, key: str, count: int) -> ProgressRecord:
     return replace(known, hints={**known.hints, key: max(count, known.hints.get(key, 0))})
 
 
-def ladder(task: Exercise, known: ProgressRecord) -> Ladder:
+def ladder(task: Exercise, known: ProgressRecord) -> HintLadder:
     """The hints for what failed last: those of its cause, then those of its check. Without a failure, all there are."""
     failed = known.failed
     if failed is None:
-        return Ladder(_BEGINNING, tuple(entry.text for entry in task.hints), "from the beginning")
+        return HintLadder(_BEGINNING, tuple(entry.text for entry in task.hints), "from the beginning")
     cause = task.diagnosis(failed.diagnosis)
     of_cause = (task.ladder(cause.code) or (cause.hint,)) if cause else ()
     rungs = _distinct((*of_cause, *task.ladder(failed.check)))
     read_on = cause.link if cause and environment.lesson(cause.notebook) else ""
-    return Ladder(_key(failed), rungs, f"for '{failed.title}', which failed last", read_on, min(1, len(rungs)))
+    return HintLadder(_key(failed), rungs, f"for '{failed.title}', which failed last", read_on, min(1, len(rungs)))
 
 
 def _key(failed: Failure) -> str:
@@ -97,7 +97,7 @@ def _distinct(texts: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(texts))
 
 
-def _text(task: Exercise, found: Ladder, first: int, last: int, command: str) -> str:
+def _text(task: Exercise, found: HintLadder, first: int, last: int, command: str) -> str:
     count = len(found.rungs)
     lines = _wrap(f"{task.title} ({task.id}): hints {found.about}")
     for number in range(first + 1, last + 1):

@@ -71,7 +71,7 @@ class Marks:
 
 
 @dataclass(frozen=True)
-class Result:
+class MarkedAnswers:
     """All scenarios, marked; `strangers` are the entries whose id is in no bank."""
 
     marks: tuple[Marks, ...]
@@ -93,7 +93,9 @@ class Result:
         return self.points >= PASS_SHARE * self.max_points
 
 
-def mark(scenarios: Sequence[Scenario], answers: Mapping[Any, Any], known: Collection[str] | None = None) -> Result:
+def mark(
+    scenarios: Sequence[Scenario], answers: Mapping[Any, Any], known: Collection[str] | None = None
+) -> MarkedAnswers:
     """Mark the answers to `scenarios`.
 
     Args:
@@ -112,7 +114,7 @@ def mark(scenarios: Sequence[Scenario], answers: Mapping[Any, Any], known: Colle
             marks.append(mark_one(scenario, given[scenario.id]))
         else:
             marks.append(_absent(scenario, strangers, others))
-    return Result(tuple(marks), tuple(strangers))
+    return MarkedAnswers(tuple(marks), tuple(strangers))
 
 
 def mark_one(scenario: Scenario, answer: object) -> Marks:

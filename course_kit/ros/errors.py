@@ -3,5 +3,5 @@
 from __future__ import annotations
 
 
-class FieldError(ValueError):
+class BadFieldError(ValueError):
     """A field was given by a wrong name, or it or a parameter with a value it cannot take; the message says which."""

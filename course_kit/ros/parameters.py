@@ -13,7 +13,7 @@ import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from course_kit.ros.errors import FieldError
+from course_kit.ros.errors import BadFieldError
 from course_kit.ros.messages import with_article
 
 if TYPE_CHECKING:
@@ -268,6 +268,6 @@ def _require_int64(name: str, given: Sequence[Any]) -> None:
         raise _unfit(name, given[0], "An integer parameter has 64 bits")
 
 
-def _unfit(name: str, value: Any, rule: str, hint: str = "") -> FieldError:
+def _unfit(name: str, value: Any, rule: str, hint: str = "") -> BadFieldError:
     shown = textwrap.shorten(repr(value), 60, placeholder="...")
-    return FieldError(f"{rule}; {name!r} was given {shown}, {with_article(type(value).__name__)}.{hint}")
+    return BadFieldError(f"{rule}; {name!r} was given {shown}, {with_article(type(value).__name__)}.{hint}")

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from course_kit.ros2cli.session import Session
 
 
-class Goal:
+class SentGoal:
     """A goal of one action.
 
     Args:

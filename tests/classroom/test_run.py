@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.progress import Progress
+from course_kit.classroom.progress import RunProgress
 from course_kit.classroom.records import Entry, Record, Records, safe_name
 from course_kit.classroom.run import ClassRun, Plan
 from course_kit.grading import GradingError, exercise
@@ -67,7 +67,7 @@ def handed_in(tmp_path: Path) -> Path:
 
 def run(source: Path, out: Path, executor: StandInForGrading, **options: Any) -> Gradebook:
     plan = Plan(source, out, options.pop("exercises", (SERVICE,)), **options)
-    return ClassRun(plan, Progress(io.StringIO())).grade(lambda: executor)
+    return ClassRun(plan, RunProgress(io.StringIO())).grade(lambda: executor)
 
 
 def results(book: Gradebook) -> dict[str, tuple[str, float, str]]:
@@ -98,7 +98,7 @@ def test_what_may_never_end_is_begun_first(handed_in: Path, tmp_path: Path) -> N
     assert [task.shown.partition("/")[0] for task in executor.tasks] == ["eve", "ada", "bob", "dee"]
 
 
-class Order(Progress):
+class Order(RunProgress):
     """Notes when all submissions have been read."""
 
     def __init__(self, happened: list[str]) -> None:
@@ -169,7 +169,7 @@ def test_a_request_to_stop_leaves_what_is_done_and_says_it_is_not_all(handed_in:
     executor, out = StandInForGrading(), tmp_path / "out"
     plan = Plan(handed_in, out, (SERVICE,))
     executor.slots = 1
-    book = ClassRun(plan, Progress(io.StringIO()), lambda: int(len(executor.tasks) >= 2)).grade(lambda: executor)
+    book = ClassRun(plan, RunProgress(io.StringIO()), lambda: int(len(executor.tasks) >= 2)).grade(lambda: executor)
     assert not book.complete
     assert executor.closed
     rest = StandInForGrading()
@@ -233,7 +233,7 @@ def test_two_students_never_share_a_folder(names: tuple[str, str]) -> None:
 
 def test_progress_counts_and_estimates(handed_in: Path, tmp_path: Path) -> None:
     now = [0.0]
-    tally = Progress(io.StringIO(), clock=lambda: now[0])
+    tally = RunProgress(io.StringIO(), clock=lambda: now[0])
     book = run(handed_in, tmp_path / "out", StandInForGrading())
     tally.begin(total=104, ready=[])
     for record in book.records[:4]:
@@ -243,7 +243,7 @@ def test_progress_counts_and_estimates(handed_in: Path, tmp_path: Path) -> None:
 
 
 def test_progress_counts_what_an_earlier_run_has_done(handed_in: Path, tmp_path: Path) -> None:
-    tally = Progress(io.StringIO(), clock=lambda: 0.0)
+    tally = RunProgress(io.StringIO(), clock=lambda: 0.0)
     book = run(handed_in, tmp_path / "out", StandInForGrading())
     tally.begin(total=4, ready=book.records[:3])
     tally.done(book.records[3])

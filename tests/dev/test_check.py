@@ -171,7 +171,7 @@ def test_load_keeps_processors_busy_and_ends() -> None:
     assert tree.usage(busy).tasks == 0
 
 
-def made_report(submission: corpus.Sample, **failed: str | None) -> Report:
+def made_report(submission: corpus.ProofSubmission, **failed: str | None) -> Report:
     """A report in which the checks named have failed, each with its diagnosis, and `fine` has passed."""
     checks = [CheckReport("fine", "Fine", "passed", 1.0, 1.0)]
     for name, code in failed.items():
@@ -182,12 +182,12 @@ def made_report(submission: corpus.Sample, **failed: str | None) -> Report:
     return Report(submission.exercise, "", "", "graded", not failed, score, 1.0, 0.1, tuple(checks))
 
 
-def made_sets(*submissions: corpus.Sample) -> corpus.Corpus:
+def made_sets(*submissions: corpus.ProofSubmission) -> corpus.Corpus:
     loaded = corpus.load("temperature_service", ROOT)
     return corpus.Corpus(loaded.task, submissions)
 
 
-def texts(rule: str, of: corpus.Corpus, reports: dict[corpus.Sample, Report]) -> str:
+def texts(rule: str, of: corpus.Corpus, reports: dict[corpus.ProofSubmission, Report]) -> str:
     return "\n".join(str(fault) for fault in rules.faults(of, reports) if fault.rule == rule)
 
 

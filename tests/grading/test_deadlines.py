@@ -15,11 +15,11 @@ from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
 
 from course_kit import environment
-from course_kit.grading.checks.actions import Action, expect_action, start_again
+from course_kit.grading.checks.actions import WantedAction, expect_action, start_again
 from course_kit.grading.checks.check import Check, Evidence, run_all
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import expect_node
-from course_kit.grading.checks.goals import Goal
+from course_kit.grading.checks.goals import CheckedGoal
 from course_kit.grading.checks.load_test import Load, call_many
 from course_kit.grading.checks.parameters import Remote, expect_served
 from course_kit.grading.checks.services import Service, call, expect_offered
@@ -36,8 +36,8 @@ DEADLINE_S = 0.4
 START_S = PATIENCE_S = 60.0  # against hanging only
 SERVICE = Service("/convert_temperature", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
 MISSING = Service("/not_there", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
-ACTION = Action("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
-NO_ACTION = Action("/no_action", MoveRobot, "course_interfaces/action/MoveRobot")
+ACTION = WantedAction("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
+NO_ACTION = WantedAction("/no_action", MoveRobot, "course_interfaces/action/MoveRobot")
 SENT = Topic("/cmd_vel_in", Twist, "geometry_msgs/msg/Twist")
 HEARD = Topic("/cmd_vel", Twist, "geometry_msgs/msg/Twist")
 OTHER = Topic("/other", Twist, "geometry_msgs/msg/Twist")
@@ -79,8 +79,8 @@ def context(domain: int) -> Iterator[CheckContext]:
         program.kill()
 
 
-def send(context: CheckContext) -> Goal:
-    return Goal(context, ACTION, MoveRobot.Goal(), "a goal")
+def send(context: CheckContext) -> CheckedGoal:
+    return CheckedGoal(context, ACTION, MoveRobot.Goal(), "a goal")
 
 
 def cancel(context: CheckContext) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.grading.diagnosis.tracebacks import activity
-from course_kit.grading.output import Output
+from course_kit.grading.output import BoundedOutput
 from course_kit.grading.sandbox.output_collector import OutputCollector
 from course_kit.grading.sandbox.sandbox import Streams
 
@@ -26,7 +26,7 @@ def written() -> Iterator[tuple[OutputCollector, int]]:
     os.set_blocking(reader, False)
     idle = [os.open(os.devnull, os.O_RDONLY) for _ in range(4)]
     streams = Streams(idle[0], idle[1], idle[2], reader, idle[3])
-    yield OutputCollector(streams, 10, (Output(), Output())), writer
+    yield OutputCollector(streams, 10, (BoundedOutput(), BoundedOutput())), writer
     os.close(writer)
     streams.close()
 

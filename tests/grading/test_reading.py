@@ -11,7 +11,7 @@ from course_kit.grading.checks.process_status import ProcessStatus
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import activity, last_exception
 from course_kit.grading.job import Job
-from course_kit.grading.output import KEPT, Output
+from course_kit.grading.output import KEPT, BoundedOutput
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -187,13 +187,13 @@ def test_source_line_in_a_notebook() -> None:
 
 @pytest.mark.parametrize("size", [0, 1, KEPT, 2 * KEPT])
 def test_output_up_to_twice_the_kept_size_is_whole(size: int) -> None:
-    output = Output()
+    output = BoundedOutput()
     output.add(b"a" * size)
     assert output.text() == "a" * size
 
 
 def test_output_keeps_beginning_and_end() -> None:
-    output = Output()
+    output = BoundedOutput()
     for number in range(3 * KEPT // 8 + 1):
         output.add(b"%07d " % number)
     text = output.text()
@@ -203,7 +203,7 @@ def test_output_keeps_beginning_and_end() -> None:
 
 
 def test_output_is_harmless_text() -> None:
-    output = Output()
+    output = BoundedOutput()
     output.add("ä\x1b[31mred\x00\r\n\t\xff".encode() + b"\xff\xfe")
     text = output.text()
     assert "\x1b" not in text

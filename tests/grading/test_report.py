@@ -14,7 +14,7 @@ from course_kit import environment
 from course_kit.grading import CheckReport, Report, exit_code, render_html, render_text
 from course_kit.grading.diagnosis.catalogue import catalogue, complete
 from course_kit.grading.exchange_log import GRADER, NODE
-from course_kit.grading.output import Output
+from course_kit.grading.output import BoundedOutput
 from course_kit.grading.render.sequence import sequence_svg
 from course_kit.ros.arrows import Arrow
 from course_kit.text.sanitize import printable
@@ -185,7 +185,7 @@ def test_text_lets_nothing_steer_the_terminal() -> None:
 def test_joiners_stay_where_writing_needs_them(said: str, shown: str) -> None:
     assert printable(said) == shown
     assert printable(shown) == shown
-    output = Output()
+    output = BoundedOutput()
     output.add(said.encode())
     assert output.text() == shown
 

@@ -18,7 +18,7 @@ class Proofs:
     """What `dev check` finds, exercise by exercise, as the tests ask for it."""
 
     @cache  # noqa: B019 - it lives as long as the test run
-    def of(self, exercise: str) -> check.Outcome:
+    def of(self, exercise: str) -> check.ProofOutcome:
         return check.check(ROOT, [exercise])
 
     def report(self, exercise: str, kind: str, name: str) -> check.Report:

@@ -10,7 +10,7 @@ from rcl_interfaces.msg import ParameterValue
 from rclpy.parameter import Parameter
 
 from course_kit.ros import parameters
-from course_kit.ros.errors import FieldError
+from course_kit.ros.errors import BadFieldError
 
 if TYPE_CHECKING:
     from course_kit.ros.parameters import Question
@@ -58,7 +58,7 @@ def test_types_have_the_names_that_ros_has_for_them() -> None:
 
 @pytest.mark.parametrize("value", [{}, object(), [1, 1.5], [1, "a"], 2**63, [2**63]])
 def test_what_no_parameter_can_have_is_named(value: Any) -> None:
-    with pytest.raises(FieldError, match="'speed' was given"):
+    with pytest.raises(BadFieldError, match="'speed' was given"):
         parameters.to_message("speed", value)
 
 

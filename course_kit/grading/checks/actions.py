@@ -32,7 +32,7 @@ _STATUS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @dataclass(frozen=True)
-class Action:
+class WantedAction:
     """An action as the exercise names it.
 
     Attributes:
@@ -100,7 +100,7 @@ class Statuses:
 class ActionChannels:
     """The grader's connections with an action; made on first use, and the same as long as the grader's node."""
 
-    def __init__(self, context: CheckContext, action: Action) -> None:
+    def __init__(self, context: CheckContext, action: WantedAction) -> None:
         parts, self._grader_node, self._name = action.interface.Impl, context.grader_node, action.name
         self.goals = self._client(parts.SendGoalService, "send_goal")
         self.cancels = self._client(parts.CancelGoalService, "cancel_goal")
@@ -121,7 +121,7 @@ class ActionChannels:
         return self._grader_node.hear_with(make, interface, f"{self._name}/_action/{part}", qos)
 
 
-def expect_action(context: CheckContext, action: Action) -> Evidence:
+def expect_action(context: CheckContext, action: WantedAction) -> Evidence:
     """The action is on the graph, with its type, and its program is there to be sent goals.
 
     Raises:
@@ -139,7 +139,7 @@ def expect_action(context: CheckContext, action: Action) -> Evidence:
     return Evidence("", expected, expected)
 
 
-def ensure_ready(context: CheckContext, action: Action) -> None:
+def ensure_ready(context: CheckContext, action: WantedAction) -> None:
     """Have a running submission that offers the action: one that has died or hangs is started again.
 
     Raises:
@@ -149,7 +149,7 @@ def ensure_ready(context: CheckContext, action: Action) -> None:
         start_again(context, action)
 
 
-def start_again(context: CheckContext, action: Action, variables: Mapping[str, str] | None = None) -> None:
+def start_again(context: CheckContext, action: WantedAction, variables: Mapping[str, str] | None = None) -> None:
     """Start the submission anew, with other environment variables if wanted.
 
     Args:
@@ -165,7 +165,7 @@ def start_again(context: CheckContext, action: Action, variables: Mapping[str, s
         _wait_for_match(context, action)
 
 
-def _wait_for_match(context: CheckContext, action: Action) -> None:
+def _wait_for_match(context: CheckContext, action: WantedAction) -> None:
     """Ask for the result of a goal that does not exist; whether that is answered does not matter."""
     retry.wait_for_match(
         context, ActionChannels(context, action).results, action.interface.Impl.GetResultService.Request()

@@ -23,7 +23,7 @@ from course_kit.ros.goal import status_name
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.grading.checks.actions import Action, ReceivedFeedback
+    from course_kit.grading.checks.actions import ReceivedFeedback, WantedAction
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.process_status import ProcessStatus
 
@@ -45,10 +45,10 @@ class Ended:
         return status_name(self.status)
 
 
-class Goal:
+class CheckedGoal:
     """A goal; made, it is sent."""
 
-    def __init__(self, context: CheckContext, action: Action, message: Any, shown: str) -> None:
+    def __init__(self, context: CheckContext, action: WantedAction, message: Any, shown: str) -> None:
         """Send a goal; a submission that has died or hangs is started again before.
 
         Args:

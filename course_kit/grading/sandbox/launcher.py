@@ -39,7 +39,7 @@ _REQUEST_S = 20.0  # the fork reads at once; a machine that is stuck for so long
 _ENDING_S = 30.0  # killing is quick, also of hundreds of processes
 
 
-class LaunchError(RuntimeError):
+class SandboxStartError(RuntimeError):
     """Submissions cannot be started any more, by a fault of ours or of the machine; the text says why."""
 
 
@@ -76,7 +76,7 @@ class Launcher:
             theirs.close()
             request.send({"program": program.to_mapping(), "cell": cell.to_mapping()})
         except (OSError, ChannelClosedError) as problem:
-            raise LaunchError(f"a program cannot be started: {problem}") from problem
+            raise SandboxStartError(f"a program cannot be started: {problem}") from problem
         finally:
             theirs.close()
             request.close()
@@ -92,9 +92,9 @@ class Launcher:
             self._line.send(_END)
             answer = self._line.recv(len(_ENDED))
         except OSError as problem:
-            raise LaunchError(f"a program cannot be ended: {problem}") from problem
+            raise SandboxStartError(f"a program cannot be ended: {problem}") from problem
         if answer != _ENDED:
-            raise LaunchError("the process that starts programs was killed")
+            raise SandboxStartError("the process that starts programs was killed")
 
     def close(self) -> None:
         """Close this end; the process ends, with all it has started, when every copy is closed."""

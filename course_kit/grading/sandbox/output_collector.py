@@ -9,7 +9,7 @@ import signal
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.output import Output
+from course_kit.grading.output import BoundedOutput
 
 if TYPE_CHECKING:
     from course_kit.grading.sandbox.sandbox import Streams
@@ -29,13 +29,13 @@ _EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes a
 class OutputCollector:
     """Collects what comes out of a sandbox. Only facts for the diagnosis: the inside can forge all of it."""
 
-    def __init__(self, streams: Streams, limit_kb: int, totals: tuple[Output, Output]) -> None:
+    def __init__(self, streams: Streams, limit_kb: int, totals: tuple[BoundedOutput, BoundedOutput]) -> None:
         self.over = False
         self.samples = 0
         self.evidence_bytes = 0
         self._streams = streams
         self._limit = limit_kb * 1024
-        self._output = {"stdout": Output(), "stderr": Output()}
+        self._output = {"stdout": BoundedOutput(), "stderr": BoundedOutput()}
         self._totals = dict(zip(("stdout", "stderr"), totals, strict=True))
         self._facts: dict[str, Any] = {}
         self._notes: dict[str, Any] = {}

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 from course_kit import environment
 from course_kit.grading import limits
 from course_kit.grading.checks.context import PHASES
-from course_kit.grading.output import Output
+from course_kit.grading.output import BoundedOutput
 from course_kit.grading.sandbox import conditions, file_view, init_process, memory
 from course_kit.grading.sandbox.isolation import enter_network
-from course_kit.grading.sandbox.launcher import LaunchError
+from course_kit.grading.sandbox.launcher import SandboxStartError
 from course_kit.grading.sandbox.output_collector import OutputCollector
 from course_kit.grading.sandbox.sandbox import Sandbox
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
@@ -62,7 +62,7 @@ class Supervisor:
         self._profile: dict[str, str] = {}
         self._network: tuple[int, ...] = ()  # descriptors of the namespaces that the submission is to join
         self._began = time.monotonic()
-        self._totals = (Output(), Output())
+        self._totals = (BoundedOutput(), BoundedOutput())
         self._sandbox: Sandbox | None = None
         self._collector: OutputCollector | None = None
         self._domains = ExitStack()
@@ -146,7 +146,7 @@ class Supervisor:
         except (ChannelClosedError, TimeoutError) as gone:
             self._again = True
             return f"the grader's own process ended unexpectedly ({gone})"
-        except (LaunchError, OSError) as problem:  # the machine has run out of something
+        except (SandboxStartError, OSError) as problem:  # the machine has run out of something
             self._again = True
             return f"the submission could not be started: {problem}"
 

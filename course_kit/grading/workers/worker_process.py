@@ -19,7 +19,7 @@ from course_kit.grading import needs
 from course_kit.grading.job import Job
 from course_kit.grading.sandbox import file_view, isolation, namespaces, scratch
 from course_kit.grading.sandbox import launcher as launchers
-from course_kit.grading.sandbox.launcher import Launcher, LaunchError
+from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
@@ -208,7 +208,7 @@ def _run(job: Job, launcher: Launcher, view: FileView) -> dict[str, Any]:
         return _broken_off(problem, again=False)
     try:
         return Supervisor(job, launcher, view).run()
-    except (LaunchError, OSError) as problem:  # the machine has run out of something
+    except (SandboxStartError, OSError) as problem:  # the machine has run out of something
         return _broken_off(f"the submission could not be run: {problem}")
 
 

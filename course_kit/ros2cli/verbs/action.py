@@ -69,14 +69,14 @@ def _info(options: Any, session: Session) -> None:
 
 def _send_goal(options: Any, session: Session) -> None:
     from course_kit.ros2cli import types, values
-    from course_kit.ros2cli.goal import Goal
+    from course_kit.ros2cli.goal import SentGoal
 
     name = checked_name(options.action_name)
     node = session.node  # before the type is imported: the graph is being discovered meanwhile
     action_type = types.find_type(options.action_type, "action")
     goal = action_type.Goal()
     values.fill(goal, options.goal, f"{type_name(action_type)}_Goal")
-    sending = Goal(session, node, action_type, name, options.timeout)
+    sending = SentGoal(session, node, action_type, name, options.timeout)
     try:
         sending.run(goal, show_feedback=options.feedback)
     finally:
