@@ -101,7 +101,7 @@ def test_test_tools_that_cannot_be_installed_leave_the_course_as_it_was(clone: C
     [
         ("uname", '#!/bin/sh\n[ "$1" = -s ] && echo Darwin || echo arm64\n', "this is Darwin on arm64"),
         ("uname", '#!/bin/sh\n[ "$1" = -s ] && echo Linux || echo aarch64\n', "this is Linux on aarch64"),
-        ("getconf", "#!/bin/sh\necho glibc 2.27\n", "glibc 2.28 or newer, and this is glibc 2.27"),
+        ("getconf", "#!/bin/sh\necho glibc 2.27\n", "glibc 2.28 or newer, but this is glibc 2.27"),
         ("getconf", "#!/bin/sh\nexit 1\n", "this Linux has another C library"),
     ],
 )

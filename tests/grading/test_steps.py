@@ -121,7 +121,7 @@ def steps_of(report: grading.Report, check: str) -> list[str]:
             "change_velocity",
             [
                 "set_parameters: max_velocity=",
-                "it was accepted",
+                "accepted",
                 "/cmd_vel_in: linear.x=-9.0",
                 "/cmd_vel: linear.x=-1.0",
             ],

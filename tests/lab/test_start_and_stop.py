@@ -199,7 +199,7 @@ def test_a_name_used_with_two_types_is_explained() -> None:
             self.create_service(Trigger, "switch", lambda _, response: response)
 
     lab.start(Switch)
-    with pytest.raises(lab.LabError, match=r"/switch with another type .* used by switch"):
+    with pytest.raises(lab.LabError, match=r"/switch with a different type .* used by switch"):
         lab.start(Other)
 
 
