@@ -4,7 +4,7 @@
 `course-kit class` with everything it does; and the same without those that never end, to see what these cost the
 others. `growth`: the same for classes of 50 to 400. `right`: 24 right ones of each exercise with a node.
 `rivals`: equal work in the same run for ours, nbgrader, Otter (where it is installed), nbconvert, a plain script
-each, and the floor, which is a fork from a warm process; see `class_work.py` for what they all do and
+each, and the lower bound, which is a fork from a warm process; see `class_work.py` for what they all do and
 `class_rivals.py` for how. Without a name: throughput and rivals.
 Run it on a quiet machine. The whole takes about ten minutes on two cores.
 """

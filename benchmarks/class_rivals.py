@@ -114,7 +114,7 @@ class Contestant(ABC):
 
 
 class Ours(Contestant):
-    """`course-kit class`, with all its walls and reports; it shares the work among its workers itself."""
+    """`course-kit class`, with full isolation and reports; it shares the work among its workers itself."""
 
     title = "course-kit class"
 
@@ -142,7 +142,7 @@ class Ours(Contestant):
 
 
 class Script(Contestant):
-    """A Python for each program: no notebook, no walls."""
+    """A Python for each program: no notebook, no isolation."""
 
     title = "a plain script each"
 
@@ -162,7 +162,7 @@ class Script(Contestant):
 class Fork(Script):
     """One warm process that forks for each program: the least it can cost."""
 
-    title = "the floor: fork from a warm process"
+    title = "lower bound: fork from a warm process"
 
     def commands(self, submissions: Sequence[Submission]) -> list[list[str]]:
         return [python(str(BENCHMARKS / "class_work.py"), "fork", *(f"{one.student}.py" for one in submissions))]

@@ -15,7 +15,7 @@ EXERCISE = "temperature_service"
 LOOP = "limit.time"
 LOOP_EVERY = 50
 _CRASHING = ("start.crash", "start.exit", "start.import", "start.syntax")
-# What the contestants without walls can be asked to run, too: nothing that takes the machine's memory or processes.
+# What the contestants without isolation can be asked to run, too: nothing that takes the machine's memory or processes.
 _HARMLESS = (
     "math.formula",
     "math.integer_division",

@@ -3,10 +3,10 @@
 A notebook's test cell, an Otter test, a plain script and a fork all call `points` with the class that was handed in:
 its node is served on a thread of its own, and asked what our grader asks it, with the same tolerances and patience.
 So what is compared is what stands around the checks. Ours does more in the same time: it runs the node in a process
-behind walls, and says what went wrong.
+isolated, and says what went wrong.
 
 `python class_work.py script FILE` grades in this process; `python class_work.py fork FILE...` imports everything once
-and forks for each, without walls: the floor. A score is printed for each file.
+and forks for each, without isolation: the lower bound. A score is printed for each file.
 """
 
 from __future__ import annotations

@@ -15,9 +15,10 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     """Called by `%load_ext course_kit`."""
     import sys
 
-    from course_kit import environment, grade_magics, magics
-    from course_kit.hint_magic import hint_line
-    from course_kit.ros2.magic import ros2_line
+    from course_kit import environment
+    from course_kit.integrations import grade_magics, magics
+    from course_kit.integrations.hint_magic import hint_line
+    from course_kit.ros2cli.magic import ros2_line
 
     magics.register(shell)
     shell.register_magics(grade_magics.GradeMagics)
@@ -27,7 +28,8 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     environment.apply()  # before rclpy is imported; grading works also where this finds no ROS domain
     if told := environment.middleware.unsupported():
         sys.stderr.write(f"{told}\n")
-    from course_kit import lab, trace
+    from course_kit import lab
+    from course_kit.lab.recording import attaching
 
     lab.current().watch_output()
-    trace.attach()
+    attaching.attach()

@@ -1,4 +1,4 @@
-"""The door of the `course-kit` command.
+"""The entry point of the `course-kit` command.
 
 It first takes the working directory off the path of modules: instructors call the command where submissions lie, and
 a `random.py` among them must not become part of the grader. Empty or relative entries of PYTHONPATH put it there.
@@ -15,7 +15,7 @@ import sys
 def main() -> int:
     """Run the command line; returns its exit code."""
     _leave_out_the_working_directory()
-    from course_kit.cli import main as command_line
+    from course_kit.cli.main import main as command_line
 
     return command_line()
 

@@ -43,7 +43,7 @@ def _make_settings() -> None:
 def install() -> None:
     """Put the finders in place."""
     from course_kit.interfaces import finder
-    from course_kit.launch_shim import finder as launch_finder
+    from course_kit.launch import finder as launch_finder
 
     finder.install()
     launch_finder.install()

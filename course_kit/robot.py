@@ -88,16 +88,16 @@ def _coordinate(name: str, value: object) -> float:
     """One coordinate of a target, checked."""
     if not isinstance(value, SupportsFloat):
         raise TypeError(
-            f"step_towards takes two numbers in metres, and {name} is a {type(value).__name__}. "
+            f"step_towards takes two numbers in metres, but {name} is a {type(value).__name__}. "
             f"With a geometry_msgs Point p: robot.step_towards(p.x, p.y)."
         )
     number = float(value)
     size = SimulatedRobot.ARENA_SIZE
     if math.isnan(number):
-        raise ValueError(f"{name} is NaN, which is no place to drive to. Check the target with math.isfinite() first.")
+        raise ValueError(f"{name} is NaN, not a place to drive to. Check the target with math.isfinite() first.")
     if not -_ROUNDING <= number <= size + _ROUNDING:
         raise ValueError(
-            f"{name} = {number:g} m lies outside the arena, which goes from 0 to {size:g} m. "
+            f"{name} = {number:g} m is outside the arena, which goes from 0 to {size:g} m. "
             f"Refuse such a target before you drive."
         )
     return min(max(number, 0.0), size)
@@ -110,5 +110,5 @@ def _time_scale() -> float:
     except ValueError:
         scale = math.nan
     if not (math.isfinite(scale) and scale >= 0.0):
-        raise ValueError(f"{_TIME_SCALE} is '{text}', and has to be a number from 0 up; 1 is real time. Unset it.")
+        raise ValueError(f"{_TIME_SCALE} is '{text}', but it has to be a number from 0 up; 1 is real time. Unset it.")
     return scale

@@ -106,7 +106,7 @@ class Environments:
             return
         if not any((self.face / name).exists() for name in _OLD_MARKS):
             raise SetUpError(
-                f"{self.face} was not made by ./course, which needs this name. Rename it or move it away, then run the "
+                f"{self.face} was not made by ./course, which needs that name. Rename it or move it away, then run the "
                 "same command again."
             )
         if running.is_used(self.face):

@@ -72,7 +72,7 @@ def _wait_for(descriptor: int, patience_s: float) -> None:
             told = True
         if time.monotonic() > deadline:
             raise SetUpError(
-                f"Another set-up of this folder has not ended in {patience_s / 60:.0f} minutes: "
+                f"Another set-up of this folder has not finished within {patience_s / 60:.0f} minutes: "
                 f"{_holder(descriptor)}. Stop it, then run the same command again."
             )
         time.sleep(_LOOK_EVERY_S)  # a wait in the kernel would have no deadline

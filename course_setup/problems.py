@@ -38,11 +38,11 @@ def describe(error: OSError, root: Path, kind: str) -> str:
         return disk_full(root, kind)
     if error.errno in _FORBIDDEN:
         return (
-            f"The folder {root} cannot be written ({reason}), and the course has to be set up in it. Copy the folder "
+            f"The folder {root} cannot be written to ({reason}), but the course is set up inside it. Copy the folder "
             "to a place where you may write; or have its owner run './course lab' once, then it works for you, too."
         )
     where = f": {error.filename}" if error.filename else ""
-    return f"The set-up failed ({reason}{where}). When you have mended that, run the same command again."
+    return f"The set-up failed ({reason}{where}). Fix this, then run the same command again."
 
 
 def disk_full(root: Path, kind: str) -> str:
@@ -64,7 +64,7 @@ def unfinished(what: str, root: Path, kind: str) -> str:
     free = status.f_bavail * status.f_frsize // 2**20
     if free < _FULL_MB:
         return f"{what}. {disk_full(root, kind)}"
-    room = f", and room: {free} MB are free, and the course needs {size(kind)}" if free < _SIZES_MB[kind] else ""
+    room = f", and disk space: {free} MB are free, but the course needs {size(kind)}" if free < _SIZES_MB[kind] else ""
     return f"{what}; the lines above say why. It needs a network connection{room}. Then run the same command again."
 
 
@@ -84,8 +84,8 @@ def require_usable(root: Path, environments: Path) -> None:
         ) from None
     if os.statvfs(root).f_flag & os.ST_NOEXEC:
         raise SetUpError(
-            f"The folder {root} is on a file system that lets no program run (mounted 'noexec'), so ROS 2 could not be "
-            "loaded from it. Move the course's folder to another place, such as your home directory."
+            f"The folder {root} is on a file system that lets no programs run (mounted 'noexec'), so ROS 2 could not "
+            "be loaded from it. Move the course's folder to another place, such as your home directory."
         )
     environments.mkdir(exist_ok=True)
     _require_links(root, environments)

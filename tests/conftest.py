@@ -1,4 +1,4 @@
-"""Fixtures for all rooms, and what happens to the browser tests where there is no browser."""
+"""Fixtures for all tests, and what happens to the browser tests where there is no browser."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ import pytest
 
 from course_kit import environment
 from course_kit.dev import browser
+from tests.attack_table import AttackTable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 environment.heed_interrupts()  # tests press Ctrl-C, wherever they were started from
 environment.apply()  # before any test module imports rclpy
@@ -24,6 +25,11 @@ _WITHOUT_BROWSER = (
 )
 _WITHOUT_ANSWERS = "This is the student edition: the tests that need the solutions are left out."
 REPOSITORY = Path(__file__).resolve().parent.parent
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Have the attacks listed."""
+    config.pluginmanager.register(AttackTable())
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -74,7 +74,7 @@ class Clone:
             shutil.copytree(REPOSITORY / part, self.root / part, ignore=generated)
         for part in ("course", "pyproject.toml", "hatch_build.py"):
             shutil.copy(REPOSITORY / part, self.root / part)
-        (self.root / "course_kit/cli.py").write_text(STAND_IN_CLI)
+        (self.root / "course_kit/cli/main.py").write_text(STAND_IN_CLI)
         self.tool("uv", STAND_IN_UV)
         self.log.touch()
 

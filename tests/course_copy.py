@@ -8,8 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from course_kit import shelf
 from course_kit.grading import exercise
+from course_kit.learner import starters
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 TEMPERATURE = "temperature_service"
@@ -19,7 +19,7 @@ SOLUTION = REPOSITORY / "solutions" / TEMPERATURE / f"{TEMPERATURE}.py"
 def starter(folder: Path, name: str = "starter.py") -> Path:
     """A file with the starter of exercise 1, whatever the person at this machine has made of theirs."""
     path = folder / name
-    path.write_bytes((shelf.STARTERS / TEMPERATURE / f"{TEMPERATURE}.py{shelf.PRISTINE}").read_bytes())
+    path.write_bytes((starters.STARTERS / TEMPERATURE / f"{TEMPERATURE}.py{starters.PRISTINE}").read_bytes())
     return path
 
 
@@ -59,8 +59,10 @@ def copy_course(folder: Path) -> Course:
     (root / "notebooks").mkdir()
     shutil.copy(REPOSITORY / "pyproject.toml", root)
     for name in exercise.ids(root / "exercises"):
-        for pristine in (shelf.STARTERS / name).iterdir():
-            (root / "exercises" / name / pristine.name.removesuffix(shelf.PRISTINE)).write_bytes(pristine.read_bytes())
+        for pristine in (starters.STARTERS / name).iterdir():
+            (root / "exercises" / name / pristine.name.removesuffix(starters.PRISTINE)).write_bytes(
+                pristine.read_bytes()
+            )
     return Course(folder, root)
 
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit import course_list, grading, progress
+from course_kit import grading
+from course_kit.learner import course_list, progress
 from tests.course_copy import SOLUTION, TEMPERATURE, Course, starter
 from tests.lab.kernel import Kernel
 
@@ -164,7 +165,7 @@ def test_a_character_the_terminal_has_not_stops_nothing(course: Course) -> None:
 
 def test_an_exercise_that_is_being_written_hides_no_other(tmp_path: Path) -> None:
     text = 'format_version = 1\nid = "{0}"\ntitle = "{0}"\norder = {1}\npoints = 2\npass_mark = 1\nstarter = "a.py"\n'
-    text += 'notebook = "a.ipynb"\nclass_name = "A"\n'
+    text += 'grader = "a"\nnotebook = "a.ipynb"\nclass_name = "A"\n'
     for order, name in enumerate(("second", "first"), start=-2):
         (tmp_path / name).mkdir()
         (tmp_path / name / "exercise.toml").write_text(text.format(name, -order))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.cli import build_parser
+from course_kit.cli.main import build_parser
 from tests.course_clone import BASE_PYTHON, Clone
 
 if TYPE_CHECKING:
@@ -57,8 +57,8 @@ def test_it_works_through_a_link_and_from_another_folder(clone: Clone, tmp_path:
 
 def test_a_file_in_the_folder_one_is_in_takes_the_place_of_no_module(clone: Clone, tmp_path: Path) -> None:
     (tmp_path / "runpy.py").write_text("raise SystemExit('not meant')\n")
-    (tmp_path / "course_kit").mkdir()
-    (tmp_path / "course_kit" / "cli.py").write_text("raise SystemExit('another course')\n")
+    (tmp_path / "course_kit" / "cli").mkdir(parents=True)
+    (tmp_path / "course_kit" / "cli" / "main.py").write_text("raise SystemExit('another course')\n")
     for _ in range(2):
         done = clone.course("doctor", cwd=tmp_path)
         assert done.stdout == f"cli {clone.environment} doctor\n", done.stderr
@@ -101,7 +101,7 @@ def test_test_tools_that_cannot_be_installed_leave_the_course_as_it_was(clone: C
     [
         ("uname", '#!/bin/sh\n[ "$1" = -s ] && echo Darwin || echo arm64\n', "this is Darwin on arm64"),
         ("uname", '#!/bin/sh\n[ "$1" = -s ] && echo Linux || echo aarch64\n', "this is Linux on aarch64"),
-        ("getconf", "#!/bin/sh\necho glibc 2.27\n", "glibc 2.28 or newer, and this is glibc 2.27"),
+        ("getconf", "#!/bin/sh\necho glibc 2.27\n", "glibc 2.28 or newer, but this is glibc 2.27"),
         ("getconf", "#!/bin/sh\nexit 1\n", "this Linux has another C library"),
     ],
 )

@@ -36,6 +36,7 @@ def test_a_working_installation_is_found_in_order_with_a_verdict_on_each_line() 
         "your files",
         "ROS graph",
         "rclpy",
+        "inside rclpy",
         "RMW",
         "Jupyter",
         "message types",
@@ -107,7 +108,7 @@ def test_without_the_notebooks_it_says_what_works_and_what_is_missing(tmp_path: 
     assert done.returncode == 1
     assert line_about("course folder", done.stdout).startswith("BAD")
     said = " ".join(done.stdout.split())
-    assert "the lessons and exercises are not here" in said
+    assert "the lessons and exercises are missing" in said
     assert "Live nodes, panels, message types and ros2 work" in said
     assert line_about("discovery", done.stdout).startswith("ok")
     assert "Everything the course needs is here" not in said

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grade_magics import SubmissionCells, parse
+from course_kit.integrations.grade_magics import SubmissionCells, parse
 from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def test_cells_of_a_submission_are_joined_in_the_notebooks_order(monkeypatch: py
     cells.keep("exercise", "second", "b")
     cells.keep("exercise", "first", "a")
     assert cells.of("exercise") == ["b", "a"]  # the order of running, while the notebook is not known
-    monkeypatch.setattr("course_kit.grade_magics._ids_in_file", lambda: ["first", "second"])
+    monkeypatch.setattr("course_kit.integrations.grade_magics._ids_in_file", lambda: ["first", "second"])
     assert cells.of("exercise") == ["a", "b"]
     cells.keep("exercise", "second", "new b")
     assert cells.of("exercise") == ["a", "new b"]

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from hatchling.builders.wheel import WheelBuilder
 
 import hatch_build
 from course_kit.interfaces.native.loader import load_helper
@@ -99,3 +100,11 @@ def test_where_none_works_it_says_what_each_said(root: Path, compiler: Callable[
     with pytest.raises(hatch_build.NoCompilerError, match=r"(?s)No C compiler here.*gcc: .*stdbool\.h: No such file"):
         hatch_build.compile_helper(root, [*hatch_build.system_compilers(), [sys.executable, "-m", "no_such_module"]])
     assert not (root / hatch_build.LIBRARY).exists()
+
+
+def test_a_wheel_has_every_file_of_the_package_templates_and_style_sheets_included() -> None:
+    packed = {Path(file.distribution_path) for file in WheelBuilder(str(REPOSITORY)).recurse_included_files()}
+    here = {path.relative_to(REPOSITORY) for path in (REPOSITORY / "course_kit").rglob("*") if path.is_file()}
+    wanted = {path for path in here if path.suffix not in {".so", ".pyc", ".tmp"}}
+    assert {".html", ".css", ".js", ".svg", ".toml", ".xml"} <= {path.suffix for path in wanted}
+    assert wanted <= packed

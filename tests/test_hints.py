@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import hints, progress
-from course_kit.grading import GradingError, diagnosis, exercise
+from course_kit.grading import GradingError, exercise
+from course_kit.grading.diagnosis import catalogue
+from course_kit.learner import hints, progress
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 TOML = """
 format_version = 1
+grader = "course_kit.graders.none"
 id = "walk"
 title = "A walk"
 order = 1
@@ -35,6 +37,9 @@ text = "A shove."
 [[hints]]
 for = ["end"]
 text = "The end."
+[diagnoses."limit.time"]
+notebook = "notebooks/02_actions.ipynb"
+section = "Cancelling"
 """
 
 
@@ -89,20 +94,27 @@ def test_a_known_cause_comes_before_the_hints_of_its_check_and_none_comes_twice(
 def test_a_cause_without_a_hint_here_has_the_catalogues(folder: Path) -> None:
     failed("start", "service.no_return")
     found = hints.ladder(exercise.load("walk", folder), progress.read()["walk"])
-    assert found.rungs == (diagnosis.catalogue()["service.no_return"].hint, "A nudge.", "A push.", "A shove.")
+    assert found.rungs == (catalogue.catalogue()["service.no_return"].hint, "A nudge.", "A push.", "A shove.")
 
 
 def test_where_to_read_on_comes_with_the_last_rung(folder: Path) -> None:
     failed("nowhere", "service.no_return")
     text, _ = hints.hint("walk", "%hint", folder=folder)
-    assert diagnosis.catalogue()["service.no_return"].notebook in text
+    assert catalogue.catalogue()["service.no_return"].notebook in text
     assert "%hint walk --again" in text
+
+
+def test_where_to_read_on_is_where_the_exercise_says(folder: Path) -> None:
+    failed("nowhere", "limit.time")
+    text, _ = hints.hint("walk", "%hint", folder=folder)
+    assert "notebooks/02_actions.ipynb#Cancelling" in text
+    assert catalogue.catalogue()["limit.time"].notebook not in text
 
 
 def test_a_check_without_hints_says_so(folder: Path) -> None:
     failed("nowhere")
     text, _ = hints.hint("walk", "%hint", folder=folder)
-    assert "There are none" in text
+    assert "There are no hints for this one" in text
     assert "last one" not in text
 
 

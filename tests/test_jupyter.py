@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit import environment, jupyter, jupyter_folders
+from course_kit import environment
+from course_kit.integrations import jupyter, jupyter_folders
 from tests.course_copy import Course
 from tests.jupyter_server import allow_root, started
 

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, NoReturn
 
 import pytest
 
-from course_kit import progress
 from course_kit.grading import CheckReport, Report
+from course_kit.learner import progress
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 MANY_TRIES = """
 from dataclasses import replace
-from course_kit import progress
+from course_kit.learner import progress
 for _ in range(25):
     assert progress.update("exercise", lambda old: replace(old, tries=old.tries + 1)) == ""
 """

@@ -13,7 +13,8 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from course_kit import environment, release
+from course_kit import environment
+from course_kit.authoring import release
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 HELPER = "course_kit/interfaces/native/_helper.so"  # built by the set-up, in the student edition as here
@@ -46,6 +47,8 @@ def test_it_has_the_course_and_none_of_the_answers(student: Path) -> None:
     assert os.access(student / "course", os.X_OK)
     for name in release.LEFT_OUT:
         assert not (student / name).exists(), name
+    for path in REPOSITORY.glob("course_kit/**/templates/*"):
+        assert (student / path.relative_to(REPOSITORY)).is_file(), path
     answers = {path.read_bytes() for path in REPOSITORY.glob("solutions/*/*.*")}
     assert answers
     assert not [path for path in student.rglob("*") if path.is_file() and path.read_bytes() in answers]
@@ -118,7 +121,7 @@ def test_without_git_what_was_generated_stays_out(tmp_path: Path, monkeypatch: p
         ".venvs/wheels-1/x.py",
         "course_kit/__pycache__/c.pyc",
         "student.zip",
-        "student/course_kit/cli.py",
+        "student/course_kit/cli/main.py",
         "solutions/s.py",
     ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import workspace
+from course_kit.learner import workspace
 from tests.course_copy import TEMPERATURE, Course, copy_with_notebooks
 from tests.jupyter_server import allow_root, started
 from tests.unprivileged import as_somebody, forbid_writing, give, reachable_folder
@@ -118,7 +118,7 @@ def test_files_anywhere_are_found_from_where_one_stands_or_by_their_name(learner
     assert (learner.home / "try.backup-1.py").read_text() == MINE
     wrong = learner.run("reset", TEMPERATURE, "notes.txt")
     assert wrong.returncode == 2
-    assert "notes.txt is no .py and no .ipynb file" in wrong.stderr
+    assert "notes.txt is neither a .py nor an .ipynb file" in wrong.stderr
 
 
 def test_watch_finds_the_file_where_one_stands(learner: Learner) -> None:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import progress, shelf
-from course_kit.dev import starters
+from course_kit.authoring.pristine import renew
 from course_kit.grading import GradingError, exercise
+from course_kit.learner import progress, starters
 from tests.course_copy import REPOSITORY, SOLUTION, TEMPERATURE, Course, copy_course
 
 if TYPE_CHECKING:
@@ -34,8 +34,8 @@ def course(pristine: Course, tmp_path: Path) -> Course:
     shutil.rmtree(pristine.root / "exercises")
     leave = shutil.ignore_patterns("*.backup-*", ".ipynb_checkpoints")
     shutil.copytree(REPOSITORY / "exercises", pristine.root / "exercises", ignore=leave)
-    for pristine_file in (shelf.STARTERS / TEMPERATURE).iterdir():
-        target = pristine.root / "exercises" / TEMPERATURE / pristine_file.name.removesuffix(shelf.PRISTINE)
+    for pristine_file in (starters.STARTERS / TEMPERATURE).iterdir():
+        target = pristine.root / "exercises" / TEMPERATURE / pristine_file.name.removesuffix(starters.PRISTINE)
         target.write_bytes(pristine_file.read_bytes())
     shutil.rmtree(pristine.root / "solutions", ignore_errors=True)
     return Course(tmp_path, pristine.root)
@@ -67,9 +67,9 @@ def answer(course: Course, typed: str, *arguments: str) -> tuple[int, str]:
 
 @pytest.mark.answers
 def test_the_copies_of_the_starters_are_those_of_the_exercises(tmp_path: Path) -> None:
-    """When this fails, an exercise was changed: run `python -m course_kit.dev.starters`."""
-    fresh = {path.relative_to(tmp_path): path.read_bytes() for path in starters.renew(tmp_path)}
-    kept = {path.relative_to(shelf.STARTERS): path.read_bytes() for path in shelf.STARTERS.rglob("*.*")}
+    """When this fails, an exercise was changed: run `python -m course_kit.authoring.pristine`."""
+    fresh = {path.relative_to(tmp_path): path.read_bytes() for path in renew(tmp_path)}
+    kept = {path.relative_to(starters.STARTERS): path.read_bytes() for path in starters.STARTERS.rglob("*.*")}
     assert fresh == kept
 
 
@@ -77,7 +77,7 @@ def test_an_untouched_exercise_is_left_alone(course: Course, file: Path) -> None
     before = sorted(file.parent.iterdir())
     done = course.run("reset", TEMPERATURE)
     assert done.returncode == 0
-    assert "as at the beginning already" in done.stdout
+    assert "already matches the starter" in done.stdout
     assert sorted(file.parent.iterdir()) == before
 
 
@@ -130,7 +130,7 @@ def test_a_backup_that_cannot_be_written_leaves_the_file(
     file.write_text(MINE)
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(GradingError, match="No space left"):
-        shelf.reset(TEMPERATURE, yes=True, forget=False, folder=course.root / "exercises")
+        starters.reset(TEMPERATURE, yes=True, forget=False, folder=course.root / "exercises")
     assert file.read_text() == MINE
 
 
@@ -141,13 +141,13 @@ def test_progress_is_forgotten_only_on_request(course: Course, file: Path) -> No
     assert TEMPERATURE in course.progress.read_text()
     done = course.run("reset", TEMPERATURE, "--yes", "--progress")
     assert done.returncode == 0
-    assert "forgotten" in done.stdout
+    assert "is deleted" in done.stdout
     assert json.loads(course.progress.read_text())["exercises"] == {}
 
 
 def test_an_exercise_the_kit_has_no_starter_of_is_left_alone(course: Course, file: Path) -> None:
     file.write_text(MINE)
-    copy = course.root / "course_kit/starters" / TEMPERATURE / f"{TEMPERATURE}.ipynb{shelf.PRISTINE}"
+    copy = course.root / "course_kit/starters" / TEMPERATURE / f"{TEMPERATURE}.ipynb{starters.PRISTINE}"
     kept = copy.read_bytes()
     copy.unlink()
     try:
@@ -155,7 +155,7 @@ def test_an_exercise_the_kit_has_no_starter_of_is_left_alone(course: Course, fil
     finally:
         copy.write_bytes(kept)
     assert done.returncode == 2
-    assert "course_kit.dev.starters" in done.stderr
+    assert "course_kit.authoring.pristine" in done.stderr
     assert file.read_text() == MINE
 
 
@@ -201,13 +201,13 @@ def test_a_copy_of_the_solution_takes_the_place_of_nothing(tmp_path: Path) -> No
     (tmp_path / "mine.py").write_text(MINE)
     refused = course.run("solution", TEMPERATURE, "--copy", str(tmp_path / "mine.py"))
     assert refused.returncode == 2
-    assert "nothing is overwritten" in refused.stderr
+    assert "is not overwritten" in refused.stderr
     assert (tmp_path / "mine.py").read_text() == MINE
     assert course.run("solution", TEMPERATURE, "--copy", str(tmp_path / "no" / "folder.py")).returncode == 2
 
 
 def test_every_exercise_can_be_reset() -> None:
     for name in exercise.ids():
-        assert {path.suffix for path in (shelf.STARTERS / name).iterdir()} == {shelf.PRISTINE}
-        shelf.changed(exercise.load(name))
+        assert {path.suffix for path in (starters.STARTERS / name).iterdir()} == {starters.PRISTINE}
+        starters.changed(exercise.load(name))
     assert progress.read() == {}

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import environment, terminals
+from course_kit import environment
+from course_kit.integrations import terminals
 from tests.jupyter_server import allow_root, started
 
 if TYPE_CHECKING:

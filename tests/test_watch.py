@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import psutil
 import pytest
 
-from course_kit import watch
 from course_kit.grading import CheckReport, GradingError, Report
+from course_kit.learner import watch
 from tests.background import IN_BACKGROUND
 from tests.course_copy import SOLUTION, TEMPERATURE, Course, starter
 
@@ -116,7 +116,7 @@ def test_each_save_gets_one_verdict_and_ctrl_c_ends_it(watching: Watching, file:
     workers = workers_of(watching.process)
     assert workers
     rest = watching.interrupt()
-    assert "No longer watching. The best of these: 10 points." in rest
+    assert "No longer watching. Best score: 10 points." in rest
     assert "points: " not in rest
     assert "Traceback" not in rest
     assert psutil.wait_procs(workers, DEADLINE)[1] == []

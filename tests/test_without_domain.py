@@ -1,4 +1,4 @@
-"""No ROS domain to work in, because all are taken or ROS_DOMAIN_ID is impossible: every face of the course says so.
+"""No ROS domain to work in, because all are taken or ROS_DOMAIN_ID is impossible: every command and magic says so.
 
 One sentence that says what to do, no traceback, and nothing that could have been done without a domain is left undone.
 """
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.environment import domains
-from course_kit.grading import isolation
+from course_kit.grading.sandbox import isolation
 from tests.course_copy import SOLUTION, TEMPERATURE
 from tests.lab.kernel import Kernel
 from tests.refused import COMMAND_WITHOUT_NAMESPACES
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 TAKEN = "All ROS domains from 1 to 101 on this machine are in use"
-IMPOSSIBLE = "ROS_DOMAIN_ID is set to '300', and it has to be a whole number from 0 to 232"
+IMPOSSIBLE = "ROS_DOMAIN_ID is set to '300', but it has to be a whole number from 0 to 232"
 OWN = ("ROS_DOMAIN_ID", "COURSE_KIT_DOMAIN_ID")
 QUEUE_S = 2.0
 # Runs at the start of every Python: leases apart from those of others on this machine, and short queues.
@@ -36,8 +36,8 @@ from course_kit.grading import limits
 domains.Leases = functools.partial(domains.Leases, {scope!r}, frozenset)
 limits.QUEUE_S = {queue_s}
 """
-COURSE = ("-m", "course_kit.cli")
-ROS2 = ("-m", "course_kit.ros2")
+COURSE = ("-m", "course_kit.cli.main")
+ROS2 = ("-m", "course_kit.ros2cli")
 START = """
 from course_kit import lab
 from rclpy.node import Node
@@ -149,7 +149,7 @@ def test_the_tab_key_offers_nothing_then(machine: Machine, sentence: str, tmp_pa
         "COMP_TYPE": "9",
         "_ARGCOMPLETE_STDOUT_FILENAME": str(out),
     }
-    done = machine.run("-c", "from course_kit.ros2.cli import main; main()", _ARGCOMPLETE="1", **asked)
+    done = machine.run("-c", "from course_kit.ros2cli.cli import main; main()", _ARGCOMPLETE="1", **asked)
     assert (done.returncode, done.stderr, out.read_text().strip()) == (0, "", "")
 
 
@@ -159,7 +159,7 @@ def test_a_real_ros2_is_not_started_on_a_domain_that_is_not_ours(
     stand_in = tmp_path / "ros2"
     stand_in.write_text("#!/bin/sh\necho started\n")
     stand_in.chmod(0o755)
-    done = machine.run("-c", "from course_kit.ros2.cli import main; main()", PATH=f"{tmp_path}:/usr/bin:/bin")
+    done = machine.run("-c", "from course_kit.ros2cli.cli import main; main()", PATH=f"{tmp_path}:/usr/bin:/bin")
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.count(sentence) == len(done.stderr.splitlines()) == 1
 
@@ -213,7 +213,7 @@ def test_an_impossible_number_that_is_set_in_a_notebook_is_named(domain: int, tm
             START,
             "%%ros_script a\nprint(1)",
             "%ros2 run a a",
-            f"!'{sys.executable}' -m course_kit.ros2 node list",
+            f"!'{sys.executable}' -m course_kit.ros2cli node list",
         ):
             shown = kernel.run(cell)
             assert IMPOSSIBLE in shown.stdout + shown.stderr + shown.error

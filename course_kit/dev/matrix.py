@@ -17,11 +17,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import environment, release
-from course_kit.dev import matrix_table, pythons
-from course_kit.dev.steps import Result, Runner, Step
+from course_kit import environment
+from course_kit.authoring import release
+from course_kit.dev import matrix_table, notebooks, pythons
+from course_kit.dev.steps import CommandStep, StepResult, StepRunner
 from course_kit.grading import exercise
-from course_kit.ros2 import real
+from course_kit.ros2cli import delegation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -77,8 +78,8 @@ def main(arguments: Sequence[str]) -> int:
     chosen, notes = choose(found, options, has_uv=uv is not None)
     for note in notes:
         print(f"course: {note}", flush=True)
-    results: dict[Combination, list[Result]] = {}
-    with Runner() as runner:
+    results: dict[Combination, list[StepResult]] = {}
+    with StepRunner() as runner:
         for combination in chosen:
             results[combination] = run(root, combination, runner, uv)
     table = matrix_table.as_markdown({str(one): ran for one, ran in results.items()}, notes)
@@ -90,7 +91,13 @@ def main(arguments: Sequence[str]) -> int:
 def choose(
     found: Sequence[Interpreter], options: argparse.Namespace, *, has_uv: bool
 ) -> tuple[list[Combination], list[str]]:
-    """What is tried, and sentences about what is not."""
+    """What is tried, and sentences about what is not.
+
+    Args:
+        found: the Pythons of this machine.
+        options: the command line.
+        has_uv: whether uv is to be had.
+    """
     missing = [version for version in pythons.wanted() if version not in {one.minor for one in found}]
     notes = [f"This machine has no Python {', '.join(missing)}."] if missing else []
     if options.python:
@@ -126,32 +133,34 @@ def _add(combination: Combination, chosen: list[Combination], notes: list[str], 
         chosen.append(combination)
 
 
-def run(root: Path, combination: Combination, runner: Runner, uv: str | None) -> list[Result]:
+def run(root: Path, combination: Combination, runner: StepRunner, uv: str | None) -> list[StepResult]:
     """Everything on one combination; where the set-up fails the rest is not run."""
     print(f"\ncourse: {combination}", flush=True)
     with tempfile.TemporaryDirectory(prefix="course matrix ", ignore_cleanup_errors=True) as folder:
         course = Path(folder) / "my course"
         copy(root, course)
         environ = environ_of(combination, Path(folder), uv)
-        results = [runner.run(Step("set-up and doctor", ["./course", "doctor"], _SET_UP_S), course, environ)]
+        results = [runner.run(CommandStep("set-up and doctor", ["./course", "doctor"], _SET_UP_S), course, environ)]
         if not results[0].failed:
             results += [runner.run(step, course, environ) for step in steps_of(combination, course)]
         runner.end_all()  # a daemon of `ros2` may be left, and its folder goes away now
         return results
 
 
-def steps_of(combination: Combination, course: Path) -> Iterator[Step]:
+def steps_of(combination: Combination, course: Path) -> Iterator[CommandStep]:
     """What follows the set-up of a course."""
     for name in exercise.ids(course / "exercises"):
         solution = Path("solutions", name, f"{name}.py")
         if (course / solution).is_file():  # the student edition has none
             command = ["./course", "grade", name, str(solution), "--format", "json"]
-            yield Step(name, command, _GRADE_S, full_marks)
+            yield CommandStep(name, command, _GRADE_S, full_marks)
     if combination.notebooks:
-        yield Step("notebooks", ["./course", "dev", "notebooks"], _NOTEBOOKS_S)
+        install = [str(course / ".venv/bin/python"), "-m", "pip", "install", "--quiet", notebooks.requirement()]
+        yield CommandStep("nbval", install, _SET_UP_S)
+        yield CommandStep("notebooks", ["./course", "dev", "notebooks"], _NOTEBOOKS_S)
     if combination.tests:
         tests = [f"tests/{name}" for name in FAST_TESTS]
-        yield Step("tests", ["./course", "test", "-q", "-n", "2", "--dist", "loadfile", *tests], _TESTS_S)
+        yield CommandStep("tests", ["./course", "test", "-q", "-n", "2", "--dist", "loadfile", *tests], _TESTS_S)
 
 
 def full_marks(output: str) -> str:
@@ -173,8 +182,14 @@ def copy(root: Path, target: Path) -> None:
 
 
 def environ_of(combination: Combination, folder: Path, uv: str | None) -> dict[str, str]:
-    """The environment of somebody who has never seen the course, whose state goes into the temporary folder."""
-    environ = real.clean_environment({**os.environ})
+    """The environment of somebody who has never seen the course, whose state goes into the temporary folder.
+
+    Args:
+        combination: the Python and the installer.
+        folder: the temporary folder.
+        uv: the program, where there is one.
+    """
+    environ = delegation.clean_environment({**os.environ})
     environ = {name: value for name, value in environ.items() if not name.startswith(_NOT_INHERITED)}
     ours = Path(sys.executable).parent
     path = [one for one in environ.get("PATH", os.defpath).split(os.pathsep) if not one or Path(one) != ours]

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from course_kit.dev.steps import Result
+    from course_kit.dev.steps import StepResult
 
 
-def as_markdown(results: Mapping[str, Sequence[Result]], notes: Sequence[str]) -> str:
+def as_markdown(results: Mapping[str, Sequence[StepResult]], notes: Sequence[str]) -> str:
     """A row for each combination, a column for each step that any of them has gone through, and the notes.
 
     Args:
@@ -28,5 +28,5 @@ def as_markdown(results: Mapping[str, Sequence[Result]], notes: Sequence[str]) -
     return "\n".join(lines) + "\n"
 
 
-def _cell(result: Result) -> str:
+def _cell(result: StepResult) -> str:
     return f"{'FAILED: ' + result.problem if result.failed else 'passed'}, {result.seconds:.0f} s"

@@ -1,6 +1,6 @@
 """`course-kit dev notebooks`: nbval on every notebook of the course, each output compared.
 
-It needs nothing but what a learner has, none of the test tools.
+Of the test tools it needs nbval alone, and pytest, which that brings.
 """
 
 from __future__ import annotations
@@ -10,6 +10,8 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +20,7 @@ from course_kit import environment
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+_KIT = "ros2-course-kit"
 _AT_ONCE = 2  # notebooks wait for nodes more than they compute
 _TABLE = Path("artifacts/nbval_times.md")
 NBVAL = [
@@ -35,8 +38,21 @@ NBVAL = [
 ]
 
 
+def requirement() -> str:
+    """What the kit's test tools ask of nbval, for pip."""
+    wanted = next(one for one in metadata.requires(_KIT) or () if one.startswith("nbval"))
+    return wanted.partition(";")[0].strip()
+
+
 def main(arguments: Sequence[str]) -> int:
     """Run the notebooks named on the command line, or all."""
+    if find_spec("nbval") is None:
+        print(
+            "course-kit: nbval, which compares the outputs, is not installed here. It comes with the test tools: run "
+            "./course test tests/environment once, then this again.",
+            file=sys.stderr,
+        )
+        return 2
     root = environment.checkout()
     if root is None:
         print("course-kit: the notebooks belong to the course's folder; run this in a clone of it.", file=sys.stderr)

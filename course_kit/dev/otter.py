@@ -22,13 +22,14 @@ from typing import TYPE_CHECKING, Any
 
 import nbformat
 
-from course_kit import environment, grading, otter
-from course_kit.dev import sets
+from course_kit import environment, grading
+from course_kit.authoring import corpus
+from course_kit.integrations import otter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.dev.sets import Sets
+    from course_kit.authoring.corpus import Corpus
 
 _SEED = 1
 _LITTLE = 0.3  # of the points; with more a program is right in part
@@ -56,7 +57,7 @@ def main(arguments: Sequence[str]) -> int:
         print(needs, file=sys.stderr)
         return 2
     try:
-        chosen = [sets.load(name, root) for name in options.exercises or sets.all_exercises(root)]
+        chosen = [corpus.load(name, root) for name in options.exercises or corpus.all_exercises(root)]
     except grading.GradingError as problem:
         print(f"course-kit: {problem}", file=sys.stderr)
         return 2
@@ -64,7 +65,7 @@ def main(arguments: Sequence[str]) -> int:
     return min(1, sum(not _agrees(one) for one in chosen))
 
 
-def _agrees(exercise: Sets) -> bool:
+def _agrees(exercise: Corpus) -> bool:
     """Print a line for each submission of an exercise; whether Otter gives all of them our points."""
     agrees = True
     with tempfile.TemporaryDirectory() as folder, environment.exclusive_domain() as domain:
@@ -115,7 +116,7 @@ class Otter:
             raise SystemExit(f"otter {words[0]} has failed:\n{done.stdout}")
 
 
-def cases(exercise: Sets) -> list[Case]:
+def cases(exercise: Corpus) -> list[Case]:
     """What is handed in for an exercise, with the points our grader gives."""
     with tempfile.TemporaryDirectory() as folder, grading.Worker() as worker:
         path = Path(folder) / "program.py"
@@ -145,7 +146,7 @@ def _halves(text: str) -> tuple[str, str]:
     return "\n".join(lines[:last]), "\n".join(lines[last:])
 
 
-def _notebook(exercise: Sets, cells: Sequence[str]) -> Any:
+def _notebook(exercise: Corpus, cells: Sequence[str]) -> Any:
     """The exercise's notebook with `cells` as its submission, and Otter's check where it was graded."""
     notebook = nbformat.read(exercise.task.folder / exercise.task.notebook, as_version=4)
     mark = f"%%submission {exercise.task.id}\n"

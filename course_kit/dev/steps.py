@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
 import tempfile
 import time
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING
 
-from course_kit.grading import namespaces, processes
+from course_kit.process import tree
+from course_kit.process.child import Child
+from course_kit.process.parent import adopt_orphans
+from course_kit.process.signals import Ladder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -21,10 +20,11 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 _GRACE_S = 60.0  # pytest ends its kernels, an installer its own children; on a busy machine that takes long
+_MORE_S = 5.0
 
 
 @dataclass(frozen=True)
-class Step:
+class CommandStep:
     """A command to be run.
 
     Attributes:
@@ -41,7 +41,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Result:
+class StepResult:
     """How a step went.
 
     Attributes:
@@ -60,14 +60,14 @@ class Result:
         return bool(self.problem)
 
 
-class Runner:
+class StepRunner:
     """Runs steps; at its end, also by Ctrl-C, none of their processes is left. Use it in a `with` statement.
 
     It ends every process below this one, so nothing else may have been started from here.
     """
 
     def __enter__(self) -> Self:
-        namespaces.adopt_orphans()  # so that what a step has detached can be ended, too
+        adopt_orphans()  # so that what a step has detached can be ended, too
         return self
 
     def __exit__(
@@ -75,7 +75,7 @@ class Runner:
     ) -> None:
         self.end_all()
 
-    def run(self, step: Step, folder: Path, environ: Mapping[str, str]) -> Result:
+    def run(self, step: CommandStep, folder: Path, environ: Mapping[str, str]) -> StepResult:
         """Run a step and say how it went; what it has printed is shown when it failed.
 
         Args:
@@ -95,43 +95,26 @@ class Runner:
             )
             if problem:
                 print(f"{output}\n{_text(stderr)}", flush=True)
-        return Result(step.name, problem, seconds)
+        return StepResult(step.name, problem, seconds)
 
     def end_all(self) -> None:
         """Kill whatever the steps so far have left running."""
-        processes.end_descendants()
+        tree.end_descendants()
 
 
-def _ending(step: Step, folder: Path, environ: Mapping[str, str], stdout: IO[bytes], stderr: IO[bytes]) -> str:
+def _ending(step: CommandStep, folder: Path, environ: Mapping[str, str], stdout: IO[bytes], stderr: IO[bytes]) -> str:
     """Run it; why it has failed, or nothing."""
-    process = subprocess.Popen(
-        list(step.command),
-        cwd=folder,
-        env=dict(environ),
-        stdin=subprocess.DEVNULL,
-        stdout=stdout,
-        stderr=stderr,
-        start_new_session=True,  # a Ctrl-C is ours to pass on, once
-    )
+    child = Child(step.command, folder=folder, environ=environ, stdout=stdout, stderr=stderr)
+    code = None
     try:
-        code = process.wait(step.deadline_s)
-    except subprocess.TimeoutExpired:
-        _stop(process)
+        code = child.wait(step.deadline_s)
+    finally:
+        if code is None:
+            child.end(Ladder(_GRACE_S, _MORE_S, _MORE_S))
+            tree.end_descendants()
+    if code is None:
         return f"it had not ended after {step.deadline_s:g} s"
-    except BaseException:
-        _stop(process)
-        raise
     return f"exit code {code}" if code else ""
-
-
-def _stop(process: subprocess.Popen[bytes]) -> None:
-    """Ctrl-C for the command and what it has started; then the end of all."""
-    with suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGINT)
-    with suppress(subprocess.TimeoutExpired):
-        process.wait(_GRACE_S)
-    processes.end_descendants()
-    process.wait()
 
 
 def _text(file: IO[bytes]) -> str:

@@ -17,7 +17,8 @@ from course_kit.environment.domains import Lease, NoDomainError, exclusive_domai
 from course_kit.environment.errors import DomainError, SettingsError
 from course_kit.environment.files import write_atomically, write_new
 from course_kit.environment.interrupts import heed_interrupts
-from course_kit.environment.places import (
+from course_kit.environment.paths import (
+    PACKAGE,
     checkout,
     command,
     home,
@@ -32,6 +33,7 @@ from course_kit.environment.search_path import put_scripts_first, scripts_folder
 __all__ = [
     "FAST_DISCOVERY_PROFILE",
     "LOOPBACK_PROFILE",
+    "PACKAGE",
     "PRIVATE_NETWORK_PROFILE",
     "DomainError",
     "NoDomainError",
@@ -209,7 +211,7 @@ def _domain_set_by_user(environ: os._Environ[str]) -> int | None:
         return None
     if value not in map(str, range(_HIGHEST_DOMAIN + 1)):  # more is read by ROS as something: 010 as the octal 8
         raise SettingsError(
-            f"ROS_DOMAIN_ID is set to '{value}', and it has to be a whole number from 0 to {_HIGHEST_DOMAIN}, without "
+            f"ROS_DOMAIN_ID is set to '{value}', but it has to be a whole number from 0 to {_HIGHEST_DOMAIN}, without "
             "leading zeros. Correct it, or unset it and the course chooses one."
         )
     return int(value)

@@ -58,7 +58,7 @@ class NoLoopbackError(DomainError):
 
     def __init__(self) -> None:
         super().__init__(
-            f"The address {_LOOPBACK} does not work here, and ROS nodes of the course talk over it. Switch on the "
+            f"The address {_LOOPBACK} does not work here, but the course's nodes need it. Switch on the "
             "loopback interface of this machine or container, with 'ip link set lo up' as root."
         )
 

@@ -42,8 +42,8 @@ def settle() -> str:
     os.environ["RMW_IMPLEMENTATION"] = SUPPORTED
     os.environ[_REPLACED] = f"{name}={value}"
     return (
-        f"{name} is set to '{value}', and no such middleware is installed here: the course uses {SUPPORTED} (Fast "
-        f"DDS). Unset {name} and this line is gone."
+        f"{name} is set to '{value}', but no such middleware is installed here: the course uses {SUPPORTED} (Fast "
+        f"DDS). Unset {name} to be rid of this line."
     )
 
 
@@ -58,7 +58,7 @@ def unsupported() -> str:
     if chosen == SUPPORTED:
         return ""
     return (
-        f"RMW_IMPLEMENTATION is set to '{chosen}', and the course's own message types (course_interfaces, %%interface) "
+        f"RMW_IMPLEMENTATION is set to '{chosen}', but the course's own message types (course_interfaces, %%interface) "
         f"work with {SUPPORTED} only: set RMW_IMPLEMENTATION to that, or unset it, and start again."
     )
 

@@ -17,7 +17,7 @@ _LONGEST = 500  # characters of an answer or its id, as text
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundAnswers:
     """What a submission has put into its variable.
 
     Attributes:
@@ -35,31 +35,32 @@ class Found:
     too_large: bool = False
 
 
-def found(told: dict[str, Any], variable: str) -> Found:
+def found(told: dict[str, Any], variable: str) -> FoundAnswers:
     """The answers, as they are told.
 
     Args:
-        told: of a program's text by `course_kit.reader.literals`, of one that was run by `course_kit.grading.values`.
+        told: of a program's text by `course_kit.reader.literals`, of one that was run by
+            `course_kit.grading.sandbox.values`.
         variable: the name they are assigned to.
     """
     names = tuple(name for name in told.get("set_names", ()) if name != variable)
     if told.get("too_large"):
-        return Found(set_names=names, too_large=True)
+        return FoundAnswers(set_names=names, too_large=True)
     if "value" in told:
-        return Found(value=told["value"], set_names=names)
+        return FoundAnswers(value=told["value"], set_names=names)
     if "entries" not in told:
-        return Found(set_names=names, is_set=False)
+        return FoundAnswers(set_names=names, is_set=False)
     entries: dict[Any, Any] = {}
     for key, text, *problem in told["entries"]:
         _put(entries, key, text, "".join(problem))
-    return Found(entries, set_names=names)
+    return FoundAnswers(entries, set_names=names)
 
 
 def _put(entries: dict[Any, Any], key: str, text: str, problem: str) -> None:
     try:
         value = Unusable(text, problem) if problem else _literal(text)
     except _NO_LITERAL:
-        value = Unusable(text, "An answer consists of plain texts, and this is something else.")
+        value = Unusable(text, "An answer has to be plain texts, but this is something else.")
     try:
         entries[_literal(key)] = value
     except _NO_LITERAL:
@@ -68,5 +69,5 @@ def _put(entries: dict[Any, Any], key: str, text: str, problem: str) -> None:
 
 def _literal(text: str) -> Any:
     if len(text) > _LONGEST:
-        raise ValueError("nobody writes an answer that long")
+        raise ValueError("the answer is too long to be read")
     return ast.literal_eval(text)

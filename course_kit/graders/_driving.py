@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 from course_interfaces.action import MoveRobot
 from geometry_msgs.msg import Point
 
-from course_kit.graders._moves import ARENA, ORIGIN, TOLERANCE, Place, in_the_arena, place_of, target_from
-from course_kit.grading import goal_endings
-from course_kit.grading.actions import Action, ensure_ready, start_again
-from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.goals import SUCCEEDED, Ended, Goal
+from course_kit.graders._moves import ARENA, ORIGIN, TOLERANCE, MovePlace, in_the_arena, place_of, target_from
+from course_kit.grading.checks.actions import WantedAction, ensure_ready, start_again
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.goals import SUCCEEDED, CheckedGoal, Ended
+from course_kit.grading.diagnosis import goals
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import CheckContext
 
-ACTION = Action("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
+ACTION = WantedAction("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
 SHORTEST_M, LONGEST_M = 1.2, 1.8  # metres; moves that are long enough for the rules about feedback
 _SCALE = "COURSE_KIT_TIME_SCALE"
 FAST, OWN_SPEED = {_SCALE: "0.1"}, {_SCALE: "1"}
@@ -39,9 +39,9 @@ class HastyError(Failed):
 class Move:
     """A move that has ended SUCCEEDED."""
 
-    begin: Place
-    target: Place
-    goal: Goal
+    begin: MovePlace
+    target: MovePlace
+    goal: CheckedGoal
     ended: Ended
 
     @property
@@ -50,12 +50,12 @@ class Move:
         return math.dist(self.begin, self.target)
 
 
-def at_own_speed(bench: Bench) -> bool:
+def at_own_speed(context: CheckContext) -> bool:
     """Whether the robot that runs now drives at 1 m/s."""
-    return bench.job.mode == "attach" or _SLOW in bench.memory
+    return context.job.mode == "attach" or _SLOW in context.memory
 
 
-def fairly(bench: Bench, trial: Callable[[Bench], Evidence]) -> Evidence:
+def fairly(context: CheckContext, trial: Callable[[CheckContext], Evidence]) -> Evidence:
     """Run a trial with the fast robot; if that may have been the reason of a failure, again at its own speed.
 
     Once more where others kept the grader from its work meanwhile: what it sees late looks as if it was sent late. A
@@ -63,100 +63,122 @@ def fairly(bench: Bench, trial: Callable[[Bench], Evidence]) -> Evidence:
     """
     again = True
     while True:
-        clock = bench.clock()
+        clock = context.clock()
         try:
-            return trial(bench)
+            return trial(context)
         except HastyError:
-            if at_own_speed(bench) and not (again and clock.grader_lost() > _BLIND * clock.wall()):
-                bench.spoil()
+            if at_own_speed(context) and not (again and clock.grader_lost() > _BLIND * clock.wall()):
+                context.spoil()
                 raise
-            again = not at_own_speed(bench)
+            again = not at_own_speed(context)
         except Failed:
-            bench.spoil()
+            context.spoil()
             raise
-        _slow_down(bench)
+        _slow_down(context)
 
 
-def _slow_down(bench: Bench) -> None:
+def _slow_down(context: CheckContext) -> None:
     """Start the program again, with the robot at its own speed; a node that we have not started drives so already."""
-    if bench.job.mode != "attach":
-        start_again(bench, ACTION, OWN_SPEED)
-        bench.memory[_SLOW] = True
-    bench.record.clear()  # the verdict is on this trial alone
+    if context.job.mode != "attach":
+        start_again(context, ACTION, OWN_SPEED)
+        context.memory[_SLOW] = True
+    context.record.clear()  # the verdict is on this trial alone
 
 
-def here(bench: Bench) -> Place:
+def here(context: CheckContext) -> MovePlace:
     """Where the robot is. A node that we have not started may have driven before: that one is sent somewhere first."""
-    ensure_ready(bench, ACTION)
-    if _PLACE not in bench.memory:
-        if bench.job.mode != "attach":
+    ensure_ready(context, ACTION)
+    if _PLACE not in context.memory:
+        if context.job.mode != "attach":
             return ORIGIN
-        arrive(bench, set_off(bench, Place(ARENA / 2, ARENA / 2)), longest_way(bench))
-    place: Place = bench.memory[_PLACE]
+        arrive(context, set_off(context, MovePlace(ARENA / 2, ARENA / 2)), longest_way(context))
+    place: MovePlace = context.memory[_PLACE]
     return place
 
 
-def longest_way(bench: Bench, target: Place | None = None) -> float:
+def longest_way(context: CheckContext, target: MovePlace | None = None) -> float:
     """How long a first move may be, in metres: the way from (0, 0), but any way of a robot that has driven before."""
-    if target is None or bench.job.mode == "attach":
+    if target is None or context.job.mode == "attach":
         return math.hypot(ARENA, ARENA)
     return math.dist(ORIGIN, target)
 
 
-def driven(bench: Bench) -> float:
+def driven(context: CheckContext) -> float:
     """The ways of all moves so far together, in metres."""
-    return float(bench.memory.get(_DRIVEN, 0.0))
+    return float(context.memory.get(_DRIVEN, 0.0))
 
 
-def is_at(bench: Bench, place: Place) -> None:
+def is_at(context: CheckContext, place: MovePlace) -> None:
     """Remember where the robot is now, as its program says; whether that is true is for the checks to tell."""
-    bench.memory[_PLACE] = in_the_arena(place)
+    context.memory[_PLACE] = in_the_arena(place)
 
 
-def send(bench: Bench, target: Place, z: float = 0.0) -> Goal:
-    """Send a goal."""
+def send(context: CheckContext, target: MovePlace, z: float = 0.0) -> CheckedGoal:
+    """Send a goal.
+
+    Args:
+        context: the check's.
+        target: x and y, in metres.
+        z: in metres; it does not matter.
+    """
     shown = f"a goal with target=({target.x:.4g}, {target.y:.4g}, {z:.4g})"
-    return Goal(bench, ACTION, MoveRobot.Goal(target=Point(x=target.x, y=target.y, z=z)), shown)
+    return CheckedGoal(context, ACTION, MoveRobot.Goal(target=Point(x=target.x, y=target.y, z=z)), shown)
 
 
-def set_off(bench: Bench, target: Place, z: float = 0.0) -> Goal:
-    """Send a goal that can be reached, and have it accepted.
+def set_off(context: CheckContext, target: MovePlace, z: float = 0.0) -> CheckedGoal:
+    """Send a reachable goal and have it accepted.
+
+    Args:
+        context: the check's.
+        target: x and y, in metres.
+        z: in metres; it does not matter.
 
     Raises:
         Failed: it was not.
     """
-    goal = send(bench, target, z)
+    goal = send(context, target, z)
     goal.wait_for_answer("the goal accepted")
     if not goal.accepted:
-        raise _rejected(bench, goal, target, z)
+        raise _rejected(context, goal, target, z)
     return goal
 
 
-def drive(bench: Bench, target: Place, z: float = 0.0) -> Move:
+def drive(context: CheckContext, target: MovePlace, z: float = 0.0) -> Move:
     """Drive the robot to a target.
+
+    Args:
+        context: the check's.
+        target: x and y, in metres.
+        z: in metres; it does not matter.
 
     Raises:
         Failed: the goal was not accepted, or ended otherwise than SUCCEEDED.
     """
-    begin = here(bench)
+    begin = here(context)
     try:
-        goal = set_off(bench, target, z)
-        return Move(begin, target, goal, arrive(bench, goal, math.dist(begin, target)))
+        goal = set_off(context, target, z)
+        return Move(begin, target, goal, arrive(context, goal, math.dist(begin, target)))
     except Failed:
-        bench.spoil()
+        context.spoil()
         raise
 
 
-def drive_on(bench: Bench, length: float, z: float = 0.0) -> Move:
-    """Drive the robot so many metres, anywhere; as `drive`."""
-    return drive(bench, target_from(here(bench), length, bench.random), z)
+def drive_on(context: CheckContext, length: float, z: float = 0.0) -> Move:
+    """Drive the robot so many metres, anywhere; as `drive`.
+
+    Args:
+        context: the check's.
+        length: in metres.
+        z: in metres; it does not matter.
+    """
+    return drive(context, target_from(here(context), length, context.random), z)
 
 
-def arrive(bench: Bench, goal: Goal, length: float, within_s: float | None = None) -> Ended:
+def arrive(context: CheckContext, goal: CheckedGoal, length: float, within_s: float | None = None) -> Ended:
     """Wait until an accepted goal has ended, SUCCEEDED, and remember where the robot is.
 
     Args:
-        bench: the test bench.
+        context: the context of the check.
         goal: the goal.
         length: of the way, in metres.
         within_s: the patience in seconds, None for what the length allows.
@@ -165,15 +187,15 @@ def arrive(bench: Bench, goal: Goal, length: float, within_s: float | None = Non
         Failed: it has not, or otherwise.
     """
     ended = goal.wait_for_end(allowed_s(length) if within_s is None else within_s, REACHED)
-    life = goal.life()
-    cause = goal_endings.of_exception(life, bench.job)
+    process = goal.process()
+    cause = goals.of_exception(process, context.job)
     if ended.status != SUCCEEDED:
-        cause = goal_endings.of_status(ended.name, life, bench.job)
+        cause = goals.of_status(ended.name, process, context.job)
     if cause is not None:
         diagnosis, message = cause
         raise Failed(Evidence(goal.shown, REACHED, told(ended)), message, diagnosis)
-    is_at(bench, place_of(ended.result.final_position))
-    bench.memory[_DRIVEN] = driven(bench) + length
+    is_at(context, place_of(ended.result.final_position))
+    context.memory[_DRIVEN] = driven(context) + length
     return ended
 
 
@@ -196,40 +218,50 @@ def is_blank(result: Any) -> bool:
     return bool(result == MoveRobot.Result())
 
 
-def misses(place: Place, target: Place) -> bool:
+def misses(place: MovePlace, target: MovePlace) -> bool:
     """Whether a place is not the target, within the tolerance; NaN misses."""
     return not math.dist(place, target) <= TOLERANCE
 
 
-def reject_all_or_some(bench: Bench, goal: Goal, others: list[Place]) -> Failed:
-    """A first goal was rejected: are all, or is it just this one?"""
+def reject_all_or_some(context: CheckContext, goal: CheckedGoal, others: list[MovePlace]) -> Failed:
+    """A first goal was rejected: are all, or is it just this one?
+
+    Args:
+        context: the check's.
+        goal: the one that was rejected.
+        others: targets to try.
+    """
     evidence = Evidence(goal.shown, "the goal accepted", "the goal rejected")
-    life = goal.life()
+    process = goal.process()
     for other in others:
-        again = send(bench, other)
+        again = send(context, other)
         again.wait_for_answer("the goal accepted")
         if again.accepted:
-            bench.spoil()
-            return Failed(evidence, f"It lies in the arena, and {other} was accepted.", "validation.overzealous")
+            context.spoil()
+            return Failed(
+                evidence,
+                f"This target lies in the arena, and so does {other}, which your server accepted.",
+                "validation.overzealous",
+            )
     message = f"Each of {len(others) + 1} goals in the arena was rejected."
-    if _NO_RESPONSE in life.stderr:
-        message += " Your goal callback returned something that is no GoalResponse; rclpy takes that as a no."
+    if _NO_RESPONSE in process.stderr:
+        message += " Your goal callback did not return a GoalResponse; rclpy takes that as a rejection."
     return Failed(evidence, message, "action.rejects_all")
 
 
-def _rejected(bench: Bench, goal: Goal, target: Place, z: float) -> Failed:
+def _rejected(context: CheckContext, goal: CheckedGoal, target: MovePlace, z: float) -> Failed:
     """A good goal was rejected by a server that has accepted others: for what it is, or for what was before?"""
     evidence = Evidence(goal.shown, "the goal accepted", "the goal rejected")
-    bench.spoil()
-    if bench.job.mode != "attach":
-        fresh = send(bench, target, z)
+    context.spoil()
+    if context.job.mode != "attach":
+        fresh = send(context, target, z)
         fresh.wait_for_answer("the goal accepted")
-        bench.spoil()
+        context.spoil()
         if fresh.accepted:
             message = (
-                "No goal was running any more, and started anew your node accepts this very goal: "
-                "it still believes that an earlier one runs."
+                "No goal was running any more, and after a fresh start your node accepts this same goal: "
+                "it never clears its mark that a goal is running."
             )
             return Failed(evidence, message)
-    message = "This goal can be reached: it lies in the arena, the walls belong to it, and z does not matter."
+    message = "This goal can be reached: it lies in the arena, whose edges count as inside, and z does not matter."
     return Failed(evidence, message, "validation.overzealous")

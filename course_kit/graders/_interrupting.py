@@ -1,4 +1,4 @@
-"""What may come between a goal and its end in exercise 2: a second goal, and the wish to cancel."""
+"""What may come between a goal and its end in exercise 2: a second goal, and a request to cancel."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from course_kit.graders._driving import (
     set_off,
     told,
 )
-from course_kit.graders._moves import BESIDE, Place, beside, farthest_corner, place_of, target_from
-from course_kit.grading import goal_endings, silence
-from course_kit.grading.bench import SubmissionEndedError
-from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.goals import CANCELED, SUCCEEDED, Ended, Goal
+from course_kit.graders._moves import BESIDE, MovePlace, beside, farthest_corner, place_of, target_from
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.goals import CANCELED, SUCCEEDED, CheckedGoal, Ended
+from course_kit.grading.diagnosis import goals, hangs
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 _PROMPT_S = 1.0  # within which a cancel request is answered
 _FIRST_M, _SECOND_M = 3.0, 1.0  # metres; the ways of two goals at a time
@@ -33,44 +33,48 @@ _LONG_M = 4.0  # metres; a move that is cancelled with the robot at its own spee
 _NEAR_M = 0.5  # metres; a robot that tells five times a metre was seen so near to where it went
 
 
-def second_goal_of_two(bench: Bench) -> Evidence:
-    """A second goal is rejected, and the first reaches its target all the same."""
-    begin = here(bench)
-    first = set_off(bench, target_from(begin, _FIRST_M, bench.random))
-    _get_under_way(bench, first, begin)
-    second = send(bench, target_from(begin, _SECOND_M, bench.random))
+def second_goal_of_two(context: CheckContext) -> Evidence:
+    """A second goal is rejected, and the first reaches its target all the same.
+
+    Raises:
+        Failed: both are accepted, or the first is lost.
+    """
+    begin = here(context)
+    first = set_off(context, target_from(begin, _FIRST_M, context.random))
+    _get_under_way(context, first, begin)
+    second = send(context, target_from(begin, _SECOND_M, context.random))
     expected = "the second goal rejected while the first runs"
     second.wait_for_answer(expected, allowed_s(_FIRST_M))
     waited_s = second.clock.wall()
     sent = f"{first.shown}; under way, {second.shown}"
     if second.accepted:
-        raise _both_accepted(bench, first, second, waited_s, Evidence(sent, expected, "both goals accepted"))
-    arrive(bench, first, _FIRST_M)
+        raise _both_accepted(context, first, second, waited_s, Evidence(sent, expected, "both goals accepted"))
+    arrive(context, first, _FIRST_M)
     return Evidence(sent, expected, expected)
 
 
-def cancel_midway(bench: Bench) -> Evidence:
+def cancel_midway(context: CheckContext) -> Evidence:
     """A goal is cancelled on its way and ends CANCELED where the robot is then."""
-    begin = here(bench)
-    target = target_from(begin, _LONG_M, bench.random) if at_own_speed(bench) else farthest_corner(begin)
-    goal = set_off(bench, target)
-    _get_under_way(bench, goal, begin)
+    begin = here(context)
+    target = target_from(begin, _LONG_M, context.random) if at_own_speed(context) else farthest_corner(begin)
+    goal = set_off(context, target)
+    _get_under_way(context, goal, begin)
     expected = "cancelling accepted within 1 s, then CANCELED short of the target"
     goal.shown += ", and mid-way the request to cancel it"
     length = math.dist(begin, target)
-    _have_it_accepted(bench, goal, length, expected)
+    _have_it_accepted(context, goal, length, expected)
     ended = goal.wait_for_end(allowed_s(length), expected)
     evidence = Evidence(goal.shown, expected, told(ended))
     stopped = place_of(ended.result.final_position)
-    _require_canceled(bench, goal, ended, evidence, (begin, target))
+    _require_canceled(context, goal, ended, evidence, (begin, target))
     _require_stopped(goal, ended, evidence, begin, target)
-    is_at(bench, stopped)
+    is_at(context, stopped)
     return evidence
 
 
-def _get_under_way(bench: Bench, goal: Goal, begin: Place) -> None:
+def _get_under_way(context: CheckContext, goal: CheckedGoal, begin: MovePlace) -> None:
     """Wait until the robot has driven a little: as feedback tells, or long enough for a robot that says nothing."""
-    way, seconds = (1.0, 1.2) if at_own_speed(bench) else (0.3, 0.15)
+    way, seconds = (1.0, 1.2) if at_own_speed(context) else (0.3, 0.15)
 
     def under_way() -> bool:
         return (
@@ -80,96 +84,112 @@ def _get_under_way(bench: Bench, goal: Goal, begin: Place) -> None:
         )
 
     try:
-        bench.wait_until(under_way, allowed_s(way))
+        context.wait_until(under_way, allowed_s(way))
     except SubmissionEndedError as ended:
-        diagnosis, message = goal_endings.of_program(ended.life, bench.job)
+        diagnosis, message = goals.of_program(ended.process, context.job)
         evidence = Evidence(goal.shown, "the robot to drive", "a program that has ended")
         raise Failed(evidence, message, diagnosis) from None
 
 
-def _both_accepted(bench: Bench, first: Goal, second: Goal, waited_s: float, evidence: Evidence) -> Failed:
+def _both_accepted(
+    context: CheckContext, first: CheckedGoal, second: CheckedGoal, waited_s: float, evidence: Evidence
+) -> Failed:
     def interleaved() -> bool:
         return bool(second.feedback and first.feedback and first.feedback[-1].came_s > second.feedback[0].came_s)
 
-    bench.wait_until(lambda: interleaved() or first.over_at is not None, allowed_s(_FIRST_M))
+    context.wait_until(lambda: interleaved() or first.over_at is not None, allowed_s(_FIRST_M))
     if interleaved():
-        message = "Feedback of both goals came in turns: one robot is being driven to two targets."
+        message = "Feedback of both goals arrived in turns: your node drives one robot to two targets."
         return Failed(evidence, message, "action.concurrent_goals")
-    bench.wait_until(lambda: bool(second.statuses), silence.LOOK_S)
+    context.wait_until(lambda: bool(second.statuses), hangs.LOOK_S)
     over = first.over_at
     if over is None or over > second.began_at:
         return Failed(evidence, "Your server accepted a second goal while the first was running.")
     if any(status == SUCCEEDED for _, status in first.statuses):
         if waited_s > _PROMPT_S:
-            message = f"Nobody answered the second goal for {waited_s:.1f} s, until the first was over."
+            message = f"Your server did not answer the second goal for {waited_s:.1f} s, until the first was over."
             return HastyError(evidence, message, "action.cancel_blocked")
-        return HastyError(evidence, f"The first goal, {_FIRST_M:g} m long, was over before the second came.")
-    return Failed(evidence, "Your server ended the first goal when the second came. It is to reject the second.")
+        return HastyError(evidence, f"The first goal, {_FIRST_M:g} m long, was over before the second arrived.")
+    return Failed(
+        evidence, "Your server ended the first goal when the second arrived. It has to reject the second instead."
+    )
 
 
-def _have_it_accepted(bench: Bench, goal: Goal, length: float, expected: str) -> None:
+def _have_it_accepted(context: CheckContext, goal: CheckedGoal, length: float, expected: str) -> None:
     """Ask to cancel the goal, and have that accepted in time."""
-    clock = bench.clock()
+    clock = context.clock()
     answer = goal.cancel()
     try:
-        bench.wait_until(answer.done, allowed_s(length))
+        context.wait_until(answer.done, allowed_s(length))
     except SubmissionEndedError as ended:
         evidence = Evidence(goal.shown, expected, "no answer: the program ended")
-        diagnosis, message = goal_endings.of_program(ended.life, bench.job)
+        diagnosis, message = goals.of_program(ended.process, context.job)
         raise Failed(evidence, message, diagnosis) from None
     if not answer.done():
-        raise silence.unanswered(bench, goal.shown, expected, clock.fair())
+        raise hangs.unanswered(context, goal.shown, expected, clock.fair())
     waited_s, late = clock.wall(), clock.past(_PROMPT_S)
     if goal.is_cancelled_by(answer.result()):
         if late:
             evidence = Evidence(goal.shown, expected, f"accepted after {waited_s:.1f} s")
-            message = f"The request to cancel was answered after {waited_s:.1f} s: a robot cannot be stopped that late."
+            message = (
+                f"Your server answered the request to cancel only after {waited_s:.1f} s: that is too "
+                "late to stop a robot."
+            )
             raise HastyError(evidence, message, "action.cancel_blocked")
         return
     if goal.over_at is None:
-        message = "Your server answered that it will not cancel the goal, and the goal went on."
+        message = "Your server refused to cancel the goal, and the goal went on."
         raise Failed(Evidence(goal.shown, expected, "cancelling refused"), message, "action.cancel_refused")
     evidence = Evidence(goal.shown, expected, f"an answer after {waited_s:.1f} s, when the goal was over")
     if waited_s > _PROMPT_S:
-        message = "The request to cancel was not answered before the move was over."
+        message = "Your server did not answer the request to cancel before the move was over."
         raise HastyError(evidence, message, "action.cancel_blocked")
-    raise HastyError(evidence, f"The move, {length:.1f} m long, was over before the request came: what sets the speed?")
+    raise HastyError(
+        evidence,
+        f"The move, {length:.1f} m long, was over before the request to cancel arrived: is your robot too fast?",
+    )
 
 
-def _require_canceled(bench: Bench, goal: Goal, ended: Ended, evidence: Evidence, way: tuple[Place, Place]) -> None:
+def _require_canceled(
+    context: CheckContext, goal: CheckedGoal, ended: Ended, evidence: Evidence, way: tuple[MovePlace, MovePlace]
+) -> None:
     """The goal was ended as CANCELED, short of its target."""
     begin, target = way
     at_target = not misses(place_of(ended.result.final_position), target)
     if at_target and ended.status in (SUCCEEDED, CANCELED):
         seen = _last_seen(goal, begin, target)
         if seen is not None and math.dist(seen, target) > _NEAR_M:
-            message = f"The result says that the robot is at the target. The last feedback said that it was at {seen}."
+            message = (
+                f"The result says that the robot is at the target, but the last feedback said that it was at {seen}."
+            )
             raise HastyError(evidence, message)
-        message = "Your server agreed to cancel the goal, and the robot drove on to its target."
+        message = "Your server agreed to cancel the goal, but the robot drove on to its target."
         raise HastyError(evidence, message, "action.cancel_ignored")
-    life = goal.life()
-    cause = goal_endings.of_exception(life, bench.job)
+    process = goal.process()
+    cause = goals.of_exception(process, context.job)
     if ended.status != CANCELED:
-        cause = goal_endings.of_status(ended.name, life, bench.job)
+        cause = goals.of_status(ended.name, process, context.job)
     if cause is not None:
         diagnosis, message = cause
         raise Failed(evidence, message, diagnosis)
 
 
-def _require_stopped(goal: Goal, ended: Ended, evidence: Evidence, begin: Place, target: Place) -> None:
+def _require_stopped(goal: CheckedGoal, ended: Ended, evidence: Evidence, begin: MovePlace, target: MovePlace) -> None:
     """The final position can be where the robot has stopped."""
     stopped, seen = place_of(ended.result.final_position), _last_seen(goal, begin, target)
     if is_blank(ended.result):
-        raise Failed(evidence, "The result is as ROS 2 has made it: nothing was filled in when the goal was cancelled.")
+        raise Failed(
+            evidence, "The result is as ROS 2 creates it: your callback filled in nothing when the goal was cancelled."
+        )
     if not beside(begin, target, stopped) <= BESIDE:
-        message = f"The robot was driving from {begin} to {target}, and cannot have stopped there."
+        message = f"The robot was driving from {begin} to {target}, so it cannot have stopped there."
         raise Failed(evidence, message)
     if seen is not None and math.dist(begin, stopped) < math.dist(begin, seen) - BESIDE:
-        message = f"The last feedback said {seen}, and the result says {stopped}: the robot does not drive back."
+        message = f"The last feedback said {seen}, but the result says {stopped}: the robot cannot have driven back."
         raise Failed(evidence, message)
 
 
-def _last_seen(goal: Goal, begin: Place, target: Place) -> Place | None:
+def _last_seen(goal: CheckedGoal, begin: MovePlace, target: MovePlace) -> MovePlace | None:
     """Where feedback last said that the robot was on its way; what lies beside it is another check's matter."""
     seen = [place_of(one.feedback.position) for one in goal.feedback]
     return next((place for place in reversed(seen) if beside(begin, target, place) <= BESIDE), None)

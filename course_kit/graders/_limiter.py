@@ -20,7 +20,7 @@ _OTHERS = _FIELDS[1:]
 
 
 @dataclass(frozen=True)
-class Settings:
+class LimiterSettings:
     """The values of the four parameters; the defaults are those of the exercise."""
 
     robot_name: str = "default_robot"
@@ -80,7 +80,7 @@ def fields_of(twist: Any) -> tuple[float, ...]:
     return tuple(float(getattr(part, axis)) for part in (twist.linear, twist.angular) for axis in "xyz")
 
 
-def right_fields(settings: Settings, twist: Any) -> tuple[float, ...]:
+def right_fields(settings: LimiterSettings, twist: Any) -> tuple[float, ...]:
     """What has to come out on /cmd_vel."""
     linear_x, *others = fields_of(twist)
     if not settings.enabled:
@@ -88,23 +88,29 @@ def right_fields(settings: Settings, twist: Any) -> tuple[float, ...]:
     return (min(max(linear_x, -settings.max_velocity), settings.max_velocity), *others)
 
 
-def right_wheel(settings: Settings, published: float) -> float:
+def right_wheel(settings: LimiterSettings, published: float) -> float:
     """What has to come out on /wheel_speed, in rad/s, for the linear.x that was published, in m/s."""
     return _over(published, settings.wheel_diameter / 2.0) if settings.enabled else 0.0
 
 
-def right_reaction(settings: Settings, twist: Any) -> Reaction:
+def right_reaction(settings: LimiterSettings, twist: Any) -> Reaction:
     """What has to come out."""
     fields = right_fields(settings, twist)
     return Reaction(fields, right_wheel(settings, fields[0]))
 
 
-def velocity_fits(settings: Settings, twist: Any, got: Reaction) -> bool:
-    """Whether /cmd_vel is right."""
+def velocity_fits(settings: LimiterSettings, twist: Any, got: Reaction) -> bool:
+    """Whether /cmd_vel is right.
+
+    Args:
+        settings: what the parameters were set to.
+        twist: the command.
+        got: what came for it.
+    """
     return all(_same(one, two) for one, two in zip(right_fields(settings, twist), got.fields, strict=True))
 
 
-def wheel_fits(settings: Settings, got: Reaction) -> bool:
+def wheel_fits(settings: LimiterSettings, got: Reaction) -> bool:
     """Whether /wheel_speed is right for the /cmd_vel beside it."""
     return _same(got.wheel, right_wheel(settings, got.fields[0]))
 
@@ -114,29 +120,41 @@ def same_reaction(one: Reaction, two: Reaction) -> bool:
     return all(_same(a, b) for a, b in zip((*one.fields, one.wheel), (*two.fields, two.wheel), strict=True))
 
 
-def explain_velocity(settings: Settings, twist: Any, got: Reaction) -> tuple[str | None, str]:
-    """What is wrong with a /cmd_vel: the diagnosis, if there is one, and a sentence."""
+def explain_velocity(settings: LimiterSettings, twist: Any, got: Reaction) -> tuple[str | None, str]:
+    """What is wrong with a /cmd_vel: the diagnosis, if there is one, and a sentence.
+
+    Args:
+        settings: what the parameters were set to.
+        twist: the command.
+        got: what came for it.
+    """
     asked, right = fields_of(twist)[0], right_fields(settings, twist)
     if not settings.enabled:
         return None, "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."
     pairs = zip(_OTHERS, right[1:], got.fields[1:], strict=True)
     if changed := [name for name, one, two in pairs if not _same(one, two)]:
-        return None, f"Only linear.x is to be limited, and the others pass: look at {' and '.join(changed)}."
+        return (
+            None,
+            f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(changed)}.",
+        )
     if _same(got.fields[0], asked):
-        return "math.formula", f"It came through as it was, beyond max_velocity={settings.max_velocity:g}."
+        return (
+            "math.formula",
+            f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}.",
+        )
     if _same(got.fields[0], -right[0]):
-        return "math.formula", "The size is right and the sign is not: what drives backwards has to go on backwards."
+        return "math.formula", "The size is right but the sign is wrong: a command to drive backwards has to stay one."
     return "math.formula", f"linear.x has to be {right[0]:g} here, with max_velocity={settings.max_velocity:g}."
 
 
-def explain_wheel(settings: Settings, twist: Any, got: Reaction, *, floors: bool) -> tuple[str, str]:
+def explain_wheel(settings: LimiterSettings, twist: Any, got: Reaction, *, floors: bool) -> tuple[str, str]:
     """What is wrong with a /wheel_speed: the diagnosis and a sentence.
 
     Args:
         settings: the settings in force.
         twist: the command.
         got: what came out for it.
-        floors: whether `//` stands in the learner's program.
+        floors: whether the learner's program uses `//`.
     """
     speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields_of(twist)[0]
     slips = (
@@ -148,14 +166,14 @@ def explain_wheel(settings: Settings, twist: Any, got: Reaction, *, floors: bool
         (speed, "This is the speed itself, in m/s; the topic wants rad/s."),
     )
     if not settings.enabled:
-        return "math.formula", "With enabled=False the robot stands still, and its wheels as well."
+        return "math.formula", "With enabled=False the robot stands still, and so do its wheels."
     for value, told in slips:
         if _same(got.wheel, value):
             return "math.formula", told
     off = abs(got.wheel - right_wheel(settings, speed))
     if off <= 1.0 and (got.wheel == round(got.wheel) or floors):
-        return "math.integer_division", "Digits were lost on the way: look for //, int() and round()."
-    return "math.formula", "It fits none of the usual slips; work it out by hand: rad/s = (m/s) / radius in m."
+        return "math.integer_division", "Digits were lost in the calculation: look for //, int() and round()."
+    return "math.formula", "It matches none of the usual mistakes; work it out by hand: rad/s = (m/s) / radius in m."
 
 
 def read_status(text: str) -> tuple[str, float] | None:
@@ -179,7 +197,7 @@ def read_status(text: str) -> tuple[str, float] | None:
         return None
 
 
-def status_fits(settings: Settings, text: str) -> bool:
+def status_fits(settings: LimiterSettings, text: str) -> bool:
     """Whether a status line tells the name and the velocity, the latter compared as a number."""
     read = read_status(text)
     return (
@@ -189,7 +207,7 @@ def status_fits(settings: Settings, text: str) -> bool:
     )
 
 
-def status_line(settings: Settings) -> str:
+def status_line(settings: LimiterSettings) -> str:
     """A right status line."""
     return f"{settings.robot_name}: {settings.max_velocity:g} m/s"
 
@@ -202,7 +220,7 @@ def missing_in_reason(name: str, reason: str) -> str:
         return f"It does not name the parameter, {name}."
     numbers = {float(number) for number in _NUMBER.findall(reason)}
     if name in BOUNDS and not numbers & set(BOUNDS[name]):
-        return f"It does not tell the range: {RANGES[name]}."
+        return f"It does not give the range: {RANGES[name]}."
     return ""
 
 

@@ -11,8 +11,8 @@ from course_kit.graders._limiter import (
     BOUNDS,
     RANGES,
     TYPES,
+    LimiterSettings,
     Reaction,
-    Settings,
     command,
     missing_in_reason,
     same_reaction,
@@ -29,20 +29,20 @@ from course_kit.graders._limiter_node import (
     rest,
 )
 from course_kit.graders._limiter_status import expect_status
-from course_kit.grading.checks import Evidence, Failed, check
-from course_kit.grading.parameters import shown
+from course_kit.grading.checks.check import Evidence, Failed, check
+from course_kit.grading.checks.parameters import shown
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 
 @check(points=1.0, depends_on=["limits"])
-def change_velocity(bench: Bench) -> Evidence:
-    """A change of max_velocity acts on the next command."""
-    with Limiter(bench) as limiter:
+def change_velocity(context: CheckContext) -> Evidence:
+    """A change of max_velocity affects the next command."""
+    with Limiter(context) as limiter:
         limiter.driving()
         evidence = Evidence()
-        for value in (drawn(bench, 2.1, 4.9), drawn(bench, 0.2, 0.9)):
+        for value in (drawn(context, 2.1, 4.9), drawn(context, 0.2, 0.9)):
             for twist in (command(-BEYOND), command(BEYOND)):
                 was = _seen(limiter, twist)
                 after = limiter.set(max_velocity=value)
@@ -52,12 +52,12 @@ def change_velocity(bench: Bench) -> Evidence:
 
 
 @check(points=1.0, depends_on=["wheel_speed"])
-def change_diameter(bench: Bench) -> Evidence:
-    """A change of wheel_diameter acts on the next command."""
-    with Limiter(bench) as limiter:
+def change_diameter(context: CheckContext) -> Evidence:
+    """A change of wheel_diameter affects the next command."""
+    with Limiter(context) as limiter:
         twist = command(limiter.driving().max_velocity)
         evidence = Evidence()
-        for value in (drawn(bench, 0.2, 0.9), 0.02):
+        for value in (drawn(context, 0.2, 0.9), 0.02):
             was = _seen(limiter, twist)
             after = limiter.set(wheel_diameter=value)
             evidence = limiter.expect(after, twist, WHEELS, was=was, sent=shown({"wheel_diameter": value}))
@@ -65,39 +65,50 @@ def change_diameter(bench: Bench) -> Evidence:
 
 
 @check(points=1.0, depends_on=["reacts"])
-def change_enabled(bench: Bench) -> Evidence:
-    """With enabled false the robot stands still, with true it drives again."""
-    with Limiter(bench) as limiter:
-        twist = command(limiter.driving().max_velocity * 0.6, **rest(bench))
+def change_enabled(context: CheckContext) -> Evidence:
+    """With enabled=False the robot stands still, with enabled=True it drives again.
+
+    Raises:
+        Failed: it does not.
+    """
+    with Limiter(context) as limiter:
+        twist = command(limiter.driving().max_velocity * 0.6, **rest(context))
         drove = _seen(limiter, twist)
         evidence = limiter.expect(limiter.set(enabled=False), twist, BOTH, was=drove, sent="enabled=False")
         limiter.set(enabled=True)
         again = Evidence(f"enabled=False, then enabled=True; {shown_command(twist)}", drove.shown())
         got = limiter.react(twist, again)
         if not same_reaction(drove, got):
-            message = "Enabled again, the node does not do what it did before."
+            message = "After enabled=True the node does not do what it did before."
             raise Failed(replace(again, got=got.shown()), message, None if any(got.fields) else "parameter.read_once")
         return evidence
 
 
 @check(points=0.5, depends_on=["status"])
-def change_status(bench: Bench) -> Evidence:
+def change_status(context: CheckContext) -> Evidence:
     """A change of robot_name and max_velocity shows in the next /status."""
-    with Limiter(bench) as limiter:
+    with Limiter(context) as limiter:
         was = str(limiter.status.messages[-1].data) if limiter.status.count else None
-        values = {"robot_name": f"rover_{bench.random.randrange(100, 1000)}", "max_velocity": drawn(bench, 1.1, 2.0)}
-        return expect_status(bench, limiter.status, limiter.set(**values), was=was, sent=shown(values))
+        values = {
+            "robot_name": f"rover_{context.random.randrange(100, 1000)}",
+            "max_velocity": drawn(context, 1.1, 2.0),
+        }
+        return expect_status(context, limiter.status, limiter.set(**values), was=was, sent=shown(values))
 
 
 @check(points=2.0, depends_on=["reacts"], deadline_s=12.0)
-def refuses(bench: Bench) -> Evidence:
-    """An invalid value is refused with a reason, and the old one stays in force."""
+def refuses(context: CheckContext) -> Evidence:
+    """An invalid value is refused with a reason, and the old one stays.
+
+    Raises:
+        Failed: it is accepted, refused without a reason, or kept.
+    """
     evidence = Evidence()
-    velocities = (-1.0, bench.random.uniform(5.1, 20.0), math.inf, math.nan)
-    diameters = (0.0, -0.1, bench.random.uniform(1.1, 20.0))
+    velocities = (-1.0, context.random.uniform(5.1, 20.0), math.inf, math.nan)
+    diameters = (0.0, -0.1, context.random.uniform(1.1, 20.0))
     attempts = [("robot_name", ""), *(("max_velocity", v) for v in velocities)]
     for name, value in [*attempts, *(("wheel_diameter", d) for d in diameters)]:
-        with Limiter(bench) as limiter:
+        with Limiter(context) as limiter:
             before = limiter.driving()
             twist = command(BEYOND)
             was = _seen(limiter, twist)
@@ -106,16 +117,16 @@ def refuses(bench: Bench) -> Evidence:
             evidence = require_refused(outcome, {name: value}, expected, "validation.missing")
             require_proper_answer(outcome, evidence)
             if lacks := missing_in_reason(name, outcome.reason):
-                message = f"Refusing is right; but whoever has set the value needs to know why. {lacks}"
+                message = f"Your node was right to refuse, but the reason has to say why. {lacks}"
                 raise Failed(evidence, message, "validation.no_reason")
             _require_unchanged(limiter, before, was, evidence)
     return evidence
 
 
 @check(points=0.5, depends_on=["types"])
-def wrong_type(bench: Bench) -> Evidence:
+def wrong_type(context: CheckContext) -> Evidence:
     """A value of another type is refused."""
-    with Limiter(bench) as limiter:
+    with Limiter(context) as limiter:
         evidence = Evidence()
         for name, value in (("max_velocity", "fast"), ("max_velocity", 2), ("enabled", 1), ("robot_name", 7)):
             expected = f"refused: {name} is a {TYPES[name]}"
@@ -124,19 +135,19 @@ def wrong_type(bench: Bench) -> Evidence:
 
 
 @check(points=0.5, depends_on=["declared"])
-def undeclared(bench: Bench) -> Evidence:
-    """A parameter that is not declared is refused."""
-    name = f"wheel_count_{bench.random.randrange(100, 1000)}"
-    outcome = Limiter(bench).remote.set(name, 4)
+def undeclared(context: CheckContext) -> Evidence:
+    """Setting a parameter that is not declared is refused."""
+    name = f"wheel_count_{context.random.randrange(100, 1000)}"
+    outcome = Limiter(context).remote.set(name, 4)
     return require_refused(outcome, {name: 4}, "refused: there is no such parameter", "parameter.undeclared")
 
 
 @check(points=1.0, depends_on=["reacts"])
-def atomic(bench: Bench) -> Evidence:
-    """Set atomically, a valid and an invalid value change nothing."""
+def atomic(context: CheckContext) -> Evidence:
+    """A valid and an invalid value set atomically change nothing."""
     evidence = Evidence()
     for valid, invalid in (("max_velocity", "wheel_diameter"), ("wheel_diameter", "max_velocity")):
-        with Limiter(bench) as limiter:
+        with Limiter(context) as limiter:
             before = limiter.driving()
             twist = command(BEYOND)
             was = _seen(limiter, twist)
@@ -145,8 +156,8 @@ def atomic(bench: Bench) -> Evidence:
             outcome = limiter.remote.set_together(values)
             evidence = require_refused(outcome, values, expected, "validation.missing")
             _require_unchanged(limiter, before, was, evidence)
-    with Limiter(bench) as limiter:
-        limiter.set_together(max_velocity=drawn(bench, 1.1, 2.0), wheel_diameter=drawn(bench, 0.2, 0.9))
+    with Limiter(context) as limiter:
+        limiter.set_together(max_velocity=drawn(context, 1.1, 2.0), wheel_diameter=drawn(context, 0.2, 0.9))
     return evidence
 
 
@@ -155,15 +166,15 @@ def _seen(limiter: Limiter, twist: Any) -> Reaction:
     return limiter.react(twist, Evidence(shown_command(twist), "a message on /cmd_vel and one on /wheel_speed"))
 
 
-def _require_unchanged(limiter: Limiter, before: Settings, was: Reaction, evidence: Evidence) -> None:
+def _require_unchanged(limiter: Limiter, before: LimiterSettings, was: Reaction, evidence: Evidence) -> None:
     """After a refusal nothing has changed: neither what the node reports, nor what it does."""
     if (now := limiter.settings()) != before:
         changed = {name: value for name, value in now.to_mapping().items() if value != before.to_mapping()[name]}
-        evidence = Evidence(evidence.sent, evidence.expected, f"refused, and yet now {shown(changed)}")
+        evidence = Evidence(evidence.sent, evidence.expected, f"refused, but now {shown(changed)}")
         raise Failed(evidence, "The parameter has changed although the change was refused.", "parameter.not_atomic")
     twist = command(BEYOND)
     got = limiter.react(twist, Evidence(f"{evidence.sent}; {shown_command(twist)}", evidence.expected))
     if not same_reaction(was, got):
         sent = f"{evidence.sent}; {shown_command(twist)}"
-        message = "The change was refused, and yet your node acts on it: it had kept a value before it knew the answer."
+        message = "Your node refused the change, yet it acts on it: it kept a value before it had checked all of them."
         raise Failed(Evidence(sent, was.shown(), got.shown()), message, "parameter.not_atomic")

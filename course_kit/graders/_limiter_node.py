@@ -10,11 +10,11 @@ from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
 
 from course_kit.graders import _limiter
-from course_kit.graders._limiter import TYPES, Reaction, Settings, same_reaction
-from course_kit.grading.callbacks import INVALID_RESULT
-from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.parameters import Outcome, Remote, ensure_served, shown
-from course_kit.grading.topics import Exchange, Topic
+from course_kit.graders._limiter import TYPES, LimiterSettings, Reaction, same_reaction
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.parameters import Remote, SetResult, ensure_served, shown
+from course_kit.grading.checks.topics import Topic, TopicExchange
+from course_kit.grading.diagnosis.exceptions import INVALID_RESULT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-    from course_kit.grading.bench import Bench
-    from course_kit.grading.tester import Heard
+    from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.grader_node import Heard
 
 NODE = "/velocity_limiter"
 COMMAND = Topic("/cmd_vel_in", Twist, "geometry_msgs/msg/Twist")
@@ -32,7 +32,7 @@ WHEEL = Topic("/wheel_speed", Float64, "std_msgs/msg/Float64")
 STATUS = Topic("/status", String, "std_msgs/msg/String")
 VELOCITY, WHEELS, BOTH = "velocity", "wheels", "both"
 _TRIES = 2  # a node that follows its parameters through /parameter_events may be one message late
-_ACCEPTED = "it is accepted: the value is valid"
+_ACCEPTED = "accepted: the value is valid"
 
 
 class Limiter:
@@ -42,15 +42,15 @@ class Limiter:
     the next grading, meets the node as this one did.
     """
 
-    def __init__(self, bench: Bench) -> None:
+    def __init__(self, context: CheckContext) -> None:
         """Meet the submission, started again if it has died.
 
         Raises:
             Failed: it does not come up again.
         """
-        self._bench = bench
-        self.remote: Remote = ensure_served(bench, NODE)
-        self._exchange, self.status = endpoints(bench)
+        self._context = context
+        self.remote: Remote = ensure_served(context, NODE)
+        self._exchange, self.status = endpoints(context)
 
     def __enter__(self) -> Self:
         self._before = self.settings()
@@ -59,13 +59,13 @@ class Limiter:
     def __exit__(
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
-        bench = self._bench
-        if not bench.spoiled:
+        context = self._context
+        if self.remote.changed and not context.spoiled:
             # What is wrong with it was or will be said by the checks themselves.
-            with suppress(Failed), bench.record.looking_away(), bench.after_the_verdict():
+            with suppress(Failed), context.record.looking_away(), context.after_the_verdict():
                 self.remote.set_together(self._before.to_mapping())
 
-    def settings(self) -> Settings:
+    def settings(self) -> LimiterSettings:
         """The values in force, as the node's own services report them.
 
         Raises:
@@ -74,16 +74,15 @@ class Limiter:
         found = self.remote.values(list(TYPES))
         if wrong := [f"{name} is {value.type}" for name, value in found.items() if value.type != TYPES[name]]:
             expected = ", ".join(f"{name}: {kind}" for name, kind in TYPES.items())
-            message = f"{' and '.join(wrong)}. Until now each parameter had its type."
+            message = f"{' and '.join(wrong)}. Until now each parameter had the right type."
             raise Failed(Evidence("get_parameters", expected, ", ".join(wrong)), message, "parameter.type")
-        return Settings(**{name: value.value for name, value in found.items()})
+        return LimiterSettings(**{name: value.value for name, value in found.items()})
 
-    def driving(self) -> Settings:
-        """The same, once `enabled` is true: only then is there something to see."""
-        settings = self.settings()
-        return settings if settings.enabled else self.set(enabled=True)
+    def driving(self) -> LimiterSettings:
+        """What a check begins with: the settings, once `enabled` is true, as only then there is something to see."""
+        return self._before if self._before.enabled else self.set(enabled=True)
 
-    def set(self, **values: Any) -> Settings:
+    def set(self, **values: Any) -> LimiterSettings:
         """Set valid values, one after the other; returns the settings after it.
 
         Raises:
@@ -93,7 +92,7 @@ class Limiter:
             require_accepted(self.remote.set(name, value), {name: value})
         return self._require_values(values)
 
-    def set_together(self, **values: Any) -> Settings:
+    def set_together(self, **values: Any) -> LimiterSettings:
         """Set valid values at once; otherwise like `set`."""
         require_accepted(self.remote.set_together(values), values)
         return self._require_values(values)
@@ -107,6 +106,11 @@ class Limiter:
 
         The last one drives backwards and the others do not, so that its answers are known: on each topic the
         messages come in order, and what belongs to the others is there when they are.
+
+        Args:
+            burst: the commands that are sent at once.
+            then: the one after them.
+            evidence: what the check has so far.
         """
         self.react(then, evidence)
         before = [heard.count for heard in self._heard()]
@@ -117,11 +121,11 @@ class Limiter:
         return velocities, wheels
 
     def _heard(self) -> tuple[Heard, Heard]:
-        hear = self._bench.tester.hear
+        hear = self._context.grader_node.hear
         return (hear(LIMITED.interface, LIMITED.name), hear(WHEEL.interface, WHEEL.name))
 
     def expect(
-        self, settings: Settings, twist: Any, part: str, *, was: Reaction | None = None, sent: str = ""
+        self, settings: LimiterSettings, twist: Any, part: str, *, was: Reaction | None = None, sent: str = ""
     ) -> Evidence:
         """The command `twist` has the effect that the settings give it.
 
@@ -145,53 +149,66 @@ class Limiter:
                 return replace(evidence, got=_shown(got, part))
         evidence = replace(evidence, got=_shown(got, part))
         if was is not None and same_reaction(was, got):
-            message = "The change was accepted, and what comes out is the same as before it."
+            message = "Your node accepted the change, but what comes out is the same as before."
             raise Failed(evidence, message, "parameter.read_once")
         raise self._wrong(settings, twist, part, got, evidence)
 
     def _better(self, good: Callable[[Reaction], bool], evidence: Evidence) -> Reaction:
         return Reaction.of(*self._exchange.wait_for_better(lambda last: good(Reaction.of(*last)), evidence))
 
-    def _wrong(self, settings: Settings, twist: Any, part: str, got: Reaction, evidence: Evidence) -> Failed:
+    def _wrong(self, settings: LimiterSettings, twist: Any, part: str, got: Reaction, evidence: Evidence) -> Failed:
         if part != WHEELS and not _limiter.velocity_fits(settings, twist, got):
             diagnosis, message = _limiter.explain_velocity(settings, twist, got)
         else:
             diagnosis, message = _limiter.explain_wheel(
-                settings, twist, got, floors=self._bench.job.facts.floor_divides
+                settings, twist, got, floors=self._context.job.facts.floor_divides
             )
         return Failed(evidence, message, diagnosis)
 
-    def _require_values(self, values: Mapping[str, Any]) -> Settings:
+    def _require_values(self, values: Mapping[str, Any]) -> LimiterSettings:
         settings = self.settings()
         read = {name: value for name, value in settings.to_mapping().items() if name in values}
         if read != dict(values):
             evidence = Evidence(shown(values), f"afterwards get_parameters says {shown(values)}", shown(read))
-            raise Failed(evidence, "Setting the value was answered with yes, and yet the parameter has another one.")
+            raise Failed(evidence, "Your node accepted the value, but afterwards the parameter has another one.")
         return settings
 
 
-def endpoints(bench: Bench) -> tuple[Exchange, Heard]:
+def endpoints(context: CheckContext) -> tuple[TopicExchange, Heard]:
     """The grader's ends of the four topics; the sooner they are made, the sooner they are connected."""
-    return Exchange(bench, COMMAND, (LIMITED, WHEEL)), bench.tester.hear(STATUS.interface, STATUS.name)
+    return TopicExchange(context, COMMAND, (LIMITED, WHEEL)), context.grader_node.hear(STATUS.interface, STATUS.name)
 
 
-def drawn(bench: Bench, low: float, high: float) -> float:
-    """A value with one decimal place, which survives whatever format a status line is written in."""
-    return round(bench.random.uniform(low, high), 1)
+def drawn(context: CheckContext, low: float, high: float) -> float:
+    """A value with one decimal place, which survives whatever format a status line is written in.
+
+    Args:
+        context: the check's, whose random numbers are drawn from.
+        low: the smallest value.
+        high: the largest value.
+    """
+    return round(context.random.uniform(low, high), 1)
 
 
-def rest(bench: Bench) -> dict[str, float]:
+def rest(context: CheckContext) -> dict[str, float]:
     """Values for the fields of a command that pass unchanged."""
-    return {name: bench.random.uniform(-1.0, 1.0) for name in ("linear_y", "linear_z", "angular_x", "angular_z")}
+    return {name: context.random.uniform(-1.0, 1.0) for name in ("linear_y", "linear_z", "angular_x", "angular_z")}
 
 
-def fits(settings: Settings, twist: Any, part: str, got: Reaction) -> bool:
-    """Whether that part of a reaction is right."""
+def fits(settings: LimiterSettings, twist: Any, part: str, got: Reaction) -> bool:
+    """Whether that part of a reaction is right.
+
+    Args:
+        settings: what the parameters were set to.
+        twist: the command.
+        part: which topic.
+        got: what came for it.
+    """
     velocity = part == WHEELS or _limiter.velocity_fits(settings, twist, got)
     return velocity and (part == VELOCITY or _limiter.wheel_fits(settings, got))
 
 
-def require_accepted(outcome: Outcome, values: Mapping[str, Any]) -> None:
+def require_accepted(outcome: SetResult, values: Mapping[str, Any]) -> None:
     """A valid value was accepted.
 
     Raises:
@@ -204,8 +221,14 @@ def require_accepted(outcome: Outcome, values: Mapping[str, Any]) -> None:
     raise Failed(evidence, f"Your node refused {shown(values)}, which is valid.", "validation.overzealous")
 
 
-def require_refused(outcome: Outcome, values: Mapping[str, Any], expected: str, accepted: str) -> Evidence:
+def require_refused(outcome: SetResult, values: Mapping[str, Any], expected: str, accepted: str) -> Evidence:
     """A value was refused.
+
+    Args:
+        outcome: how the attempt went.
+        values: what was tried.
+        expected: in words.
+        accepted: the diagnosis and the message where it was accepted.
 
     Raises:
         Failed: with the code `accepted`, or parameter.bad_callback.
@@ -216,14 +239,14 @@ def require_refused(outcome: Outcome, values: Mapping[str, Any], expected: str, 
     return evidence
 
 
-def require_proper_answer(outcome: Outcome, evidence: Evidence) -> None:
+def require_proper_answer(outcome: SetResult, evidence: Evidence) -> None:
     """A refusal is the learner's own, not rclpy's for a callback that returned something else.
 
     Raises:
         Failed: with parameter.bad_callback.
     """
     if INVALID_RESULT in outcome.reason:
-        message = "Your set-parameters callback returned something that is no SetParametersResult, and rclpy refused."
+        message = "Your set-parameters callback did not return a SetParametersResult, so rclpy refused the change."
         raise Failed(evidence, message, "parameter.bad_callback")
 
 

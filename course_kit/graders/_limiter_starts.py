@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.graders._limiter import BEYOND, TYPES, Settings, command, parameter_file, right_reaction, yaml
+from course_kit.graders._limiter import BEYOND, TYPES, LimiterSettings, command, parameter_file, right_reaction, yaml
 from course_kit.graders._limiter import shown as shown_command
 from course_kit.graders._limiter_node import BOTH, NODE, VELOCITY, Limiter, endpoints, fits
 from course_kit.graders._limiter_status import expect_status
-from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.parameters import expect_served, shown
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.parameters import expect_served, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 _FILE = "parameters.yaml"
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
 _ENDED = ("start.crash", "start.exit")
+# What rclpy says, from 7.1.10 on, of requests that somebody else has made.
+_SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$", re.MULTILINE)
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 
 
-def expect_arguments(bench: Bench, values: Mapping[str, Any]) -> Evidence:
+def expect_arguments(context: CheckContext, values: Mapping[str, Any]) -> Evidence:
     """Values on the command line are in force.
 
     Raises:
@@ -32,14 +35,14 @@ def expect_arguments(bench: Bench, values: Mapping[str, Any]) -> Evidence:
     arguments = _arguments(values)
     sent = " ".join(arguments)
     try:
-        limiter = _start(bench, arguments, {}, sent)
+        limiter = _start(context, arguments, {}, sent)
         settings = _require_values(limiter, values, sent)
         return _require_effect(limiter, settings, BOTH, sent)
     finally:
-        bench.spoil()  # whatever comes next needs a start without arguments
+        context.spoil()  # whatever comes next needs a start without arguments
 
 
-def expect_file(bench: Bench, values: Mapping[str, Any]) -> Evidence:
+def expect_file(context: CheckContext, values: Mapping[str, Any]) -> Evidence:
     """Values in a file of parameters are in force, on the topics and in the status line.
 
     Raises:
@@ -48,19 +51,19 @@ def expect_file(bench: Bench, values: Mapping[str, Any]) -> Evidence:
     text = parameter_file(NODE, values)
     sent = f"--ros-args --params-file {_FILE}, in which {shown(values)}"
     try:
-        limiter = _start(bench, ["--ros-args", "--params-file", _FILE], {_FILE: text}, sent)
+        limiter = _start(context, ["--ros-args", "--params-file", _FILE], {_FILE: text}, sent)
         settings = _require_values(limiter, values, sent)
         _require_effect(limiter, settings, VELOCITY, sent)
-        return _ignoring(lambda: expect_status(bench, limiter.status, settings, sent=sent))
+        return _ignoring(lambda: expect_status(context, limiter.status, settings, sent=sent))
     finally:
-        bench.spoil()
+        context.spoil()
 
 
-def expect_invalid(bench: Bench, values: Mapping[str, Any]) -> Evidence:
+def expect_invalid(context: CheckContext, values: Mapping[str, Any]) -> Evidence:
     """Each invalid value stops the node with an error, or is replaced by the default with a warning.
 
     Raises:
-        Failed: it is taken, or nobody is told; with validation.missing or validation.no_reason.
+        Failed: it is taken, or its output does not say so; with validation.missing or validation.no_reason.
     """
     evidence = Evidence()
     for name, value in values.items():
@@ -68,10 +71,10 @@ def expect_invalid(bench: Bench, values: Mapping[str, Any]) -> Evidence:
         expected = f"an error that names {name} and the end of the program, or a warning and the default"
         evidence = Evidence(" ".join(arguments), expected)
         try:
-            bench.launch(arguments)
-            evidence = _judge_invalid(bench, name, value, evidence)
+            context.launch(arguments)
+            evidence = _judge_invalid(context, name, value, evidence)
         finally:
-            bench.spoil()
+            context.spoil()
     return evidence
 
 
@@ -80,37 +83,39 @@ def _arguments(values: Mapping[str, Any]) -> list[str]:
     return ["--ros-args", *(word for pair in pairs for word in pair)]
 
 
-def _start(bench: Bench, arguments: list[str], files: Mapping[str, str], sent: str) -> Limiter:
-    bench.launch(arguments, files)
-    endpoints(bench)
+def _start(context: CheckContext, arguments: list[str], files: Mapping[str, str], sent: str) -> Limiter:
+    context.launch(arguments, files)
+    endpoints(context)
     try:
-        expect_served(bench, NODE)
+        expect_served(context, NODE)
     except Failed as failed:
         evidence = replace(failed.evidence, sent=sent)
-        if failed.diagnosis in _ENDED and _names_a_parameter(bench):
-            message = f"Started with values that are valid, your program ended. {failed.message}"
+        if failed.diagnosis in _ENDED and _names_a_parameter(context):
+            message = f"Your program ended when it was started with valid values. {failed.message}"
             raise Failed(evidence, message, "validation.overzealous") from None
         raise Failed(evidence, failed.message, failed.diagnosis) from None
-    return Limiter(bench)
+    return Limiter(context)
 
 
-def _names_a_parameter(bench: Bench) -> bool:
+def _names_a_parameter(context: CheckContext) -> bool:
     """Whether the last words of a program are about a parameter, so that it has ended because of its value."""
-    told = bench.life().stderr.rstrip().rpartition("\n")[2] or bench.life().stdout.rstrip().rpartition("\n")[2]
+    told = (
+        context.process().stderr.rstrip().rpartition("\n")[2] or context.process().stdout.rstrip().rpartition("\n")[2]
+    )
     return any(name in told for name in TYPES)
 
 
-def _require_values(limiter: Limiter, values: Mapping[str, Any], sent: str) -> Settings:
+def _require_values(limiter: Limiter, values: Mapping[str, Any], sent: str) -> LimiterSettings:
     settings = limiter.settings()
     got = {name: value for name, value in settings.to_mapping().items() if name in values}
     if got != dict(values):
         evidence = Evidence(sent, shown(values), shown(got))
-        message = "The program was started with these values, and its parameters have others."
+        message = "The program was started with these values, but its parameters have others."
         raise Failed(evidence, message, "parameter.override_ignored")
     return settings
 
 
-def _require_effect(limiter: Limiter, settings: Settings, part: str, sent: str) -> Evidence:
+def _require_effect(limiter: Limiter, settings: LimiterSettings, part: str, sent: str) -> Evidence:
     return _ignoring(lambda: limiter.expect(settings, command(BEYOND), part, sent=sent))
 
 
@@ -121,39 +126,40 @@ def _ignoring(look: Callable[[], Evidence]) -> Evidence:
     except Failed as failed:
         if failed.diagnosis not in (None, "math.formula"):
             raise
-        message = f"The parameter has the value given at the start, and the node acts on another. {failed.message}"
+        message = f"The parameter has the value given at the start, but the node acts on another. {failed.message}"
         raise Failed(failed.evidence, message, "parameter.override_ignored") from None
 
 
-def _judge_invalid(bench: Bench, name: str, value: Any, evidence: Evidence) -> Evidence:
-    endpoints(bench)
+def _judge_invalid(context: CheckContext, name: str, value: Any, evidence: Evidence) -> Evidence:
+    endpoints(context)
     try:
-        expect_served(bench, NODE)
+        expect_served(context, NODE)
     except Failed as failed:
-        if bench.life(fresh=True).running:
+        if context.process(fresh=True).running:
             raise Failed(replace(failed.evidence, sent=evidence.sent), failed.message, failed.diagnosis) from None
-        return _require_told(bench, (name,), replace(evidence, got="the program ended"))
+        return _require_told(context, (name,), replace(evidence, got="the program ended"))
     twist = command(BEYOND)
-    got = Limiter(bench).react(twist, replace(evidence, sent=f"{evidence.sent}; {shown_command(twist)}"))
-    if not fits(Settings(), twist, BOTH, got):
-        default = right_reaction(Settings(), twist)
+    got = Limiter(context).react(twist, replace(evidence, sent=f"{evidence.sent}; {shown_command(twist)}"))
+    if not fits(LimiterSettings(), twist, BOTH, got):
+        default = right_reaction(LimiterSettings(), twist)
         evidence = Evidence(
             f"{evidence.sent}; {shown_command(twist)}", f"{evidence.expected}: {default.shown()}", got.shown()
         )
-        message = f"Your node started with {name}={value!r}, which it would have to refuse."
+        message = f"Your node started with {name}={value!r}, which it should have refused."
         raise Failed(evidence, message, "validation.missing")
-    return _require_told(bench, (name, *_WARNINGS), replace(evidence, got="it goes on with the default"))
+    return _require_told(context, (name, *_WARNINGS), replace(evidence, got="it runs with the default"))
 
 
-def _require_told(bench: Bench, words: tuple[str, ...], evidence: Evidence) -> Evidence:
+def _require_told(context: CheckContext, words: tuple[str, ...], evidence: Evidence) -> Evidence:
     """Somebody reads the terminal: it has to say what happened. By itself this earns nothing."""
 
     def told() -> bool:
-        life = bench.life(fresh=True)
-        return any(word in life.stdout + life.stderr for word in words)
+        process = context.process(fresh=True)
+        own = _SAID_BY_RCLPY.sub("", process.stdout + process.stderr)
+        return any(word in own for word in words)
 
-    if not bench.wait_until(told, _TOLD_S, of_the_living=False):
-        evidence = replace(evidence, got=f"{evidence.got}, and printed nothing about {words[0]}")
-        message = f"Nobody learns that it was {words[0]} that was wrong."
+    if not context.wait_until(told, _TOLD_S, of_the_living=False):
+        evidence = replace(evidence, got=f"{evidence.got}, and its output does not name {words[0]}")
+        message = f"The program's output does not name {words[0]}, so its user cannot tell what was wrong."
         raise Failed(evidence, message, "validation.no_reason")
     return evidence

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.graders._limiter import Settings, read_status, status_fits, status_line
-from course_kit.grading.checks import Evidence, Failed
-from course_kit.grading.silence import told
-from course_kit.grading.topics import await_next
+from course_kit.graders._limiter import LimiterSettings, read_status, status_fits, status_line
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.topics import await_next
+from course_kit.grading.diagnosis.hangs import told
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench
-    from course_kit.grading.tester import Heard
+    from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.grader_node import Heard
 
 _SILENT_S = 2.0  # four periods
 _PERIOD_S = (0.42, 0.6)  # 2 Hz, on a machine that is now and then busy
@@ -21,9 +21,16 @@ _WATCHED_S = 5.0
 
 
 def expect_status(
-    bench: Bench, heard: Heard, settings: Settings, *, was: str | None = None, sent: str = ""
+    context: CheckContext, heard: Heard, settings: LimiterSettings, *, was: str | None = None, sent: str = ""
 ) -> Evidence:
     """The next line tells these settings; or the one after it, as one may be on its way.
+
+    Args:
+        context: the check's.
+        heard: what comes on /status.
+        settings: what the parameters were set to.
+        was: how many lines had come before.
+        sent: what was done, in words.
 
     Raises:
         Failed: it does not; with topic.silent, or parameter.read_once when it is what it `was` before a change.
@@ -31,30 +38,32 @@ def expect_status(
     evidence = Evidence(sent, f"on /status: {status_line(settings)}")
     first = heard.count
     for count in (first + 1, first + 2):
-        clock = bench.clock()
-        if not await_next(bench, heard, count, _SILENT_S, evidence):
+        clock = context.clock()
+        if not await_next(context, heard, count, _SILENT_S, evidence):
             evidence = replace(evidence, got=f"nothing within {told(clock.fair(), _SILENT_S)} s")
-            raise Failed(evidence, "/status is to come twice a second, by a timer.", "topic.silent")
+            raise Failed(evidence, "/status has to be published twice a second, by a timer.", "topic.silent")
         line = str(heard.since(count - 1)[0].data)
-        bench.record.came(f"/status: {line!r}")
+        context.record.came(f"/status: {line!r}")
         evidence = replace(evidence, got=f"on /status: {line}")
         if status_fits(settings, line):
             return evidence
     if line == was:
-        raise Failed(evidence, "The change was accepted, and /status is as before.", "parameter.read_once")
+        raise Failed(
+            evidence, "Your node accepted the change, but /status is the same as before.", "parameter.read_once"
+        )
     raise Failed(evidence, _what_is_wrong(settings, line))
 
 
-def expect_rate(bench: Bench, heard: Heard) -> Evidence:
+def expect_rate(context: CheckContext, heard: Heard) -> Evidence:
     """The lines come at 2 Hz.
 
     Raises:
         Failed: they come at another rate.
     """
     evidence = Evidence("", "a message on /status every 0.5 s")
-    clock = bench.clock()
+    clock = context.clock()
     count = max(3, heard.count)
-    while await_next(bench, heard, count, _SILENT_S, evidence) and not clock.past(_WATCHED_S):
+    while await_next(context, heard, count, _SILENT_S, evidence) and not clock.past(_WATCHED_S):
         times = list(heard.times)
         evidence = replace(evidence, got=f"one every {_period(times):.2f} s")
         if any(_PERIOD_S[0] <= _period(some) <= _PERIOD_S[1] for some in (times, times[-_LAST:])):
@@ -68,10 +77,10 @@ def _period(times: list[float]) -> float:
     return (times[-1] - times[0]) / (len(times) - 1)
 
 
-def _what_is_wrong(settings: Settings, line: str) -> str:
+def _what_is_wrong(settings: LimiterSettings, line: str) -> str:
     read = read_status(line)
     if read is None:
-        return "The line is to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
+        return "The line has to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
     if read[0] != settings.robot_name:
         return f"The line begins with {read[0]!r}; robot_name is {settings.robot_name!r}."
-    return f"The line tells {read[1]:g} m/s; max_velocity is {settings.max_velocity:g}."
+    return f"The line says {read[1]:g} m/s; max_velocity is {settings.max_velocity:g}."

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import random
     from collections.abc import Sequence
 
-    from course_kit.grading.actions import Told
+    from course_kit.grading.checks.actions import ReceivedFeedback
 
 ARENA = 10.0  # metres; 0 <= x, y <= ARENA
 TOLERANCE = 0.05  # metres; how near to the target a move has to end
@@ -24,7 +24,7 @@ _APART = 0.12  # of the way, by which two distances differ that are not taken fo
 _GOOD_PART = 0.4
 
 
-class Place(NamedTuple):
+class MovePlace(NamedTuple):
     """A place in the arena, in metres."""
 
     x: float
@@ -34,17 +34,23 @@ class Place(NamedTuple):
         return f"({self.x:.2f}, {self.y:.2f})"
 
 
-ORIGIN = Place(0.0, 0.0)
+ORIGIN = MovePlace(0.0, 0.0)
 # Where the robot is kept: far from (0, 0), which fields hold that nobody filled in, and from the corner opposite.
 _LEAST, _MOST = 0.6, 5.6
 
 
-def target_from(here: Place, length: float, random: random.Random) -> Place:
-    """A target `length` metres away (5 at most), drawn from those in the middle of the arena where there are any."""
+def target_from(here: MovePlace, length: float, random: random.Random) -> MovePlace:
+    """A target `length` metres away (5 at most), drawn from those in the middle of the arena where there are any.
+
+    Args:
+        here: where the robot is.
+        length: in metres.
+        random: what is drawn from.
+    """
     return _most_central(_drawn(here, length, random))
 
 
-def telling_target(here: Place, length: float, driven: float, random: random.Random) -> Place:
+def telling_target(here: MovePlace, length: float, driven: float, random: random.Random) -> MovePlace:
     """As `target_from`, and where it can be had a target that tells mistaken distances apart.
 
     These are the way from the origin, which is what a new robot for each goal measures, and all ways together.
@@ -56,7 +62,7 @@ def telling_target(here: Place, length: float, driven: float, random: random.Ran
         random: what is drawn from.
     """
 
-    def tells(target: Place) -> bool:
+    def tells(target: MovePlace) -> bool:
         mistaken = math.dist(ORIGIN, target)
         return min(abs(mistaken - length), abs(mistaken - driven - length)) > _APART * length
 
@@ -64,45 +70,51 @@ def telling_target(here: Place, length: float, driven: float, random: random.Ran
     return _most_central([place for place in drawn if tells(place)] or drawn)
 
 
-def in_the_arena(place: Place) -> Place:
+def in_the_arena(place: MovePlace) -> MovePlace:
     """The place itself, or of one outside of the arena, or with a NaN, the nearest that a robot can be at."""
     x, y = (0.0 if math.isnan(value) else min(max(value, 0.0), ARENA) for value in place)
-    return Place(x, y)
+    return MovePlace(x, y)
 
 
-def _drawn(here: Place, length: float, random: random.Random) -> list[Place]:
-    drawn: list[Place] = []
+def _drawn(here: MovePlace, length: float, random: random.Random) -> list[MovePlace]:
+    drawn: list[MovePlace] = []
     while not drawn:
         for _ in range(_DRAWS):
             angle = random.uniform(0.0, 2.0 * math.pi)
-            drawn.append(Place(here.x + length * math.cos(angle), here.y + length * math.sin(angle)))
+            drawn.append(MovePlace(here.x + length * math.cos(angle), here.y + length * math.sin(angle)))
         drawn = [place for place in drawn if all(0.0 <= value <= ARENA for value in place)]
     return drawn
 
 
-def _most_central(places: Sequence[Place]) -> Place:
+def _most_central(places: Sequence[MovePlace]) -> MovePlace:
     return next((place for place in places if all(_LEAST <= value <= _MOST for value in place)), places[0])
 
 
-def farthest_corner(here: Place) -> Place:
+def farthest_corner(here: MovePlace) -> MovePlace:
     """The corner of the arena that is farthest away, 7 m at least."""
-    corners = [Place(x, y) for x in (0.0, ARENA) for y in (0.0, ARENA)]
+    corners = [MovePlace(x, y) for x in (0.0, ARENA) for y in (0.0, ARENA)]
     return max(corners, key=lambda corner: math.dist(here, corner))
 
 
-def place_of(point: Any) -> Place:
+def place_of(point: Any) -> MovePlace:
     """The place of a geometry_msgs/Point."""
-    return Place(point.x, point.y)
+    return MovePlace(point.x, point.y)
 
 
-def beside(begin: Place, end: Place, place: Place) -> float:
-    """How far a place lies from the straight way between two others, in metres; NaN for a place that is none."""
+def beside(begin: MovePlace, end: MovePlace, place: MovePlace) -> float:
+    """How far a place lies from the straight way between two others, in metres; NaN for a place that is none.
+
+    Args:
+        begin: one end.
+        end: the other one.
+        place: the place.
+    """
     way = math.dist(begin, end)
     if way == 0.0:
         return math.dist(begin, place)
     along = ((place.x - begin.x) * (end.x - begin.x) + (place.y - begin.y) * (end.y - begin.y)) / way**2
     along = min(max(along, 0.0), 1.0)
-    nearest = Place(begin.x + along * (end.x - begin.x), begin.y + along * (end.y - begin.y))
+    nearest = MovePlace(begin.x + along * (end.x - begin.x), begin.y + along * (end.y - begin.y))
     return math.dist(nearest, place)
 
 
@@ -125,7 +137,7 @@ def is_spread(times: Sequence[float], began: float, over: float) -> bool:
     return between and last - first >= _GOOD_PART * (over - began)
 
 
-def jump(feedback: Sequence[Told]) -> str:
+def jump(feedback: Sequence[ReceivedFeedback]) -> str:
     """The first two messages between which progress falls or the distance left grows; empty when there are none."""
     values = [one.feedback for one in feedback]
     for value in values:

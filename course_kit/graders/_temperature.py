@@ -39,7 +39,7 @@ def right_value(sample: Sample) -> float:
 
 
 def fits(sample: Sample, value: float) -> bool:
-    """Whether `value` is the result within the contract: 1e-6 relative or 1e-9 absolute."""
+    """Whether `value` is the result as exactly as the exercise wants it: 1e-6 relative or 1e-9 absolute."""
     return math.isclose(value, right_value(sample), rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)
 
 
@@ -53,20 +53,20 @@ class _Mistake:
 _INTEGER, _FORMULA = "math.integer_division", "math.formula"
 _MISTAKES = {
     (CELSIUS, FAHRENHEIT): (
-        _Mistake(lambda v: v * (9 // 5) + 32, _INTEGER, "They fit a factor of 1, which is what 9 // 5 gives."),
-        _Mistake(lambda v: v * 9 / 5, _FORMULA, "They fit a formula without the offset of 32."),
-        _Mistake(lambda v: (v + 32) * 9 / 5, _FORMULA, "They fit a formula that adds 32 before it multiplies."),
-        _Mistake(lambda v: v * 9 / 5 - 32, _FORMULA, "They fit a formula that subtracts 32 instead of adding it."),
-        _Mistake(lambda v: v * 5 / 9 + 32, _FORMULA, "They fit a formula with its factor upside down."),
+        _Mistake(lambda v: v * (9 // 5) + 32, _INTEGER, "They match a factor of 1, which is what 9 // 5 gives."),
+        _Mistake(lambda v: v * 9 / 5, _FORMULA, "They match a formula without the offset of 32."),
+        _Mistake(lambda v: (v + 32) * 9 / 5, _FORMULA, "They match a formula that adds 32 before it multiplies."),
+        _Mistake(lambda v: v * 9 / 5 - 32, _FORMULA, "They match a formula that subtracts 32 instead of adding it."),
+        _Mistake(lambda v: v * 5 / 9 + 32, _FORMULA, "They match a formula with its factor upside down."),
         _Mistake(lambda v: (v - 32) * 5 / 9, _FORMULA, "They are right for the other direction."),
     ),
     (FAHRENHEIT, CELSIUS): (
         _Mistake(
-            lambda v: v - 32 * 5 / 9, _FORMULA, "They fit v - 32 * 5 / 9: multiplication goes before subtraction."
+            lambda v: v - 32 * 5 / 9, _FORMULA, "They match v - 32 * 5 / 9: multiplication goes before subtraction."
         ),
-        _Mistake(lambda v: v * 5 / 9 - 32, _FORMULA, "They fit a formula that subtracts 32 after it multiplies."),
-        _Mistake(lambda v: (v + 32) * 5 / 9, _FORMULA, "They fit a formula that adds 32 instead of subtracting it."),
-        _Mistake(lambda v: (v - 32) * 9 / 5, _FORMULA, "They fit a formula with its factor upside down."),
+        _Mistake(lambda v: v * 5 / 9 - 32, _FORMULA, "They match a formula that subtracts 32 after it multiplies."),
+        _Mistake(lambda v: (v + 32) * 5 / 9, _FORMULA, "They match a formula that adds 32 instead of subtracting it."),
+        _Mistake(lambda v: (v - 32) * 9 / 5, _FORMULA, "They match a formula with its factor upside down."),
         _Mistake(lambda v: v * 9 / 5 + 32, _FORMULA, "They are right for the other direction."),
     ),
 }
@@ -77,13 +77,13 @@ def explain(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[s
 
     Args:
         answers: all samples of one direction with the values that came, at least one of them wrong.
-        floors: whether `//` stands in the learner's program.
+        floors: whether the learner's program uses `//`.
 
     Returns:
         The diagnosis and a sentence.
     """
     if any(0.0 < abs(got) < _DENORMAL for _, got in answers):
-        return "field.type", "A value so close to zero is an integer that was written into a float field."
+        return "field.type", "A value so close to zero is an integer that was put into a float field."
     for mistake in _MISTAKES.get((answers[0][0].from_unit, answers[0][0].to_unit), ()):
         if all(_same(got, mistake.formula(sample.value)) for sample, got in answers):
             return mistake.code, mistake.told
@@ -100,9 +100,9 @@ def _by_size(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[
     if off < 1.0 or (floors and off < 2.0):  # noqa: PLR2004 - // before a factor of 9/5 loses almost two degrees
         return (
             _INTEGER,
-            f"They are off by at most {off:.2g} degrees: digits were lost on the way (//, int() or round()).",
+            f"They are off by at most {off:.2g} degrees: digits were lost in the calculation (//, int() or round()).",
         )
-    return _FORMULA, "They fit none of the usual slips; check the factor, the offset and the order by hand."
+    return _FORMULA, "They match none of the usual mistakes; check the factor, the offset and the order by hand."
 
 
 def _same(one: float, other: float) -> bool:

@@ -6,15 +6,19 @@ from typing import TYPE_CHECKING
 
 from course_kit.graders._driving import LONGEST_M, SHORTEST_M, HastyError, drive_on
 from course_kit.graders._moves import BESIDE, ENOUGH, NEARLY_DONE, ORIGIN, beside, is_spread, jump, place_of
-from course_kit.grading.checks import Evidence, Failed
+from course_kit.grading.checks.check import Evidence, Failed
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 
-def feedback_of_a_move(bench: Bench) -> Evidence:
-    """A move comes with enough feedback, all along."""
-    move = drive_on(bench, LONGEST_M)
+def feedback_of_a_move(context: CheckContext) -> Evidence:
+    """A move comes with enough feedback, all along.
+
+    Raises:
+        Failed: it does not.
+    """
+    move = drive_on(context, LONGEST_M)
     heard = move.goal.wait_for_last_feedback(lambda all_told: len(all_told) >= ENOUGH)
     expected = f"at least {ENOUGH} feedback messages, spread over the move of {move.length:.2g} m"
     if len(heard) < ENOUGH:
@@ -23,17 +27,21 @@ def feedback_of_a_move(bench: Bench) -> Evidence:
         raise HastyError(Evidence(move.goal.shown, expected, told_so), message, "action.no_feedback")
     times = sorted(one.came_s for one in heard)  # one that got lost and was sent again is the latest
     began, over = move.goal.began_at or times[0], move.goal.over_at or times[-1]
-    got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the begin"
+    got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the start"
     evidence = Evidence(move.goal.shown, expected, f"{got}; the goal ended after {over - began:.2f} s")
     if not is_spread([time for time in times if time <= over], began, over):
-        message = "The messages came in a bunch, not all along the move."
+        message = "The messages came in one burst, not spread over the move."
         raise HastyError(evidence, message, "action.late_feedback")
     return evidence
 
 
-def progress_of_a_move(bench: Bench) -> Evidence:
-    """What feedback tells of a move makes sense."""
-    move = drive_on(bench, SHORTEST_M)
+def progress_of_a_move(context: CheckContext) -> Evidence:
+    """What feedback tells of a move makes sense.
+
+    Raises:
+        Failed: it does not.
+    """
+    move = drive_on(context, SHORTEST_M)
     heard = move.goal.wait_for_last_feedback(
         lambda all_told: bool(all_told) and all_told[-1].feedback.progress >= NEARLY_DONE
     )
@@ -41,7 +49,7 @@ def progress_of_a_move(bench: Bench) -> Evidence:
         f"progress from 0 up to {NEARLY_DONE} or more, distance_remaining shrinking, {move.begin} to {move.target}"
     )
     if not heard:
-        raise HastyError(Evidence(move.goal.shown, expected, "no feedback"), "There was no feedback of this move.")
+        raise HastyError(Evidence(move.goal.shown, expected, "no feedback"), "There was no feedback during this move.")
     if found := jump(heard):
         evidence = Evidence(move.goal.shown, expected, found)
         message = f"Two messages of one move contradict each other: {found}." if "then" in found else f"It was {found}."
@@ -49,11 +57,11 @@ def progress_of_a_move(bench: Bench) -> Evidence:
     for place in (place_of(one.feedback.position) for one in heard):
         off = beside(move.begin, move.target, place)
         if not off <= BESIDE:
-            evidence = Evidence(move.goal.shown, f"positions within {BESIDE} m of the straight way", f"{place}")
+            evidence = Evidence(move.goal.shown, f"positions within {BESIDE} m of the straight line", f"{place}")
             blank = " Was feedback.position filled in?" if place == ORIGIN else ""
-            raise Failed(evidence, f"This position lies {off:.2g} m beside the way to the target.{blank}")
+            raise Failed(evidence, f"This position lies {off:.2g} m away from the straight line to the target.{blank}")
     last = heard[-1].feedback
     evidence = Evidence(move.goal.shown, expected, f"{len(heard)} messages, the last with progress={last.progress:.4g}")
     if last.progress < NEARLY_DONE:
-        raise HastyError(evidence, f"The last message of a goal that succeeded said progress={last.progress:.4g}.")
+        raise HastyError(evidence, f"The goal succeeded, but its last feedback said progress={last.progress:.4g}.")
     return evidence

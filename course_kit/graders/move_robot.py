@@ -1,6 +1,6 @@
-"""Exercise 2: the action /move_robot, which drives a simulated robot, followed over the wire.
+"""Exercise 2: the action /move_robot, which drives a simulated robot, observed over ROS.
 
-The contract: goals in the arena are reached with feedback on the way, impossible ones and a second one at a time are
+What is wanted: goals in the arena are reached with feedback on the way, impossible ones and a second one at a time are
 rejected, and a goal can be cancelled mid-way. The robot is made fast by COURSE_KIT_TIME_SCALE; what a learner's own
 clock might have spoiled is repeated with the robot at its own speed before it counts.
 """
@@ -36,19 +36,19 @@ from course_kit.graders._moves import (
     ARENA,
     ORIGIN,
     TOLERANCE,
-    Place,
+    MovePlace,
     place_of,
     telling_target,
 )
 from course_kit.graders._watching import feedback_of_a_move, progress_of_a_move
-from course_kit.grading.actions import ensure_ready, expect_action
-from course_kit.grading.checks import Check, Evidence, Failed, check
-from course_kit.grading.offers import expect_node
+from course_kit.grading.checks.actions import ensure_ready, expect_action
+from course_kit.grading.checks.check import Check, Evidence, Failed, check
+from course_kit.grading.checks.discovery import expect_node
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 INTERFACES = (ACTION.interface,)
 VARIABLES = FAST
@@ -59,120 +59,124 @@ _EDGE_M = 0.01  # how near outside the arena we test
 
 
 @check(points=1.0, deadline_s=12.0)
-def offered(bench: Bench) -> Evidence:
+def offered(context: CheckContext) -> Evidence:
     """The action /move_robot is there, with its type."""
-    return expect_action(bench, ACTION)
+    return expect_action(context, ACTION)
 
 
 @check(points=0.5, depends_on=["offered"])
-def node_name(bench: Bench) -> Evidence:
+def node_name(context: CheckContext) -> Evidence:
     """The node is called move_robot_server."""
-    return expect_node(bench, NODE, lambda: ensure_ready(bench, ACTION))
+    return expect_node(context, NODE, lambda: ensure_ready(context, ACTION))
 
 
 @check(points=1.0, depends_on=["offered"])
-def accepted(bench: Bench) -> Evidence:
-    """A goal in the arena is accepted."""
-    target = Place(0.3, 0.2)
-    goal = send(bench, target)
+def accepted(context: CheckContext) -> Evidence:
+    """A goal in the arena is accepted.
+
+    Raises:
+        Failed: it is not.
+    """
+    target = MovePlace(0.3, 0.2)
+    goal = send(context, target)
     goal.wait_for_answer("the goal accepted")
     if not goal.accepted:
-        raise reject_all_or_some(bench, goal, [Place(2.0, 1.0), Place(5.0, 5.0)])
+        raise reject_all_or_some(context, goal, [MovePlace(2.0, 1.0), MovePlace(5.0, 5.0)])
     try:
-        arrive(bench, goal, longest_way(bench, target))
+        arrive(context, goal, longest_way(context, target))
     except Failed:
-        bench.spoil()  # how a goal ends is the next check's matter; it gets a fresh program
+        context.spoil()  # how a goal ends is the next check's matter; it gets a fresh program
     return Evidence(goal.shown, "the goal accepted", "the goal accepted")
 
 
 @check(points=2.0, depends_on=["accepted"], deadline_s=30.0)
-def succeeds(bench: Bench) -> Evidence:
+def succeeds(context: CheckContext) -> Evidence:
     """A goal in the arena ends SUCCEEDED, with a result."""
-    move = drive_on(bench, LONGEST_M)
+    move = drive_on(context, LONGEST_M)
     return Evidence(move.goal.shown, REACHED, told(move.ended))
 
 
 @check(points=2.0, depends_on=["succeeds"], deadline_s=30.0)
-def arrives(bench: Bench) -> Evidence:
+def arrives(context: CheckContext) -> Evidence:
     """The robot is at the target when the goal has succeeded."""
-    return _require_arrived(drive_on(bench, SHORTEST_M))
+    return _require_arrived(drive_on(context, SHORTEST_M))
 
 
 @check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
-def distance(bench: Bench) -> Evidence:
-    """The distance travelled is the way of this move."""
-    target = telling_target(here(bench), LONGEST_M, driven(bench), bench.random)
-    return _require_distance(bench, drive(bench, target))
+def distance(context: CheckContext) -> Evidence:
+    """The distance travelled is the length of this move."""
+    target = telling_target(here(context), LONGEST_M, driven(context), context.random)
+    return _require_distance(context, drive(context, target))
 
 
 @check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
-def any_z(bench: Bench) -> Evidence:
-    """The z of a target is ignored, be it 2.5 or NaN."""
+def any_z(context: CheckContext) -> Evidence:
+    """The z of a target is ignored, whether it is 2.5 or NaN."""
     for z in (2.5, math.nan):
-        evidence = _require_arrived(drive_on(bench, _SHORT_M, z))
+        evidence = _require_arrived(drive_on(context, _SHORT_M, z))
     return evidence
 
 
 @check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
-def already_there(bench: Bench) -> Evidence:
+def already_there(context: CheckContext) -> Evidence:
     """A goal at the present position succeeds at once."""
-    place = here(bench)
-    goal = set_off(bench, place)
+    place = here(context)
+    goal = set_off(context, place)
     try:
-        ended = arrive(bench, goal, 0.0, within_s=_AT_ONCE_S)
+        ended = arrive(context, goal, 0.0, within_s=_AT_ONCE_S)
     except Failed:
-        bench.spoil()
+        context.spoil()
         raise
     return _require_arrived(Move(place, place, goal, ended))
 
 
 @check(points=1.5, depends_on=["accepted"], deadline_s=30.0)
-def outside(bench: Bench) -> Evidence:
+def outside(context: CheckContext) -> Evidence:
     """Goals outside the arena are rejected."""
-    inside = bench.random.uniform(1.0, 9.0)
-    beyond = (-_EDGE_M, ARENA + _EDGE_M, bench.random.uniform(20.0, 1000.0), -bench.random.uniform(1.0, 50.0))
-    targets = [Place(value, inside) for value in beyond] + [Place(inside, value) for value in beyond]
-    return _rejects(bench, targets, f"the arena ends at 0 and at {ARENA:g} m")
+    inside = context.random.uniform(1.0, 9.0)
+    beyond = (-_EDGE_M, ARENA + _EDGE_M, context.random.uniform(20.0, 1000.0), -context.random.uniform(1.0, 50.0))
+    targets = [MovePlace(value, inside) for value in beyond] + [MovePlace(inside, value) for value in beyond]
+    return _rejects(context, targets, f"which lies outside the arena (0 to {ARENA:g} m)")
 
 
 @check(points=1.0, depends_on=["accepted"], deadline_s=30.0)
-def not_a_number(bench: Bench) -> Evidence:
+def not_a_number(context: CheckContext) -> Evidence:
     """Goals that are NaN or infinite are rejected."""
     values = (math.nan, math.inf, -math.inf)
-    targets = [Place(value, 5.0) for value in values] + [Place(5.0, value) for value in values]
-    return _rejects(bench, targets, "that is no place")
+    targets = [MovePlace(value, 5.0) for value in values] + [MovePlace(5.0, value) for value in values]
+    return _rejects(context, targets, "which is not a place")
 
 
 @check(points=2.0, depends_on=["arrives"], deadline_s=30.0)
-def feedback(bench: Bench) -> Evidence:
+def feedback(context: CheckContext) -> Evidence:
     """While the robot moves, at least five feedback messages a metre tell where it is."""
-    return fairly(bench, feedback_of_a_move)
+    return fairly(context, feedback_of_a_move)
 
 
 @check(points=1.5, depends_on=["feedback"], deadline_s=30.0)
-def progress(bench: Bench) -> Evidence:
-    """Progress grows, the distance left shrinks, the position is on the straight way."""
-    return fairly(bench, progress_of_a_move)
+def progress(context: CheckContext) -> Evidence:
+    """Progress grows, the distance left shrinks, the position is on the straight line."""
+    return fairly(context, progress_of_a_move)
 
 
 @check(points=1.5, depends_on=["arrives"], deadline_s=60.0)
-def second_goal(bench: Bench) -> Evidence:
+def second_goal(context: CheckContext) -> Evidence:
     """A second goal is rejected while one runs."""
-    return fairly(bench, second_goal_of_two)
+    return fairly(context, second_goal_of_two)
 
 
 @check(points=2.0, depends_on=["arrives"], deadline_s=60.0)
-def cancel(bench: Bench) -> Evidence:
+def cancel(context: CheckContext) -> Evidence:
     """A goal is cancelled mid-way: within 1 s, short of the target."""
-    return fairly(bench, cancel_midway)
+    return fairly(context, cancel_midway)
 
 
 @check(points=1.0, depends_on=["cancel"], deadline_s=30.0)
-def after_cancel(bench: Bench) -> Evidence:
-    """After that the next goal works, and starts from there."""
-    move = drive_on(bench, SHORTEST_M)
+def after_cancel(context: CheckContext) -> Evidence:
+    """After a cancelled goal the next one works, and starts where the robot stopped."""
+    move = drive_on(context, SHORTEST_M)
     _require_arrived(move)
-    return _require_distance(bench, move)
+    return _require_distance(context, move)
 
 
 CHECKS: tuple[Check, ...] = (
@@ -201,37 +205,37 @@ def _require_arrived(move: Move) -> Evidence:
     if not misses(final, move.target):
         return evidence
     if is_blank(move.ended.result):
-        raise Failed(evidence, "The result came as ROS 2 had made it: nobody filled in its fields.")
+        raise Failed(evidence, "The result is as ROS 2 creates it: your callback filled in none of its fields.")
     off = math.dist(final, move.target)
     raise Failed(evidence, f"The robot ended {off:.3g} m away from the target.", "action.stops_short")
 
 
-def _require_distance(bench: Bench, move: Move) -> Evidence:
+def _require_distance(context: CheckContext, move: Move) -> Evidence:
     travelled = move.ended.result.distance_travelled
     tolerance = max(TOLERANCE, 0.05 * move.length)
     expected = f"distance_travelled within {tolerance:.3g} m of {move.length:.3g} m, the way from {move.begin}"
     evidence = Evidence(move.goal.shown, expected, told(move.ended))
     if abs(travelled - move.length) <= tolerance:
         return evidence
-    since_start = abs(travelled - driven(bench)) <= tolerance
+    since_start = abs(travelled - driven(context)) <= tolerance
     if abs(travelled - math.dist(ORIGIN, move.target)) <= tolerance and not since_start:
-        message = f"That is the way from {ORIGIN}. The robot was at {move.begin} when this goal came."
+        message = f"That is the distance from {ORIGIN}, but the robot was at {move.begin} when this goal arrived."
     elif travelled > move.length:
-        message = f"That is more than this move{', and fits all moves so far together' if since_start else ''}."
+        message = f"That is more than this move{': it is the sum of all moves so far' if since_start else ''}."
     elif travelled == 0.0:
         message = "The field was not filled in."
     else:
-        message = "That is less than the straight line."
+        message = "That is less than the straight line to the target."
     raise Failed(evidence, message)
 
 
-def _rejects(bench: Bench, targets: Sequence[Place], why: str) -> Evidence:
+def _rejects(context: CheckContext, targets: Sequence[MovePlace], why: str) -> Evidence:
     expected = "the goal rejected"
     for target in targets:
-        goal = send(bench, target)
+        goal = send(context, target)
         goal.wait_for_answer(expected)
         if goal.accepted:
-            bench.spoil()
-            message = f"Your server accepted this goal, and {why}."
+            context.spoil()
+            message = f"Your server accepted this goal, {why}."
             raise Failed(Evidence(goal.shown, expected, "the goal accepted"), message, "action.accepts_impossible")
     return Evidence(goal.shown, expected, expected)

@@ -1,7 +1,7 @@
 """Exercise 4: which communication pattern fits. The answers are read and marked; no ROS is involved.
 
-The contract: ten scenarios of the seed; half a point for each pattern, half for each reason; missing, unknown and
-malformed answers are named, and the others count.
+What is wanted: answers to the ten scenarios of the seed; half a point for each pattern, half for each reason. Missing,
+unknown and malformed answers are named, and the others count.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 
 from course_kit import quiz
 from course_kit.graders import _answers
-from course_kit.grading import endings
-from course_kit.grading.checks import Check, Evidence, Failed
+from course_kit.grading.checks.check import Check, Evidence, Failed
+from course_kit.grading.diagnosis import exits
 
 if TYPE_CHECKING:
-    from course_kit.graders._answers import Found
-    from course_kit.grading.bench import Bench
+    from course_kit.graders._answers import FoundAnswers
+    from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.job import Job
-    from course_kit.quiz import Half, Result, Scenario
+    from course_kit.quiz import Half, MarkedAnswers, Scenario
 
 INTERFACES = ()
 _READ = "answers"  # the id of the check all others need
@@ -32,7 +32,7 @@ def checks_for(job: Job) -> list[Check]:
     """The checks of the scenarios that the job's seed draws: two for each, after one that reads the answers."""
     scenarios = quiz.draw(job.seed)
     sheet = _Sheet(scenarios)
-    # Worth nothing by themselves: the contract gives all points to the halves.
+    # Worth nothing by themselves: all points go to the halves.
     checks = [
         Check(_READ, "There is a dictionary of answers", 0.0, (), job.limits.wall_s, sheet.read),
         Check("known_ids", "Every entry belongs to a scenario", 0.0, (_READ,), _DEADLINE_S, sheet.known_ids),
@@ -49,15 +49,15 @@ class _Sheet:
 
     def __init__(self, scenarios: tuple[Scenario, ...]) -> None:
         self._scenarios = scenarios
-        self._result: Result | None = None
+        self._result: MarkedAnswers | None = None
 
-    def read(self, bench: Bench) -> Evidence:
-        entries = _read(bench)
+    def read(self, context: CheckContext) -> Evidence:
+        entries = _read(context)
         self._result = quiz.mark(self._scenarios, entries)
         return Evidence("", _SHAPE, f"a dictionary with {len(entries)} entries")
 
-    def known_ids(self, bench: Bench) -> Evidence:
-        del bench
+    def known_ids(self, context: CheckContext) -> Evidence:
+        del context
         strangers = self._marked().strangers
         expected = "ids of scenarios only"
         if not strangers:
@@ -66,24 +66,24 @@ class _Sheet:
         named = [_with_nearest(name, drawn) for name in strangers[:_MOST_NAMED]]
         if (others := len(strangers) - len(named)) > 0:
             named.append(f"{others} more")
-        message = f"These entries belong to no scenario: {'; '.join(named)}. They change nothing in your points."
+        message = f"These entries belong to no scenario: {'; '.join(named)}. They do not change your points."
         raise Failed(Evidence("", expected, ", ".join(strangers)), message, "quiz.unknown")
 
-    def pattern(self, place: int, bench: Bench) -> Evidence:
-        del bench
+    def pattern(self, place: int, context: CheckContext) -> Evidence:
+        del context
         marks = self._marked().marks[place]
         sent = f"{marks.scenario.id}: {marks.scenario.text}"
         return _verdict(marks.pattern, sent, _PATTERN_WANTED)
 
-    def reason(self, place: int, bench: Bench) -> Evidence:
+    def reason(self, place: int, context: CheckContext) -> Evidence:
         marks = self._marked().marks[place]
-        listed = [name for name, _ in quiz.reasons_as_shown(marks.scenario, bench.job.seed)]
+        listed = [name for name, _ in quiz.reasons_as_shown(marks.scenario, context.job.seed)]
         given = marks.scenario.reasons.get(marks.reason.got)
         half = marks.reason
         got = f"{half.got}: {given}" if given else half.got
         return _verdict(half, "", f"the reason that decides, out of {', '.join(listed)}", got)
 
-    def _marked(self) -> Result:
+    def _marked(self) -> MarkedAnswers:
         if self._result is None:
             raise RuntimeError("the answers were not read")
         return self._result
@@ -101,37 +101,37 @@ def _with_nearest(name: str, drawn: list[str]) -> str:
     return f"'{name}' (did you mean '{meant}'?)" if meant else f"'{name}'"
 
 
-def _read(bench: Bench) -> dict[object, object]:
+def _read(context: CheckContext) -> dict[object, object]:
     """The entries of the submission, by reading it if that is enough, else by running it."""
-    variable = bench.job.variable
-    written_out = bench.job.literal
-    found = _answers.found(written_out, variable) if written_out else _run(bench)
+    variable = context.job.variable
+    written_out = context.job.literal
+    found = _answers.found(written_out, variable) if written_out else _run(context)
     if found.too_large:
-        raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to be answers.", "quiz.malformed")
+        raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to hold answers.", "quiz.malformed")
     if not found.is_set:
         raise _not_set(found, variable)
     if found.entries is None:
-        message = f"{variable} is no dictionary, so there is no answer to find under a scenario's id."
+        message = f"{variable} is not a dictionary, so no answer can be found under a scenario's id."
         raise Failed(Evidence("", _SHAPE, found.value[:80]), message, "quiz.malformed")
     return found.entries
 
 
-def _run(bench: Bench) -> Found:
+def _run(context: CheckContext) -> FoundAnswers:
     """Have the program work its answers out, and find out why if it does not come to its end."""
-    job = bench.job
-    life = bench.run_to_end()
-    if "set_names" in life.notes:
-        found = _answers.found(life.notes, job.variable)
-        if found.is_set or not life.notes.get("ended_itself"):
+    job = context.job
+    process = context.run_to_end()
+    if "set_names" in process.notes:
+        found = _answers.found(process.notes, job.variable)
+        if found.is_set or not process.notes.get("ended_itself"):
             return found
-    code, message = endings.of_start(life, job)
-    raise Failed(Evidence("", _SHAPE, "a program that did not come to its end"), message, code)
+    code, message = exits.of_start(process, job)
+    raise Failed(Evidence("", _SHAPE, "a program that did not run to its end"), message, code)
 
 
-def _not_set(found: Found, variable: str) -> Failed:
+def _not_set(found: FoundAnswers, variable: str) -> Failed:
     names = ", ".join(found.set_names) or "nothing"
     meant = quiz.nearest(variable, found.set_names)
-    message = f"Your program sets no variable called {variable}; it sets {names}."
+    message = f"Your program does not set a variable called {variable}; it sets {names}."
     if meant:
         message += f" Did you mean {meant}?"
     return Failed(Evidence("", _SHAPE, f"the names {names}"), message, "quiz.missing")

@@ -13,7 +13,7 @@ from std_msgs.msg import Float64, String
 
 from course_kit.graders import _limiter_changes as changes
 from course_kit.graders import _limiter_starts as starts
-from course_kit.graders._limiter import BEYOND, TYPES, Settings, command, shown
+from course_kit.graders._limiter import BEYOND, TYPES, LimiterSettings, command, shown
 from course_kit.graders._limiter_node import (
     COMMAND,
     LIMITED,
@@ -28,37 +28,42 @@ from course_kit.graders._limiter_node import (
     rest,
 )
 from course_kit.graders._limiter_status import expect_rate, expect_status
-from course_kit.grading.checks import Check, Evidence, Failed, check
-from course_kit.grading.parameters import INTERFACES as PARAMETER_SERVICES
-from course_kit.grading.parameters import NOT_SET, expect_served
-from course_kit.grading.parameters import shown as shown_values
-from course_kit.grading.topics import expect_endpoints
+from course_kit.grading.checks.check import Check, Evidence, Failed, check
+from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
+from course_kit.grading.checks.parameters import expect_served
+from course_kit.grading.checks.parameters import shown as shown_values
+from course_kit.grading.checks.topics import expect_endpoints
+from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
 _BURST = 5  # commands at once; a default queue holds ten
 
 
 @check(points=1.0, deadline_s=12.0)
-def node_up(bench: Bench) -> Evidence:
+def node_up(context: CheckContext) -> Evidence:
     """The node velocity_limiter comes up and can be asked."""
-    endpoints(bench)
-    return expect_served(bench, NODE)
+    endpoints(context)
+    return expect_served(context, NODE)
 
 
 @check(points=1.0, depends_on=["node_up"])
-def topics(bench: Bench) -> Evidence:
+def topics(context: CheckContext) -> Evidence:
     """The four topics are there, and a default endpoint connects to each."""
-    Limiter(bench)
-    return expect_endpoints(bench, published=(LIMITED, WHEEL, STATUS), subscribed=(COMMAND,))
+    Limiter(context)
+    return expect_endpoints(context, published=(LIMITED, WHEEL, STATUS), subscribed=(COMMAND,))
 
 
 @check(points=1.0, depends_on=["node_up"])
-def declared(bench: Bench) -> Evidence:
-    """The four parameters are declared."""
-    names = Limiter(bench).remote.names()
+def declared(context: CheckContext) -> Evidence:
+    """The four parameters are declared.
+
+    Raises:
+        Failed: they are not.
+    """
+    names = Limiter(context).remote.names()
     missing = [name for name in TYPES if name not in names]
     evidence = Evidence("list_parameters", ", ".join(TYPES), ", ".join(names))
     if missing:
@@ -68,37 +73,45 @@ def declared(bench: Bench) -> Evidence:
 
 
 @check(points=1.0, depends_on=["declared"])
-def types(bench: Bench) -> Evidence:
-    """Each parameter has its type."""
-    found = Limiter(bench).remote.values(list(TYPES))
+def types(context: CheckContext) -> Evidence:
+    """Each parameter has its type.
+
+    Raises:
+        Failed: one has another.
+    """
+    found = Limiter(context).remote.values(list(TYPES))
     empty = [name for name, value in found.items() if value.type == NOT_SET]
     wrong = [f"{name} is {value.type}" for name, value in found.items() if value.type != TYPES[name]]
     expected = ", ".join(f"{name}: {kind}" for name, kind in TYPES.items())
     evidence = Evidence("get_parameters", expected, ", ".join(f"{name}: {value.type}" for name, value in found.items()))
     if empty:
-        message = f"{' and '.join(empty)} is declared without a value, and nothing can be read from it."
+        message = f"{' and '.join(empty)} is declared without a value, so there is nothing to read."
         raise Failed(evidence, message, "parameter.default")
     if wrong:
-        raise Failed(evidence, f"{' and '.join(wrong)}. For a double write a decimal point.", "parameter.type")
+        raise Failed(evidence, f"{' and '.join(wrong)}. A double needs a decimal point.", "parameter.type")
     return evidence
 
 
 @check(points=1.0, depends_on=["types"])
-def defaults(bench: Bench) -> Evidence:
-    """Each parameter has its default."""
-    expected, got = Settings().to_mapping(), Limiter(bench).settings().to_mapping()
+def defaults(context: CheckContext) -> Evidence:
+    """Each parameter has its default.
+
+    Raises:
+        Failed: one has another.
+    """
+    expected, got = LimiterSettings().to_mapping(), Limiter(context).settings().to_mapping()
     wrong = {name: value for name, value in got.items() if value != expected[name]}
     evidence = Evidence("get_parameters", shown_values(expected), shown_values(got))
     if wrong:
-        message = f"Started without any settings, your node has {shown_values(wrong)}."
+        message = f"Started without settings, your node has {shown_values(wrong)}."
         raise Failed(evidence, message, "parameter.default")
     return evidence
 
 
 @check(points=1.0, depends_on=["types", "topics"])
-def reacts(bench: Bench) -> Evidence:
+def reacts(context: CheckContext) -> Evidence:
     """A command on /cmd_vel_in brings a message on /cmd_vel and on /wheel_speed."""
-    with Limiter(bench) as limiter:
+    with Limiter(context) as limiter:
         limiter.driving()
         twist = command(0.1)
         expected = "a message on /cmd_vel and one on /wheel_speed"
@@ -107,31 +120,35 @@ def reacts(bench: Bench) -> Evidence:
 
 
 @check(points=1.5, depends_on=["reacts"])
-def limits(bench: Bench) -> Evidence:
+def limits(context: CheckContext) -> Evidence:
     """linear.x is limited in both directions, and nothing else is changed."""
-    with Limiter(bench) as limiter:
+    with Limiter(context) as limiter:
         settings = limiter.driving()
-        within = settings.max_velocity * bench.random.uniform(0.2, 0.9)
-        limiter.expect(settings, command(within, **rest(bench)), VELOCITY)
-        limiter.expect(settings, command(-within, **rest(bench)), VELOCITY)
-        limiter.expect(settings, command(-BEYOND, **rest(bench)), VELOCITY)
-        return limiter.expect(settings, command(BEYOND, **rest(bench)), VELOCITY)
+        within = settings.max_velocity * context.random.uniform(0.2, 0.9)
+        limiter.expect(settings, command(within, **rest(context)), VELOCITY)
+        limiter.expect(settings, command(-within, **rest(context)), VELOCITY)
+        limiter.expect(settings, command(-BEYOND, **rest(context)), VELOCITY)
+        return limiter.expect(settings, command(BEYOND, **rest(context)), VELOCITY)
 
 
 @check(points=1.0, depends_on=["reacts"])
-def wheel_speed(bench: Bench) -> Evidence:
+def wheel_speed(context: CheckContext) -> Evidence:
     """/wheel_speed is the wheel's speed in rad/s for the published velocity."""
-    with Limiter(bench) as limiter:
+    with Limiter(context) as limiter:
         settings = limiter.driving()
         for speed in (0.0, -settings.max_velocity * 0.37, BEYOND):
             limiter.expect(settings, command(speed), WHEELS)
-        return limiter.expect(settings, command(settings.max_velocity * bench.random.uniform(0.2, 0.9)), WHEELS)
+        return limiter.expect(settings, command(settings.max_velocity * context.random.uniform(0.2, 0.9)), WHEELS)
 
 
 @check(points=0.5, depends_on=["reacts"])
-def one_each(bench: Bench) -> Evidence:
-    """Each command brings exactly one message on each topic."""
-    with Limiter(bench) as limiter:
+def one_each(context: CheckContext) -> Evidence:
+    """Each command brings exactly one message on each topic.
+
+    Raises:
+        Failed: it brings none, or more.
+    """
+    with Limiter(context) as limiter:
         limiter.driving()
         burst = [command(0.01 * number) for number in range(1, _BURST + 1)]
         expected = f"{_BURST} messages on /cmd_vel and {_BURST} on /wheel_speed"
@@ -145,36 +162,36 @@ def one_each(bench: Bench) -> Evidence:
 
 
 @check(points=1.0, depends_on=["types", "topics"])
-def status(bench: Bench) -> Evidence:
-    """/status tells the name and the velocity."""
-    with Limiter(bench) as limiter:
-        return expect_status(bench, limiter.status, limiter.settings())
+def status(context: CheckContext) -> Evidence:
+    """/status shows the name and the velocity."""
+    with Limiter(context) as limiter:
+        return expect_status(context, limiter.status, limiter.settings())
 
 
 @check(points=0.5, depends_on=["status"], deadline_s=12.0)
-def status_rate(bench: Bench) -> Evidence:
-    """/status comes twice a second."""
-    return expect_rate(bench, Limiter(bench).status)
+def status_rate(context: CheckContext) -> Evidence:
+    """/status is published twice a second."""
+    return expect_rate(context, Limiter(context).status)
 
 
 @check(points=1.0, depends_on=["limits", "wheel_speed"], deadline_s=15.0)
-def start_arguments(bench: Bench) -> Evidence:
-    """Values given at the start by -p are in force."""
-    values = {"max_velocity": drawn(bench, 2.1, 4.9), "wheel_diameter": drawn(bench, 0.2, 0.9)}
-    return starts.expect_arguments(bench, values)
+def start_arguments(context: CheckContext) -> Evidence:
+    """Values given at the start with -p take effect."""
+    values = {"max_velocity": drawn(context, 2.1, 4.9), "wheel_diameter": drawn(context, 0.2, 0.9)}
+    return starts.expect_arguments(context, values)
 
 
 @check(points=0.5, depends_on=["limits", "status"], deadline_s=15.0)
-def start_file(bench: Bench) -> Evidence:
-    """Values given at the start by a parameter file are in force."""
-    return starts.expect_file(bench, {"robot_name": f"rover_{bench.random.randrange(100, 1000)}", "enabled": False})
+def start_file(context: CheckContext) -> Evidence:
+    """Values given at the start in a parameter file take effect."""
+    return starts.expect_file(context, {"robot_name": f"rover_{context.random.randrange(100, 1000)}", "enabled": False})
 
 
 @check(points=0.5, depends_on=["start_arguments", "defaults"], deadline_s=25.0)
-def start_invalid(bench: Bench) -> Evidence:
-    """An invalid value given at the start is not taken, and the node says so."""
-    values = {"max_velocity": -drawn(bench, 1.5, 3.0), "wheel_diameter": drawn(bench, 2.0, 9.0)}
-    return starts.expect_invalid(bench, values)
+def start_invalid(context: CheckContext) -> Evidence:
+    """An invalid value given at the start is not used, and the node says so."""
+    values = {"max_velocity": -drawn(context, 1.5, 3.0), "wheel_diameter": drawn(context, 2.0, 9.0)}
+    return starts.expect_invalid(context, values)
 
 
 CHECKS: tuple[Check, ...] = (

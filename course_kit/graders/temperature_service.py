@@ -1,7 +1,7 @@
-"""Exercise 1: the service /convert_temperature, asked over the wire.
+"""Exercise 1: the service /convert_temperature, called over ROS.
 
-The contract: both directions and the identity to 1e-6 relative or 1e-9 absolute; unknown units, numbers that are
-none and temperatures below absolute zero are refused with a reason, and the node lives on; fifty calls within 5 s.
+What is wanted: both directions and the identity to 1e-6 relative or 1e-9 absolute; unknown units, NaN, infinity and
+temperatures below absolute zero refused with a reason, and the node still running after it; fifty calls within 5 s.
 """
 
 from __future__ import annotations
@@ -21,128 +21,136 @@ from course_kit.graders._temperature import (
     fits,
     right_value,
 )
-from course_kit.grading.checks import Check, Evidence, Failed, check
-from course_kit.grading.load import Load, call_many
-from course_kit.grading.services import Answer, Service, call, expect_node, expect_offered
+from course_kit.grading.checks.check import Check, Evidence, Failed, check
+from course_kit.grading.checks.load_test import Load, call_many
+from course_kit.grading.checks.services import Answer, Service, call, expect_node, expect_offered
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
-    from course_kit.grading.bench import Bench
+    from course_kit.grading.checks.context import CheckContext
 
 INTERFACES = (ConvertTemperature,)
 NODE = "/temperature_service"
 SERVICE = Service("/convert_temperature", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
 _FIRST = Sample(100.0, CELSIUS, FAHRENHEIT)
-_SLOW_S = 1.5  # one answer; the contract wants fifty in 5 s
+_SLOW_S = 1.5  # one answer; the exercise wants fifty in 5 s
 _EDGE = 0.01  # degrees; how near to absolute zero we test
 _LOAD = Load(clients=10, unanswered=10, seconds=5.0)
 _CALLS = 50
 _RANDOM = 3  # values drawn in a check beside the textbook ones
+_NUMBERS = {"nan": "NaN", "inf": "infinity", "-inf": "minus infinity"}
 _SHOWN = 60  # characters of a learner's text that are repeated in the report
 
 
 @check(points=0.5, deadline_s=12.0)
-def offered(bench: Bench) -> Evidence:
+def offered(context: CheckContext) -> Evidence:
     """The service /convert_temperature is there, with its type."""
-    return expect_offered(bench, SERVICE, _request(_FIRST))
+    return expect_offered(context, SERVICE, _request(_FIRST))
 
 
 @check(points=0.5, depends_on=["offered"])
-def node_name(bench: Bench) -> Evidence:
+def node_name(context: CheckContext) -> Evidence:
     """The node is called temperature_service."""
-    return expect_node(bench, NODE, SERVICE)
+    return expect_node(context, NODE, SERVICE)
 
 
 @check(points=1.0, depends_on=["offered"])
-def answers(bench: Bench) -> Evidence:
-    """A request gets an answer."""
+def answers(context: CheckContext) -> Evidence:
+    """A request gets an answer.
+
+    Raises:
+        Failed: it gets none.
+    """
     sample = _FIRST
     expected = "an answer with success=True"
-    answer = _ask(bench, sample, expected)
+    answer = _ask(context, sample, expected)
     response, evidence = answer.response, Evidence(sample.shown(), expected, _got(answer.response))
     if not response.success and response.value == 0.0 and not response.message:
         message = (
-            "The response came back as ROS 2 had made it: success False, value 0.0, no message. Nothing filled it in."
+            "The response came back as ROS 2 creates it: success False, value 0.0, no message. Your "
+            "callback filled in nothing."
         )
         raise Failed(evidence, message)
     _require_success(sample, response, expected)
     if answer.latency_s > _SLOW_S:
-        message = (
-            f"The answer took {answer.latency_s:.1f} s, and every other client waits as long before its turn comes."
-        )
+        message = f"The answer took {answer.latency_s:.1f} s, and meanwhile every other client has to wait."
         raise Failed(evidence, message, "service.blocks")
     return evidence
 
 
 @check(points=1.0, depends_on=["answers"])
-def celsius_to_fahrenheit(bench: Bench) -> Evidence:
+def celsius_to_fahrenheit(context: CheckContext) -> Evidence:
     """Celsius becomes Fahrenheit."""
-    return _converts(bench, [0.0, 37.0, -40.0, *_drawn(bench)], CELSIUS, FAHRENHEIT)
+    return _converts(context, [0.0, 37.0, -40.0, *_drawn(context)], CELSIUS, FAHRENHEIT)
 
 
 @check(points=1.0, depends_on=["answers"])
-def fahrenheit_to_celsius(bench: Bench) -> Evidence:
+def fahrenheit_to_celsius(context: CheckContext) -> Evidence:
     """Fahrenheit becomes Celsius."""
-    return _converts(bench, [212.0, 98.6, -40.0, *_drawn(bench)], FAHRENHEIT, CELSIUS)
+    return _converts(context, [212.0, 98.6, -40.0, *_drawn(context)], FAHRENHEIT, CELSIUS)
 
 
 @check(points=0.5, depends_on=["answers"])
-def same_unit(bench: Bench) -> Evidence:
+def same_unit(context: CheckContext) -> Evidence:
     """A unit converted to itself stays what it is."""
-    _converts(bench, [0.0, *_drawn(bench)], FAHRENHEIT, FAHRENHEIT)
-    return _converts(bench, [0.0, *_drawn(bench)], CELSIUS, CELSIUS)
+    _converts(context, [0.0, *_drawn(context)], FAHRENHEIT, FAHRENHEIT)
+    return _converts(context, [0.0, *_drawn(context)], CELSIUS, CELSIUS)
 
 
 @check(points=1.0, depends_on=["celsius_to_fahrenheit", "fahrenheit_to_celsius"])
-def precision(bench: Bench) -> Evidence:
-    """No digit is lost, be the value large, small or very cold."""
-    small = bench.random.uniform(-1.0, 1.0)
-    _converts(bench, [1e-3, ABSOLUTE_ZERO[FAHRENHEIT] + _EDGE, 1234567.891, small], FAHRENHEIT, CELSIUS)
-    return _converts(bench, [1e-3, ABSOLUTE_ZERO[CELSIUS] + _EDGE, 1234567.891, small], CELSIUS, FAHRENHEIT)
+def precision(context: CheckContext) -> Evidence:
+    """No digits are lost, whether the value is large, small or very cold."""
+    small = context.random.uniform(-1.0, 1.0)
+    _converts(context, [1e-3, ABSOLUTE_ZERO[FAHRENHEIT] + _EDGE, 1234567.891, small], FAHRENHEIT, CELSIUS)
+    return _converts(context, [1e-3, ABSOLUTE_ZERO[CELSIUS] + _EDGE, 1234567.891, small], CELSIUS, FAHRENHEIT)
 
 
 @check(points=1.0, depends_on=["answers"])
-def unknown_unit(bench: Bench) -> Evidence:
+def unknown_unit(context: CheckContext) -> Evidence:
     """An unknown unit is refused with a reason."""
-    odd = bench.random.choice(("furlong", "parsec", "bushel", "fathom"))
+    odd = context.random.choice(("furlong", "parsec", "bushel", "fathom"))
     pairs = [("kelvin", CELSIUS), (CELSIUS, "kelvin"), (odd, odd), ("", FAHRENHEIT)]
-    return _refuses(bench, [Sample(20.0, *pair) for pair in pairs], "a unit is none of the two")
+    return _refuses(context, [Sample(20.0, *pair) for pair in pairs], _units_of)
 
 
 @check(points=1.0, depends_on=["answers"])
-def not_a_number(bench: Bench) -> Evidence:
+def not_a_number(context: CheckContext) -> Evidence:
     """NaN and infinity are refused with a reason."""
     samples = [Sample(value, CELSIUS, FAHRENHEIT) for value in (math.nan, math.inf, -math.inf)]
     samples += [Sample(math.nan, FAHRENHEIT, CELSIUS), Sample(math.inf, CELSIUS, CELSIUS)]
-    return _refuses(bench, samples, "that is no temperature")
+    return _refuses(context, samples, lambda sample: _NUMBERS[str(sample.value)])
 
 
 @check(points=1.0, depends_on=["answers"])
-def absolute_zero(bench: Bench) -> Evidence:
+def absolute_zero(context: CheckContext) -> Evidence:
     """A temperature below absolute zero is refused with a reason."""
-    below = (_EDGE, bench.random.uniform(300.0, 1000.0))
+    below = (_EDGE, context.random.uniform(300.0, 1000.0))
     samples = [Sample(ABSOLUTE_ZERO[unit] - by, unit, to) for unit in UNITS for to in UNITS for by in below]
     zeros = f"{ABSOLUTE_ZERO[CELSIUS]} C = {ABSOLUTE_ZERO[FAHRENHEIT]} F"
-    return _refuses(bench, samples, f"nothing is colder than {zeros}")
+    return _refuses(context, samples, lambda _: f"a temperature below absolute zero ({zeros})")
 
 
 @check(points=1.5, depends_on=["answers"], deadline_s=30.0)
-def fifty_calls(bench: Bench) -> Evidence:
-    """Fifty calls, ten at a time, each get the answer to their own value within 5 s."""
+def fifty_calls(context: CheckContext) -> Evidence:
+    """Fifty calls, ten at a time, each get the answer to their own value within 5 s.
+
+    Raises:
+        Failed: one gets another, or none.
+    """
     directions = ((CELSIUS, FAHRENHEIT), (FAHRENHEIT, CELSIUS))
-    samples = [Sample(bench.random.uniform(-200.0, 1000.0), *directions[number % 2]) for number in range(_CALLS)]
+    samples = [Sample(context.random.uniform(-200.0, 1000.0), *directions[number % 2]) for number in range(_CALLS)]
     sent = f"{_CALLS} requests from {_LOAD.clients} clients, at most {_LOAD.unanswered} unanswered at a time"
     expected = f"{_CALLS} answers within {_LOAD.seconds:g} s, each to its own request"
-    responses = call_many(bench, SERVICE, [_request(sample) for sample in samples], _LOAD, Evidence(sent, expected))
+    responses = call_many(context, SERVICE, [_request(sample) for sample in samples], _LOAD, Evidence(sent, expected))
     for sample, response in zip(samples, responses, strict=True):
         if response.success and fits(sample, response.value):
             continue
         if any(fits(other, response.value) for other in samples):
-            message = "This is the answer to another client's request: the callback keeps something between two calls."
+            message = "This is the answer to another client's request: your callback mixes up values of two calls."
             raise Failed(Evidence(sample.shown(), _wanted(sample), _got(response)), message)
         _require_success(sample, response, _wanted(sample))
-        raise _wrong(bench, [(sample, response.value)], response)
+        raise _wrong(context, [(sample, response.value)], response)
     return Evidence(sent, expected, expected)
 
 
@@ -161,26 +169,26 @@ CHECKS: tuple[Check, ...] = (
 )
 
 
-def _drawn(bench: Bench) -> list[float]:
+def _drawn(context: CheckContext) -> list[float]:
     """Values at random; always one on each side of 0, so that the same mistake costs the same with any seed."""
     ranges = [(-200.0, -1.0), (1.0, 500.0), *[(-200.0, 500.0)] * (_RANDOM - 2)]
-    return [round(bench.random.uniform(*span), 3) for span in ranges]
+    return [round(context.random.uniform(*span), 3) for span in ranges]
 
 
 def _request(sample: Sample) -> Any:
     return ConvertTemperature.Request(value=sample.value, from_unit=sample.from_unit, to_unit=sample.to_unit)
 
 
-def _ask(bench: Bench, sample: Sample, expected: str) -> Answer:
-    return call(bench, SERVICE, _request(sample), sample.shown(), expected)
+def _ask(context: CheckContext, sample: Sample, expected: str) -> Answer:
+    return call(context, SERVICE, _request(sample), sample.shown(), expected)
 
 
-def _converts(bench: Bench, values: Sequence[float], from_unit: str, to_unit: str) -> Evidence:
+def _converts(context: CheckContext, values: Sequence[float], from_unit: str, to_unit: str) -> Evidence:
     """All values converted rightly; evidence of the first wrong one, else of the last."""
     answers, first_wrong = [], None
     for value in values:
         sample = Sample(value, from_unit, to_unit)
-        response = _ask(bench, sample, _wanted(sample)).response
+        response = _ask(context, sample, _wanted(sample)).response
         _require_success(sample, response, _wanted(sample))
         answers.append((sample, response.value))
         if first_wrong is None and not fits(sample, response.value):
@@ -188,25 +196,34 @@ def _converts(bench: Bench, values: Sequence[float], from_unit: str, to_unit: st
         last = Evidence(sample.shown(), _wanted(sample), _got(response))
     if first_wrong is not None:
         place, response = first_wrong
-        raise _wrong(bench, [answers[place], *answers], response)
+        raise _wrong(context, [answers[place], *answers], response)
     return last
 
 
-def _refuses(bench: Bench, samples: Sequence[Sample], why: str) -> Evidence:
-    """All samples refused with a reason, and the node alive after it."""
+def _units_of(sample: Sample) -> str:
+    """The unknown units of a sample, in words: `the unknown unit 'kelvin'`."""
+    unknown = [repr(unit) for unit in dict.fromkeys((sample.from_unit, sample.to_unit)) if unit not in UNITS]
+    return f"the unknown unit{'s' * (len(unknown) > 1)} {' and '.join(unknown)}"
+
+
+def _refuses(context: CheckContext, samples: Sequence[Sample], what: Callable[[Sample], str]) -> Evidence:
+    """All samples refused with a reason, and the node alive after it; `what` names what is wrong with one."""
     expected = "success=False and a message that says why"
     for sample in samples:
-        response = _ask(bench, sample, expected).response
+        response = _ask(context, sample, expected).response
         evidence = Evidence(sample.shown(), expected, _got(response))
         if response.success:
-            message = f"Your service accepted this, and {why}."
+            message = f"Your service accepted {what(sample)}."
             raise Failed(evidence, message, "validation.missing")
         if not response.message.strip():
-            message = f"Refusing is right: {why}. But the message is empty, and the client cannot tell what was wrong."
+            message = (
+                f"Your service was right to refuse {what(sample)}, but its message is empty: the client "
+                "cannot tell why."
+            )
             raise Failed(evidence, message, "validation.no_reason")
     after = Sample(0.0, CELSIUS, FAHRENHEIT)
     _require_success(
-        after, _ask(bench, after, "the node to live on and answer").response, "an answer with success=True"
+        after, _ask(context, after, "an answer: the node is still running").response, "an answer with success=True"
     )
     return evidence
 
@@ -214,16 +231,14 @@ def _refuses(bench: Bench, samples: Sequence[Sample], why: str) -> Evidence:
 def _require_success(sample: Sample, response: Any, expected: str) -> None:
     if not response.success:
         evidence = Evidence(sample.shown(), expected, _got(response))
-        raise Failed(evidence, "Your service refused a request that is valid.", "validation.overzealous")
+        raise Failed(evidence, "Your service refused a valid request.", "validation.overzealous")
 
 
-def _wrong(bench: Bench, answers: Sequence[tuple[Sample, float]], response: Any) -> Failed:
+def _wrong(context: CheckContext, answers: Sequence[tuple[Sample, float]], response: Any) -> Failed:
     """A wrong value, the first of `answers`, explained by all of them."""
     sample = answers[0][0]
-    diagnosis, reason = explain(answers, floors=bench.job.facts.floor_divides)
-    message = (
-        f"The answers to {len(answers)} requests were looked at together. {reason}" if len(answers) > 1 else reason
-    )
+    diagnosis, reason = explain(answers, floors=context.job.facts.floor_divides)
+    message = f"This compares the answers to {len(answers)} requests. {reason}" if len(answers) > 1 else reason
     return Failed(Evidence(sample.shown(), _wanted(sample), _got(response)), message, diagnosis)
 
 

@@ -1,17 +1,17 @@
-"""Grading: a submission in its cage, a grader that asks it over the wire, and a report written by us alone.
+"""Grading: a submission in its sandbox, a grader that asks it over ROS, and a report written by us alone.
 
-A face needs these: `grade` for a `Report`, `exit_code`, `render_text`, `render_html`, `GradingError` for what to tell
-the user; `Worker` to grade many; `isolation_status` for the doctor.
+Commands and magics need these: `grade` for a `Report`, `exit_code`, `render_text`, `render_html`, `GradingError` for
+what to tell the user; `Worker` to grade many; `isolation_status` for the doctor.
 """
 
 from course_kit.grading.engine import grade
 from course_kit.grading.errors import GradingError
-from course_kit.grading.isolation import Isolation, advice_for_root
-from course_kit.grading.isolation import status as isolation_status
-from course_kit.grading.render_html import render_html
-from course_kit.grading.render_text import render_text
+from course_kit.grading.render.html import render_html
+from course_kit.grading.render.text import render_text
 from course_kit.grading.report import CheckReport, Report, exit_code
-from course_kit.grading.worker import Worker
+from course_kit.grading.sandbox.isolation import Isolation, advice_for_root
+from course_kit.grading.sandbox.isolation import status as isolation_status
+from course_kit.grading.workers.worker import Worker
 
 __all__ = [
     "CheckReport",

@@ -11,18 +11,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.grading import bounds, diagnosis, exercise, needs, submission
+from course_kit.grading import bounds, exercise, needs, submission
+from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.isolation import Isolation
 from course_kit.grading.job import Job
 from course_kit.grading.reading import Reader
 from course_kit.grading.report import CheckReport, Report
-from course_kit.grading.steps import Step
-from course_kit.grading.worker import Worker
+from course_kit.grading.sandbox.isolation import Isolation
+from course_kit.grading.workers.worker import Worker
+from course_kit.ros.arrows import Arrow
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.submission import Submission
 
@@ -62,7 +64,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
     if sum((path is not None, attach, exec_command is not None)) != 1:
         raise GradingError("Name one thing to grade: a file, --attach for a running node, or --exec with a command.")
     if task.variable and path is None:
-        raise GradingError(f"The exercise {task.id} is answered in a file, without a running node. Name the file.")
+        raise GradingError(f"The exercise {task.id} is answered in a file, not by a running node. Name the file.")
     needs.require(task.limits)
     if seed is None:
         seed = secrets.randbits(31) if task.seed is None else task.seed
@@ -73,7 +75,9 @@ def grade(  # noqa: PLR0913 - the options of one verb
         except submission.UnreadableError as problem:
             return unreadable(task, shown, submission.readable(str(problem)))
     if attach and require_isolation:
-        raise GradingError("A node that is running already, as with --attach, is not isolated.")
+        raise GradingError(
+            "A node that is already running (--attach) is not isolated. Leave --require-isolation out, or grade a file."
+        )
     shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
         return _grade(task, _job(task, None, seed, exec_command), shown, used, require_isolation)
@@ -126,7 +130,14 @@ def grade_text(  # noqa: PLR0913 - the options of one grading
 
 
 def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
-    """The report of a submission that could not be graded at all."""
+    """The report of a submission that could not be graded at all.
+
+    Args:
+        task: the exercise.
+        shown: what the report calls the submission.
+        problem: why.
+        status: the report's.
+    """
     return Report(
         exercise=task.id,
         title=task.title,
@@ -160,7 +171,7 @@ def _domain() -> int:
 
 
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
-    job = Job(task.id, "attach", "", seed, class_name=task.class_name, variable=task.variable, limits=task.limits)
+    job = Job(task.grader, "attach", "", seed, class_name=task.class_name, variable=task.variable, limits=task.limits)
     if text is not None:
         return replace(
             job,
@@ -230,15 +241,15 @@ def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: str,
 def _no_grade(problem: str, checks: Sequence[CheckReport]) -> str:
     """Why there is no grade, in one sentence; empty when there is one."""
     if problem or not checks:
-        return f"The grading did not come to its end: {problem.rstrip('.') or 'no check was run'}."
+        return f"The grading did not finish: {problem.rstrip('.') or 'no check was run'}."
     broken = next((check for check in checks if check.status == "error"), None)
-    return f'The grading did not come to its end, at the check "{broken.title}". {broken.message}' if broken else ""
+    return f'The grading did not finish: it stopped at the check "{broken.title}". {broken.message}' if broken else ""
 
 
 def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
     failed = result["status"] == "failed"
-    message = diagnosis.complete(result["message"], result["diagnosis"]) if failed else result["message"]
-    hints = _hints(task, result["id"], result["diagnosis"]) if failed else ()
+    found = task.diagnosis(result["diagnosis"]) if failed else None
+    hints = _hints(task, result["id"], found) if failed else ()
     return CheckReport(
         id=result["id"],
         title=result["title"],
@@ -249,15 +260,16 @@ def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
         expected=result["expected"],
         got=result["got"],
         diagnosis=result["diagnosis"],
-        message=message,
+        message=catalogue.complete(result["message"], found),
         hint=hints[0] if hints else None,
         told=result["message"],
-        steps=tuple(Step(**step) for step in result["steps"]),
+        steps=tuple(Arrow(**step) for step in result["steps"]),
         more_hints=hints[1:],
+        known=found,
     )
 
 
-def _hints(task: Exercise, check: str, code: str | None) -> tuple[str, ...]:
+def _hints(task: Exercise, check: str, found: Diagnosis | None) -> tuple[str, ...]:
     """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check."""
-    of_cause = (task.ladder(code) or (diagnosis.catalogue()[code].hint,)) if code else ()
+    of_cause = (task.ladder(found.code) or (found.hint,)) if found else ()
     return tuple(dict.fromkeys((*of_cause, *task.ladder(check))))

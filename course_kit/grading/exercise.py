@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 import sys
 from dataclasses import dataclass
@@ -10,8 +9,10 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
+from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
 from course_kit.grading.limits import Limits
+from course_kit.ros.names import did_you_mean
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -19,11 +20,14 @@ else:
     import tomli as tomllib
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
+
+    from course_kit.grading.diagnosis.catalogue import Diagnosis
 
 FORMAT_VERSION = 1
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
-_TEXTS = ("id", "title", "starter", "notebook")
+_TEXTS = ("id", "title", "starter", "notebook", "grader")
 
 
 @dataclass(frozen=True)
@@ -40,18 +44,20 @@ class Exercise:
 
     Attributes:
         folder: where it lies.
-        id: its name, the folder's and the grader module's.
+        id: its name, which is the folder's.
         title: for people.
         order: its place in the course.
         points: full marks.
         pass_mark: the points from which it is passed.
         starter: the file name of the starter program.
         notebook: the file name of its notebook.
+        grader: the module with its checks.
         class_name: the Node class a submission defines.
         variable: what a submission sets instead, in exercises without ROS.
         seed: what the checks draw from when nobody gives a seed; drawn itself when None.
         limits: what a submission may use.
         hints: the ladder, from a nudge to a push.
+        diagnoses: by code, those that it words in its own way or links elsewhere.
     """
 
     folder: Path
@@ -62,20 +68,21 @@ class Exercise:
     pass_mark: float
     starter: str
     notebook: str
+    grader: str
     class_name: str
     variable: str
     seed: int | None
     limits: Limits
     hints: tuple[Hint, ...]
+    diagnoses: Mapping[str, Diagnosis]
 
     def ladder(self, topic: str) -> tuple[str, ...]:
         """The hints for a check or a diagnosis, from a nudge to a push; empty when there are none."""
         return tuple(hint.text for hint in self.hints if any(fnmatchcase(topic, name) for name in hint.topics))
 
-    def next_hint(self, topic: str, seen: int = 0) -> str | None:
-        """The hint after the first `seen` for a check or a diagnosis; the last when there are no more, None if none."""
-        ladder = self.ladder(topic)
-        return ladder[min(seen, len(ladder) - 1)] if ladder else None
+    def diagnosis(self, code: str | None) -> Diagnosis | None:
+        """A diagnosis as this exercise words it, else as the catalogue does; None when there is none of this code."""
+        return self.diagnoses.get(code or "") or catalogue.catalogue().get(code or "")
 
 
 def exercises_folder() -> Path:
@@ -113,8 +120,7 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
     folder = exercises_folder() if folder is None else folder
     known = ids(folder)
     if exercise_id not in known:
-        near = difflib.get_close_matches(exercise_id, known, 1)
-        guess = f" Did you mean {near[0]}?" if near else ""
+        guess = did_you_mean(exercise_id, known)
         raise GradingError(f"There is no exercise '{exercise_id}'.{guess} There are: {', '.join(known) or 'none'}.")
     path = folder / exercise_id / "exercise.toml"
     try:
@@ -126,23 +132,24 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
 
 def _parse(table: dict[str, Any], folder: Path) -> Exercise:
     if table["format_version"] != FORMAT_VERSION:
-        raise ValueError(f"its format_version is {table['format_version']}, and this kit reads {FORMAT_VERSION}")
+        raise ValueError(f"its format_version is {table['format_version']}, but this kit reads {FORMAT_VERSION}")
     for name in _TEXTS:
         if not isinstance(table[name], str) or not table[name]:
-            raise ValueError(f"'{name}' is no text")
+            raise ValueError(f"'{name}' is not a text")
     if table["id"] != folder.name or not _IDENTIFIER.match(table["id"]):
-        raise ValueError(f"its id '{table['id']}' is not the name of its folder, or no identifier")
+        raise ValueError(f"its id '{table['id']}' is not the name of its folder, or not an identifier")
     points, pass_mark = float(table["points"]), float(table["pass_mark"])
     if not 0 < pass_mark <= points:
-        raise ValueError(f"the pass mark {pass_mark:g} does not lie between 0 and {points:g} points")
+        raise ValueError(f"the pass mark {pass_mark:g} is not between 0 and {points:g} points")
     hints = tuple(Hint(tuple(hint["for"]), str(hint["text"])) for hint in table.get("hints", []))
+    diagnoses = _diagnoses(table.get("diagnoses", {}))
     texts = {name: table[name] for name in _TEXTS}
     goal = {name: str(table.get(name, "")) for name in ("class_name", "variable")}
     if bool(goal["class_name"]) == bool(goal["variable"]):
         raise ValueError("it needs either a 'class_name' or a 'variable'")
     seed = table.get("seed")
     if seed is not None and not isinstance(seed, int):
-        raise ValueError("'seed' is no whole number")
+        raise ValueError("'seed' is not a whole number")
     limits = Limits.from_mapping(table.get("limits", {}))
     return Exercise(
         folder=folder,
@@ -151,7 +158,14 @@ def _parse(table: dict[str, Any], folder: Path) -> Exercise:
         pass_mark=pass_mark,
         limits=limits,
         hints=hints,
+        diagnoses=diagnoses,
         seed=seed,
         **goal,
         **texts,
     )
+
+
+def _diagnoses(tables: Any) -> dict[str, Diagnosis]:
+    if not isinstance(tables, dict) or not all(isinstance(fields, dict) for fields in tables.values()):
+        raise ValueError("'diagnoses' has to hold a table for each code")
+    return {code: catalogue.reworded(code, fields) for code, fields in tables.items()}

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
-from course_kit.grading.isolation import Isolation
 from course_kit.grading.limits import Limits
+from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.submission import Facts
 
 
@@ -15,7 +16,7 @@ class Job:
     """One grading.
 
     Attributes:
-        exercise: the exercise's id, which is also the name of its grader module.
+        grader: the module with the exercise's checks.
         mode: "run" for source text, "exec" for a command, "attach" for what is already on the graph.
         name: the submission's file name as it appears in tracebacks.
         source: Python text.
@@ -30,13 +31,14 @@ class Job:
         seed: what the random values of the checks are drawn from.
         limits: what the submission may use.
         isolation: filled in by the worker, which has tried it out.
-        priority: the nice value the submission and the probe run at; filled in by the worker, whose own may be better.
+        priority: the nice value the submission and the grader process run at; filled in by the worker, whose own may be
+            better.
         scratch: the folder for the scratch directory; filled in by the worker.
         user: the number of the user that submissions run as; 0 for the grader's own; filled in by the worker.
         hidden: folders to keep out of the submission's sight, wherever they lie.
     """
 
-    exercise: str
+    grader: str
     mode: str
     name: str
     seed: int
@@ -55,6 +57,11 @@ class Job:
     user: int = 0
     priority: int = 0
     scratch: str = ""
+
+    @property
+    def start_cpu_s(self) -> float:
+        """Seconds of computing in which a node has to appear; a command has yet to load what a program finds loaded."""
+        return self.limits.start_cpu_s if self.mode == "run" else math.inf
 
     def to_mapping(self) -> dict[str, Any]:
         """The job as JSON can carry it."""

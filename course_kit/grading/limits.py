@@ -23,6 +23,8 @@ class Limits:
 
     Attributes:
         start_s: seconds from the program's start until it can be asked.
+        start_cpu_s: seconds of computing after which a program is given up before that, if none of its nodes has
+            appeared; a right one needs 0.1 s until then. Commands have yet to load everything, and are not held to it.
         cpu_s: seconds of computing, all threads of a process together.
         wall_s: seconds for the whole grading, however much of it is waiting.
         memory_mb: resident memory of all its processes together.
@@ -33,6 +35,7 @@ class Limits:
     """
 
     start_s: float = 5.0
+    start_cpu_s: float = 2.0
     cpu_s: int = 20
     wall_s: float = 60.0
     memory_mb: int = 256
@@ -53,7 +56,7 @@ class Limits:
             if name not in known:
                 raise ValueError(f"there is no limit called '{name}'; known are {', '.join(known)}")
             if isinstance(value, bool) or not isinstance(value, (int, float)) or value <= 0:
-                raise ValueError(f"the limit {name} = {value!r} is no number above 0")
+                raise ValueError(f"the limit {name} = {value!r} is not a number above 0")
         return cls(**values)
 
     def to_mapping(self) -> dict[str, Any]:

@@ -13,8 +13,9 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.grading import limits, machine, processes
+from course_kit.grading import limits, machine
 from course_kit.grading.errors import GradingError
+from course_kit.process import tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -64,7 +65,7 @@ def lacking(promised: Limits, *, guest: bool, disk: str = "") -> str:
     """
     if not _PROC.exists():
         return (
-            "/proc is missing here, and the grader counts and ends a submission's processes with it. Mount it "
+            "/proc is missing here, but the grader needs it to count and end a submission's processes. Mount it "
             f"(mount -t proc proc /proc){_AGAIN}"
         )
     return next(chain(_shortages(promised, guest=guest), _full_disk(disk, 2 * promised.file_mb)), "")
@@ -92,7 +93,7 @@ def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
         allowed = _known(resource.getrlimit(what)[1]) // (_KB if "kB" in told else 1)
         if allowed < least:
             yield (
-                f"A process may {told.format(allowed)} here (ulimit {option}), and a submission is promised {least}. "
+                f"A process may {told.format(allowed)} here (ulimit {option}), but a submission is promised {least}. "
                 f"Allow more (ulimit {option} {least}, or in /etc/security/limits.conf){_AGAIN}"
             )
     tasks = promised.tasks + limits.SPARE_TASKS + _OWN_TASKS
@@ -103,7 +104,7 @@ def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
 def _too_few_tasks(needed: int, *, guest: bool) -> Iterator[str]:
     allowed, used = _known(resource.getrlimit(resource.RLIMIT_NPROC)[1]), 0
     if not guest and allowed < _FEW:
-        used = processes.tasks_of_user(os.getuid())
+        used = tree.tasks_of_user(os.getuid())
     if (guest or os.getuid() != 0) and allowed - used < needed:  # the kernel holds root to nothing
         yield (
             f"You may have {allowed} processes and threads here (ulimit -u), {used} are there, and a grading takes up "

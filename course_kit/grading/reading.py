@@ -10,7 +10,6 @@ import os
 import select
 import signal
 import socket
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -19,6 +18,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import course_kit
 from course_kit.grading.errors import GradingError
 from course_kit.grading.submission import Facts, Submission, SyntaxFault, UnreadableError
+from course_kit.process.child import INTO_STDOUT, Child
+from course_kit.process.output import LastWords
 from course_kit.reader import limits, packets
 
 if TYPE_CHECKING:
@@ -37,7 +38,6 @@ _LOOK_S = 0.1  # how often it is asked whether somebody has pressed Ctrl-C
 _GRACE_S = 15.0  # beyond its own deadline; a reader that is later than that hangs, by a fault of ours
 _END_S = 2.0
 _TRIES = 2  # a reader that another program has ended gets a successor
-_LAST_WORDS = 2000  # bytes
 
 
 class ReadingStoppedError(Exception):
@@ -100,27 +100,21 @@ class Reader:
     def close(self) -> None:
         """End it. Safe to call twice."""
         self._line.close()  # it notices, ends what it has under way, and stops
-        try:
-            self._process.wait(_END_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
-        self._said.close()
+        self._process.wait_or_kill(_END_S)
+        self._said.file.close()
 
     def _start(self) -> None:
         try:
             self._line, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-            self._said = _file_in_memory()
+            self._said = LastWords()
             with theirs:
                 root = Path(course_kit.__file__).resolve().parent.parent
-                self._process = subprocess.Popen(
+                self._process = Child(
                     [sys.executable, "-I", "-S", "-W", "ignore", "-c", _START, str(theirs.fileno()), str(root)],
-                    cwd="/",
-                    stdin=subprocess.DEVNULL,
-                    stdout=self._said,
-                    stderr=self._said,
-                    pass_fds=[theirs.fileno()],
-                    start_new_session=True,
+                    folder="/",
+                    stdout=self._said.file,
+                    stderr=INTO_STDOUT,
+                    descriptors=[theirs.fileno()],
                 )
         except OSError as problem:
             raise GradingError(f"The process that reads submissions could not start: {problem.strerror}.") from problem
@@ -143,10 +137,10 @@ class Reader:
             else:
                 if self._understood(copy, ended):
                     return _checked(answer)
-            words = self._last_words()
+            words = self._said.last_line()
             self.close()
             self._start()
-        raise GradingError(f"The process that reads submissions ended while it was at work. {words}".strip())
+        raise GradingError(f"The process that reads submissions ended while it was reading. {words}".strip())
 
     def _exchange(self, request: dict[str, Any], copy: Copy) -> tuple[dict[str, Any], bytes]:
         """How the reader's child has ended, and what it has written.
@@ -187,7 +181,7 @@ class Reader:
         status, cpu_s = int(ended["status"]), float(ended["cpu_s"])
         ended_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
         used_up = cpu_s >= limits.CPU_S - 1
-        advice = "Clear its outputs, and hand" if copy.name.endswith(".ipynb") else "Hand"
+        advice = "Clear its outputs and hand" if copy.name.endswith(".ipynb") else "Hand"
         advice += " in a shorter, simpler program."
         if ended_by == signal.SIGXCPU or (ended_by and used_up):
             raise UnreadableError(
@@ -197,18 +191,13 @@ class Reader:
             raise GradingError(f"The machine was too busy: {copy.name} was not read within {limits.WALL_S:g} s.")
         if ended_by in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS):
             raise UnreadableError(
-                f"{copy.name} cannot be read: Python crashes on it, as something is nested too deeply. {advice}"
+                f"{copy.name} cannot be read: Python crashes on it because something is nested too deeply. {advice}"
             )
         if os.WIFEXITED(status) and os.WEXITSTATUS(status) == _TOO_MUCH_MEMORY:
             raise UnreadableError(
                 f"{copy.name} cannot be read: Python needs more than {limits.MEMORY_MB} MB of memory for it. {advice}"
             )
         return status == 0
-
-    def _last_words(self) -> str:
-        """The last line it has printed; it prints nothing as long as all is well."""
-        self._said.seek(max(self._said.seek(0, os.SEEK_END) - _LAST_WORDS, 0))
-        return self._said.read().decode("utf-8", errors="replace").strip().rpartition("\n")[2]
 
 
 def _file_in_memory() -> BinaryIO:
@@ -234,7 +223,7 @@ def _checked(answer: bytes) -> dict[str, Any]:
     except (ValueError, RecursionError):
         told = None
     if not isinstance(told, dict):
-        raise GradingError("The process that reads submissions gave an answer that is none.")
+        raise GradingError("The process that reads submissions sent an answer that makes no sense.")
     return told
 
 

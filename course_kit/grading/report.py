@@ -1,4 +1,4 @@
-"""The report of one grading, as data and as the JSON of the contract."""
+"""The report of one grading, as data and as JSON."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.output import encodable
+from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
-    from course_kit.grading.steps import Step
+    from course_kit.grading.diagnosis.catalogue import Diagnosis
+    from course_kit.ros.arrows import Arrow
 
 FORMAT_VERSION = 1
 _DIGITS = 6
@@ -19,12 +20,13 @@ _DIGITS = 6
 class CheckReport:
     """How one check went, for the learner; `status` is passed, failed, skipped or error.
 
-    Beside what the contract's JSON has of it:
+    Beside what the JSON has of it:
 
     Attributes:
         told: what happened, without the reason and the link that `message` adds.
         steps: what crossed the wire, when it failed.
         more_hints: what may follow on `hint`, the next one first.
+        known: the entry of `diagnosis` in the catalogue, as the exercise words it.
     """
 
     id: str
@@ -39,8 +41,9 @@ class CheckReport:
     message: str = ""
     hint: str | None = None
     told: str = ""
-    steps: tuple[Step, ...] = ()
+    steps: tuple[Arrow, ...] = ()
     more_hints: tuple[str, ...] = ()
+    known: Diagnosis | None = None
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,7 @@ class Report:
         stdout: first and last 4 kB of what the submission printed.
         stderr: the same of its errors; ROS 2 logs go there.
         problem: why there is no grade, when the status is unreadable or error.
-        isolation: which walls stood around the submission, in one line.
+        isolation: what kept the submission apart from the machine, in one line.
         timings: where the time went, in seconds: worker_s until a worker was ready, start_s for making the sandbox and
             the grader's node, discovery_s until the program was found on the graph, checks_s, teardown_s, total_s (but
             the worker's); checks has for each check when it was done.
@@ -82,7 +85,7 @@ class Report:
     timings: dict[str, Any] = field(default_factory=dict)
 
     def to_mapping(self) -> dict[str, Any]:
-        """The report in the format of the contract: these names, and no other."""
+        """The report as JSON has it: exactly these names."""
         return {
             "format_version": FORMAT_VERSION,
             "exercise": self.exercise,

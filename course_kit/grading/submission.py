@@ -161,7 +161,7 @@ class Copy:
         source = _open(path)
         try:
             if path.suffix not in _LARGEST:
-                raise UnreadableError(f"{path.name} is no .py and no .ipynb file. Hand in one of these.")
+                raise UnreadableError(f"{path.name} is neither a .py nor an .ipynb file. Hand in one of these.")
             most = _LARGEST[path.suffix]
             while block := _read(source, min(_BLOCK, most + 1 - self.size), path):
                 self.size += len(block)
@@ -210,7 +210,7 @@ def _require_a_file(path: Path, mode: int) -> None:
     if stat.S_ISDIR(mode):
         raise UnreadableError(f"{path.name or path} is a folder. Name the .py or .ipynb file in it.")
     if not stat.S_ISREG(mode):
-        raise UnreadableError(f"{path.name} is no ordinary file. Hand in a .py or .ipynb file.")
+        raise UnreadableError(f"{path.name} is not an ordinary file. Hand in a .py or .ipynb file.")
 
 
 def _read(descriptor: int, most: int, path: Path) -> bytes:
@@ -227,7 +227,7 @@ def _not_read(path: Path, problem: Exception) -> UnreadableError | GradingError:
 
 def _too_large(path: Path) -> str:
     if path.suffix == ".py":
-        return f"{path.name} is larger than {LARGEST // 1024} kB. Hand in the program alone."
+        return f"{path.name} is larger than {LARGEST // 1024} kB. Hand in only the program."
     return f"{path.name} is larger than {LARGEST_NOTEBOOK // _MB} MB. Clear its outputs and save it again."
 
 

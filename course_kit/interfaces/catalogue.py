@@ -39,7 +39,13 @@ def installed_types(package: str) -> set[str]:
 
 
 def installed_text(package: str, kind: str, name: str) -> str | None:
-    """The definition of an installed interface, None when there is no such."""
+    """The definition of an installed interface, None when there is no such.
+
+    Args:
+        package: its package.
+        kind: `msg`, `srv` or `action`.
+        name: its name.
+    """
     for prefix in prefixes():
         path = os.path.join(prefix, "share", package, kind, f"{name}.{kind}")  # noqa: PTH118
         try:

@@ -50,7 +50,13 @@ class LiveFinder:
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Find a package of live interfaces, its msg, srv or action, or the module of one of them."""
+        """Find a package of live interfaces, its msg, srv or action, or the module of one of them.
+
+        Args:
+            fullname: of the module.
+            path: where its package lies; not used.
+            target: not used.
+        """
         del path, target
         thread = get_ident()
         if thread in self._searching:  # looking for folders imports modules; those that do not exist come by here

@@ -14,7 +14,15 @@ if TYPE_CHECKING:
 def make_service_class(
     definition: ServiceDefinition, request: type[Any], response: type[Any], event: type[Any], text: str | None = None
 ) -> type[Any]:
-    """Make the class of a service out of those of its parts."""
+    """Make the class of a service out of those of its parts.
+
+    Args:
+        definition: the service's definition.
+        request: the class of requests.
+        response: that of responses.
+        event: that of events.
+        text: of the definition.
+    """
     parts = {"Request": request, "Response": response, "Event": event}
     return _bundle(definition, "service", parts, text)
 

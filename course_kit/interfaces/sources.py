@@ -63,12 +63,24 @@ def has_package(package: str) -> bool:
 
 
 def has_kind(package: str, kind: str, folder: str | None = None) -> bool:
-    """Whether a package has messages, services or actions, in one folder or in any."""
+    """Whether a package has messages, services or actions, in one folder or in any.
+
+    Args:
+        package: its name.
+        kind: `msg`, `srv` or `action`.
+        folder: where to look; everywhere when None.
+    """
     return any(os.path.isdir(os.path.join(each, package, kind)) for each in ([folder] if folder else folders()))  # noqa: PTH112, PTH118
 
 
 def find_text(package: str, kind: str, name: str) -> str | None:
-    """The text of an interface, None if no folder has it."""
+    """The text of an interface, None if no folder has it.
+
+    Args:
+        package: its package.
+        kind: `msg`, `srv` or `action`.
+        name: its name.
+    """
     for folder in folders():
         path = os.path.join(folder, package, kind, f"{name}.{kind}")  # noqa: PTH118
         if os.path.isfile(path):  # noqa: PTH113

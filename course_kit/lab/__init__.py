@@ -7,8 +7,20 @@ in a terminal sees them.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar
-
+from course_kit.lab.api import (
+    call,
+    call_blocking,
+    diagram,
+    next_messages,
+    nodes,
+    publish,
+    record,
+    script,
+    start,
+    stop,
+    stop_script,
+    subscribe,
+)
 from course_kit.lab.errors import (
     ActionNotFoundError,
     DeadlockError,
@@ -30,15 +42,7 @@ from course_kit.lab.parameters import (
     set_parameters,
     set_parameters_blocking,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from course_kit.lab.calls import Asked
-    from course_kit.lab.core import Lab
-    from course_kit.lab.live_nodes import NodeList
-    from course_kit.lab.process import Script
-    from course_kit.lab.topics import Subscription
+from course_kit.lab.singleton import current, use
 
 __all__ = [
     "ActionNotFoundError",
@@ -74,188 +78,3 @@ __all__ = [
     "subscribe",
     "use",
 ]
-
-NodeT = TypeVar("NodeT")
-
-
-class _Current:
-    lab: Lab | None = None
-
-
-def current() -> Lab:
-    """The lab of this process, made on first use."""
-    if _Current.lab is None:
-        from course_kit.lab.core import Lab
-
-        _Current.lab = Lab()
-    return _Current.lab
-
-
-def use(lab: Lab | None) -> Lab | None:
-    """Make another lab the current one; None for a new one on next use.
-
-    Returns:
-        the one before, which goes on until it is closed.
-    """
-    before, _Current.lab = _Current.lab, lab
-    return before
-
-
-def start(node_class: type[NodeT], /, *args: Any, **kwargs: Any) -> NodeT:
-    """Make a node and run it in the background; returns at once.
-
-    Running the cell again replaces the node: the old one is gone before the new one is made. Replaced are nodes
-    of the class of the same name if that class was defined again or is started with equal arguments, and any node
-    of the same fully qualified ROS name. Started with arguments that give another node name, a class gives a
-    second node.
-
-    Args:
-        node_class: a class that inherits from rclpy.node.Node, as in any ROS 2 tutorial.
-        args: for its `__init__`.
-        kwargs: for its `__init__`.
-
-    Returns:
-        the node.
-
-    Raises:
-        LabError: it is not a node class.
-        Exception: whatever `__init__` raises; nothing is left behind then.
-    """
-    __tracebackhide__ = True  # IPython: the learner's own lines are what matters
-    node: NodeT = current().start(node_class, *args, **kwargs)
-    return node
-
-
-def stop(target: object = None, /) -> None:
-    """Take nodes off the ROS graph: a node, all of a class, one by name, or all of them.
-
-    Raises:
-        LabError: no such node is running.
-    """
-    current().stop(target)
-
-
-def nodes() -> NodeList:
-    """The running nodes, by name; prints as what each serves, calls, publishes and listens to."""
-    return current().nodes()
-
-
-async def call(service: str, service_type: Any, request: Any = None, /, *, timeout: float = 5.0, **fields: Any) -> Any:
-    """Call a service and wait for its response: `await lab.call("/add_two_ints", AddTwoInts, a=1, b=2)`.
-
-    Args:
-        service: the service's name.
-        service_type: its class.
-        request: a ready request instead of `fields`.
-        timeout: seconds in which the answer must come; a service that is not on the graph is waited for 2 s of them.
-        fields: the request's fields; a dict for a message inside it.
-
-    Returns:
-        the response.
-
-    Raises:
-        ServiceNotFoundError: no server of this name and type.
-        FieldError: no such field, or a value it cannot take.
-        ServiceFailedError: the callback of a node in this lab raised or returned no response.
-        NoAnswerError: nothing came back in time, or the server went away.
-    """
-    return await current().call(service, service_type, _asked(request, fields, timeout))
-
-
-def call_blocking(
-    service: str, service_type: Any, request: Any = None, /, *, timeout: float = 5.0, **fields: Any
-) -> Any:
-    """The same as `call` for programs, which have no `await` at top level."""
-    return current().call_blocking(service, service_type, _asked(request, fields, timeout))
-
-
-def _asked(request: Any, fields: dict[str, Any], timeout: float) -> Asked:
-    from course_kit.lab.calls import Asked
-
-    return Asked(request, fields, timeout)
-
-
-def publish(topic: str, message_type: Any, message: Any = None, /, **fields: Any) -> None:
-    """Publish one message: `lab.publish("/chatter", String, data="hello")`.
-
-    The first one on a topic waits for the subscriptions that are on the graph (1 s at most), so that it is not lost.
-    Returns when the callbacks of this lab's own subscriptions have had the message (1 s at most).
-
-    Raises:
-        FieldError: no such field, or a value it cannot take.
-    """
-    current().publish(topic, message_type, message, fields)
-
-
-async def next_messages(topic: str, message_type: Any, count: int = 1, *, timeout: float = 5.0) -> list[Any]:
-    """Subscribe and return the next `count` messages: `await lab.next_messages("/chatter", String, 3)`.
-
-    Raises:
-        NoAnswerError: fewer came within `timeout` seconds.
-    """
-    return await current().next_messages(topic, message_type, count, timeout)
-
-
-def subscribe(topic: str, message_type: Any, callback: Callable[[Any], None], /, *, qos: Any = None) -> Subscription:
-    """Have a function called with each message of a topic: `lab.subscribe("/chatter", String, print)`.
-
-    Args:
-        topic: its name.
-        message_type: the message's class.
-        callback: called on the lab's thread, so it must be quick and cannot call the lab.
-        qos: an rclpy QoSProfile; what the topic's publishers offer at this moment, with a depth of 10, unless given.
-
-    Returns:
-        the subscription; it goes on until its `close()`, or until the lab ends.
-
-    Raises:
-        FieldError: this is no message type.
-        LabError: the topic is no ROS name, or is in use here with another type.
-    """
-    return current().subscribe(topic, message_type, callback, qos)
-
-
-def script(name: str, source: str, /, *args: object, mode: str = "auto") -> Script:
-    """Run an unmodified ROS 2 program as a process of its own; what `%%ros_script` does with its cell.
-
-    Args:
-        name: what to call it; a script that runs under this name is stopped first.
-        source: the program's text.
-        args: its command line.
-        mode: "wait" returns when it has ended, "background" when it spins, "auto" decides: a program whose nodes
-            only call others is waited for, one that serves, subscribes or has a timer goes on in the background.
-
-    Raises:
-        ScriptError: the name cannot be a file's name, or the mode is unknown.
-    """
-    return current().script(name, source, tuple(str(one) for one in args), mode)
-
-
-def stop_script(name: str | None = None, /) -> None:
-    """Stop a script as Ctrl-C would, then by SIGTERM and SIGKILL; all of them without a name.
-
-    Raises:
-        ScriptError: no script of this name is running.
-    """
-    current().scripts.stop(name)
-
-
-def record() -> None:
-    """Begin a new recording; what was recorded is forgotten.
-
-    Raises:
-        LabError: no recorder is attached (`%load_ext course_kit` attaches one).
-    """
-    current().record()
-
-
-def diagram(*, last: int | None = None) -> object:
-    """The recorded exchange as a sequence diagram: Mermaid in JupyterLab, numbered lines elsewhere.
-
-    Args:
-        last: draw only so many of the latest arrows.
-
-    Raises:
-        LabError: no recorder is attached (`%load_ext course_kit` attaches one).
-    """
-    return current().diagram(last)

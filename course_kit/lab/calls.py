@@ -15,7 +15,9 @@ from rclpy.exceptions import InvalidHandle
 
 from course_kit.lab import graph
 from course_kit.lab.errors import FieldError, NoAnswerError, ServiceFailedError, ServiceNotFoundError
-from course_kit.lab.messages import build, is_service_type, type_name
+from course_kit.lab.messages import build
+from course_kit.ros.graph import SERVES
+from course_kit.ros.messages import is_service_type, type_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,11 +50,11 @@ class Surroundings(Protocol):
     def before_blaming(self) -> None:
         """A server has gone: let a script that is about to end say why first."""
 
-    def settle(self) -> None:
+    def flush_output(self) -> None:
         """Show what callbacks have printed; called in the caller's thread."""
 
 
-class Exchanged(Protocol):
+class PendingCall(Protocol):
     """Something sent and the wait for what comes back; both drivers below know no more of it."""
 
     def may_send(self) -> bool:
@@ -88,7 +90,7 @@ class Asked(NamedTuple):
     timeout: float
 
 
-class Exchange:
+class ServiceExchange:
     """One request and the wait for its response.
 
     Args:
@@ -130,7 +132,9 @@ class Exchange:
         if time.monotonic() - self._start < waited:
             return False
         raise ServiceNotFoundError(
-            graph.no_service(self._lab.node, self._service, self._type, waited, self._lab.own_names)
+            graph.not_offered(
+                self._lab.node, graph.WantedServer(SERVES, self._service, self._type), waited, self._lab.own_names
+            )
         )
 
     def send(self, completed: Callable[[], None]) -> None:
@@ -183,10 +187,10 @@ class Exchange:
         """Stop waiting, whether or not the answer has come; harmless if it has."""
         if self._future is not None and not self._future.done():
             self._future.cancel()
-        self._lab.settle()
+        self._lab.flush_output()
 
 
-async def call_async(exchange: Exchanged) -> Any:
+async def call_async(exchange: PendingCall) -> Any:
     """Drive an exchange from asyncio; uses no time while it waits."""
     loop = asyncio.get_running_loop()
     try:
@@ -225,7 +229,7 @@ async def call_async(exchange: Exchanged) -> Any:
         exchange.close()
 
 
-def call_blocking(exchange: Exchanged, show: Callable[[], None]) -> Any:
+def call_blocking(exchange: PendingCall, show: Callable[[], None]) -> Any:
     """Drive an exchange from a plain function; `show` is called now and then. Ctrl-C interrupts it."""
     pause = threading.Event()
     try:

@@ -10,21 +10,22 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
-from rclpy.impl.implementation_singleton import rclpy_implementation
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 from rclpy.validate_topic_name import validate_topic_name
 
-from course_kit.lab.errors import LabError
-from course_kit.lab.goal_client import GoalClient
-from course_kit.lab.graph import actions_run, full_action_name
-from course_kit.lab.messages import type_name
+from course_kit.lab.errors import ActionNotFoundError, LabError, ServiceNotFoundError
+from course_kit.lab.graph import WantedServer, not_offered
+from course_kit.ros import graph
+from course_kit.ros.compat import rcl_error
+from course_kit.ros.goal import GoalClient
+from course_kit.ros.messages import type_name
+from course_kit.ros.names import full_action_name
+from course_kit.ros.node import quiet_node
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.spinner import Spinner
-    from course_kit.lab.tapping import Tapping
+    from course_kit.lab.recording.hooks import Tapping
+    from course_kit.lab.runtime.executor_thread import Spinner
 
 HIDDEN_NAME = "_lab_"  # and the process's number, so that two notebooks do not share it
 _POLL = 0.005  # seconds
@@ -58,28 +59,30 @@ class Clients:
     def node(self) -> Any:
         """The node, made on first use. The underscore in its name hides it from `ros2 node list`."""
         if self.known_node is None:
-            node = Node(
-                f"{HIDDEN_NAME}{os.getpid()}",
-                context=self._spinner.context,
-                use_global_arguments=False,
-                enable_rosout=False,
-                start_parameter_services=False,
-                parameter_overrides=[Parameter("start_type_description_service", value=False)],  # see spinner
-            )
+            node = quiet_node(f"{HIDDEN_NAME}{os.getpid()}", self._spinner.context)
             self._tapping.aliases[node.get_fully_qualified_name()] = self._alias
             self._spinner.executor.add_node(node)
             self.known_node = node
         return self.known_node
 
     def client(self, service_type: Any, service: str) -> Any:
-        """The client for a service; one of the same name and another type is replaced."""
+        """The client for a service; one of the same name and another type is replaced.
+
+        Raises:
+            ServiceNotFoundError: no server of this name and type.
+        """
 
         def make() -> Any:
             client = self.node.create_client(service_type, service, callback_group=ReentrantCallbackGroup())
             self._tapping.direct.add(client)
             return client
 
-        return self._use(self._clients, (service_type, service), make, self._drop_client)
+        try:
+            return self._use(self._clients, (service_type, service), make, self._drop_client)
+        except OtherTypeError:
+            wanted = WantedServer(graph.SERVES, self.node.resolve_service_name(service), type_name(service_type))
+            own = frozenset({self.node.get_fully_qualified_name()})
+            raise ServiceNotFoundError(not_offered(self.node, wanted, 0.0, own)) from None
 
     def publisher(self, message_type: Any, topic: str) -> Any:
         """The publisher for a topic; one of the same name and another type is replaced."""
@@ -90,18 +93,26 @@ class Clients:
         return self._use(self._publishers, (message_type, topic), make, self._drop_publisher)
 
     def goal_client(self, action_type: Any, action: str) -> GoalClient:
-        """The client for an action; one of the same name and another type is replaced."""
+        """The client for an action; one of the same name and another type is replaced.
+
+        Raises:
+            ActionNotFoundError: no server of this name and type.
+        """
 
         def make() -> Any:
             node = self.node
             validate_topic_name(action)
-            types = actions_run(node).get(full_action_name(node, action), [])
+            types = graph.offered(node, graph.RUNS).get(full_action_name(node, action), [])
             if types and type_name(action_type) not in types:  # rclpy would make half a client, and lose it
-                raise OtherTypeError(f"{action} is in use with another type than {type_name(action_type)}.")
+                raise OtherTypeError(f"{action} is already in use with a different type than {type_name(action_type)}.")
             # On the thread that will use it, and not while that looks through the node's entities.
             return self._spinner.ask(lambda: GoalClient(node, action_type, action), _FREE)
 
-        found: GoalClient = self._use(self._goal_clients, (action_type, action), make, self._drop_goal_client)
+        try:
+            found: GoalClient = self._use(self._goal_clients, (action_type, action), make, self._drop_goal_client)
+        except OtherTypeError:
+            wanted = WantedServer(graph.RUNS, full_action_name(self.node, action), type_name(action_type))
+            raise ActionNotFoundError(not_offered(self.node, wanted, 0.0)) from None
         return found
 
     def wait_for_results(self, actions: set[str], timeout: float) -> None:
@@ -115,19 +126,26 @@ class Clients:
     def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
         """A new subscription.
 
+        Args:
+            message_type: its class.
+            topic: its name.
+            callback: called with each message.
+            qos: the profile.
+
         Raises:
             LabError: the topic is no ROS name, or has another type on the graph.
         """
         wanted = type_name(message_type)
         types = dict(self.node.get_topic_names_and_types()).get("/" + str(topic).lstrip("/"), [wanted])
         if wanted not in types:  # nothing could ever arrive; in one process rcl would fail, and say nothing useful
-            raise OtherTypeError(f"{topic} has the type {' and '.join(types)}, and was asked for as {wanted}.")
+            raise OtherTypeError(f"{topic} has the type {' and '.join(types)}, but you asked for {wanted}.")
         return _named(lambda: self.node.create_subscription(message_type, topic, callback, qos), (message_type, topic))
 
     def forget(self, channels: set[str]) -> None:
         """Let go of these services, actions and topics, so that they can come back with another type."""
         for key, client in list(self._clients.items()):
-            if client.service_name in channels and not client._pending_requests:  # noqa: SLF001 - somebody waits
+            somebody_waits = getattr(client, "_pending_requests", None)  # a private name; see ros.compat
+            if client.service_name in channels and not somebody_waits:
                 self._drop_client(self._clients.pop(key))
         for key in [key for key, publisher in self._publishers.items() if publisher.topic_name in channels]:
             self._drop_publisher(self._publishers.pop(key))
@@ -199,9 +217,9 @@ def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
         return make()
     except (InvalidServiceNameException, InvalidTopicNameException) as error:
         raise LabError(f"{name!r} is not a ROS name: {str(error).splitlines()[0].rstrip(' :')}.") from error
-    except (rclpy_implementation.RCLError, ValueError) as error:  # the second one from an action client
+    except (rcl_error(), ValueError) as error:  # the second one from an action client
         if not incompatible(error):
             raise
-        raise OtherTypeError(f"{name} is in use with another type than {type_name(interface)}.") from error
+        raise OtherTypeError(f"{name} is already in use with a different type than {type_name(interface)}.") from error
     except AttributeError as error:  # what rclpy says of a class that is no interface
         raise LabError(f"{type_name(interface)} cannot be used on {name}: {error}") from error

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from course_kit.lab.singleton import current
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -41,11 +43,7 @@ async def send_goal(  # noqa: PLR0913 - four of them are options, by name
         FieldError: no such field, or a value it cannot take.
         NoAnswerError: the server neither accepted nor rejected it in time, or went away.
     """
-    from course_kit import lab
-
-    return await lab.current().send_goal(
-        action, action_type, _asked_goal(goal, fields, timeout, on_feedback, on_result)
-    )
+    return await current().send_goal(action, action_type, _asked_goal(goal, fields, timeout, on_feedback, on_result))
 
 
 def send_goal_blocking(  # noqa: PLR0913 - the same
@@ -59,11 +57,19 @@ def send_goal_blocking(  # noqa: PLR0913 - the same
     on_result: Callable[[Goal], object] | None = None,
     **fields: Any,
 ) -> Goal:
-    """The same as `send_goal` for programs; so are `goal.result_blocking()` and `goal.cancel_blocking()`."""
-    from course_kit import lab
+    """The same as `send_goal` for programs; so are `goal.result_blocking()` and `goal.cancel_blocking()`.
 
+    Args:
+        action: as for `send_goal`.
+        action_type: as for `send_goal`.
+        goal: as for `send_goal`.
+        timeout: as for `send_goal`.
+        on_feedback: as for `send_goal`.
+        on_result: as for `send_goal`.
+        fields: as for `send_goal`.
+    """
     asked = _asked_goal(goal, fields, timeout, on_feedback, on_result)
-    return lab.current().send_goal_blocking(action, action_type, asked)
+    return current().send_goal_blocking(action, action_type, asked)
 
 
 def _asked_goal(goal: Any, fields: dict[str, Any], timeout: float, on_feedback: Any, on_result: Any) -> AskedGoal:

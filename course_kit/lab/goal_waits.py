@@ -15,13 +15,13 @@ from course_kit.lab.errors import NoAnswerError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.goal_client import GoalClient, Pursuit
+    from course_kit.ros.goal import GoalClient, GoalTracker
 
 _CHECK = 0.2  # seconds between looks at whether the server is still there
 _MISSED = 2  # such looks in a row without it
 
 
-class Surroundings(Protocol):
+class GoalSurroundings(Protocol):
     """What a goal needs to know about the lab."""
 
     @property
@@ -43,7 +43,7 @@ class Surroundings(Protocol):
     def before_blaming(self) -> None:
         """A server has gone: let a script that is about to end say why first."""
 
-    def settle(self) -> None:
+    def flush_output(self) -> None:
         """Show what callbacks have printed; called in the caller's thread."""
 
     def not_in_callback(self, what: str) -> None:
@@ -76,7 +76,7 @@ class Wait:
         awaited: the news.
     """
 
-    def __init__(self, lab: Surroundings, pursuit: Pursuit, timeout: float, awaited: Awaited) -> None:
+    def __init__(self, lab: GoalSurroundings, pursuit: GoalTracker, timeout: float, awaited: Awaited) -> None:
         self._lab = lab
         self._pursuit = pursuit
         self._timeout = timeout
@@ -138,7 +138,7 @@ class Wait:
         """Stop waiting."""
         if self._listener in self._pursuit.listeners:
             self._pursuit.listeners.remove(self._listener)
-        self._lab.settle()
+        self._lab.flush_output()
 
 
 def is_there(client: Any) -> bool:

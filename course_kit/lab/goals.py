@@ -1,6 +1,6 @@
 """Sending a goal and following it: `goal = await lab.send_goal("/fibonacci", Fibonacci, order=5)`.
 
-A `Goal` is what the learner holds; what arrives for it is kept by its `Pursuit`, on the lab's thread.
+A `Goal` is what the learner holds; what arrives for it is kept by its `GoalTracker`, on the lab's thread.
 """
 
 from __future__ import annotations
@@ -11,15 +11,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_kit.lab import calls, graph
 from course_kit.lab.errors import ActionNotFoundError, FieldError, LabError, NoAnswerError
-from course_kit.lab.goal_client import Pursuit
 from course_kit.lab.goal_waits import Awaited, Wait, gone, is_there
-from course_kit.lab.messages import build, is_action_type, type_name
-from course_kit.lab.snapshot import snapshot
+from course_kit.lab.messages import build
+from course_kit.lab.recording.snapshot import snapshot
+from course_kit.ros.goal import GoalTracker
+from course_kit.ros.graph import RUNS
+from course_kit.ros.messages import is_action_type, type_name
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
-    from course_kit.lab.goal_waits import Surroundings
+    from course_kit.lab.goal_waits import GoalSurroundings
 
 _QUIET = 60.0  # seconds without any news of a goal, until its feedback is no longer waited for
 
@@ -50,7 +52,7 @@ class Goal:
         request: the goal message.
     """
 
-    def __init__(self, lab: Surroundings, pursuit: Pursuit, request: Any) -> None:
+    def __init__(self, lab: GoalSurroundings, pursuit: GoalTracker, request: Any) -> None:
         self.action = pursuit.client.action_name
         self.request = request
         self._lab = lab
@@ -92,7 +94,7 @@ class Goal:
 
     def result_blocking(self, timeout: float = 60.0) -> Any:
         """The same as `result` for programs, which have no `await` at top level."""
-        return self._result_of(calls.call_blocking(self._wait_for_end(timeout), self._lab.settle))
+        return self._result_of(calls.call_blocking(self._wait_for_end(timeout), self._lab.flush_output))
 
     async def cancel(self, timeout: float = 5.0) -> bool:
         """Ask the server to cancel it.
@@ -108,7 +110,7 @@ class Goal:
 
     def cancel_blocking(self, timeout: float = 5.0) -> bool:
         """The same as `cancel` for programs."""
-        return bool(calls.call_blocking(self._wait_for_cancel(timeout), self._lab.settle))
+        return bool(calls.call_blocking(self._wait_for_cancel(timeout), self._lab.flush_output))
 
     async def __aiter__(self) -> AsyncIterator[Any]:
         """Each feedback message from the first one on, until the goal has ended.
@@ -145,7 +147,8 @@ class Goal:
     def _wait_for_news(self, number: int) -> Wait:
         pursuit = self._pursuit
         awaited = Awaited(
-            f"Nothing was heard of the goal for {self.action}", lambda: len(pursuit.feedback) > number or pursuit.ended
+            f"No feedback and no result of the goal for {self.action} arrived",
+            lambda: len(pursuit.feedback) > number or pursuit.ended,
         )
         return Wait(self._lab, pursuit, _QUIET, awaited)
 
@@ -174,10 +177,10 @@ class Sending(Wait):
         FieldError: the goal cannot be built.
     """
 
-    def __init__(self, lab: Surroundings, action: str, action_type: Any, asked: AskedGoal) -> None:
+    def __init__(self, lab: GoalSurroundings, action: str, action_type: Any, asked: AskedGoal) -> None:
         request = _goal_message(action_type, asked)
         client = lab.goal_client(action_type, action)
-        pursuit = Pursuit(client, request, lab.call_back)
+        pursuit = GoalTracker(client, request, lab.call_back)
         goal = Goal(lab, pursuit, request)
         pursuit.on_feedback = asked.on_feedback
         on_result = asked.on_result
@@ -204,7 +207,9 @@ class Sending(Wait):
         if time.monotonic() - self._start < waited:
             return False
         action = self._pursuit.client.action_name
-        raise ActionNotFoundError(graph.no_action(self._lab.node, action, self._type, waited))
+        raise ActionNotFoundError(
+            graph.not_offered(self._lab.node, graph.WantedServer(RUNS, action, self._type), waited)
+        )
 
     def close(self) -> None:
         """Stop waiting; a goal that nobody will hold is cancelled should it be accepted after all."""

@@ -5,12 +5,13 @@ rclpy checks fields with assertions, whose text names neither the message nor a 
 
 from __future__ import annotations
 
-import difflib
 import re
 import textwrap
 from typing import Any
 
 from course_kit.lab.errors import FieldError
+from course_kit.ros.messages import is_message_type, ros_word, with_article
+from course_kit.ros.names import nearest
 
 _HINTS = {
     "double": "a float such as 20.0",
@@ -20,27 +21,6 @@ _HINTS = {
     "wstring": "a str such as 'text'",
     "octet": "one byte such as b'a'",
 }
-
-
-def type_name(interface: Any) -> str:
-    """The ROS name of an interface class, e.g. "std_srvs/srv/Trigger"."""
-    module = str(getattr(interface, "__module__", "")).split(".")
-    return "/".join([*module[:2], interface.__name__]) if len(module) > 1 else str(interface.__name__)
-
-
-def is_service_type(interface: Any) -> bool:
-    """Whether this is a service's class, with a Request and a Response."""
-    return isinstance(interface, type) and hasattr(interface, "Request") and hasattr(interface, "Response")
-
-
-def is_action_type(interface: Any) -> bool:
-    """Whether this is an action's class, with a Goal, a Result and a Feedback."""
-    return isinstance(interface, type) and all(hasattr(interface, part) for part in ("Goal", "Result", "Feedback"))
-
-
-def is_message_type(interface: Any) -> bool:
-    """Whether this is a message's class."""
-    return isinstance(interface, type) and hasattr(interface, "get_fields_and_field_types")
 
 
 def build(message_type: Any, fields: dict[str, Any], owner: str) -> Any:
@@ -75,8 +55,8 @@ def _set(message: Any, name: str, value: Any, field_type: str, owner: str) -> No
 def _unknown(name: str, known: list[str], owner: str) -> str:
     if not known:
         return f"There is no field {name!r} in {owner}: it has no fields."
-    near = difflib.get_close_matches(name, known, n=1)
-    meant = f" Did you mean {near[0]!r}?" if near else ""
+    near = nearest(name, known)
+    meant = f" Did you mean {near!r}?" if near else ""
     return f"There is no field {name!r} in {owner}; it has {', '.join(known)}.{meant}"
 
 
@@ -91,8 +71,8 @@ def _unfit(name: str, value: Any, field_type: str, owner: str) -> str:
         wanted = f"a value of that type, such as {_example(field_type)}"
     shown = textwrap.shorten(repr(value), 40, placeholder="...")
     return (
-        f"The field {name!r} in {owner} has the type {_ros_word(field_type)} and takes {wanted}; "
-        f"it was given {shown}, {_article(type(value).__name__)}."
+        f"The field {name!r} in {owner} has the type {ros_word(field_type)} and takes {wanted}; "
+        f"it was given {shown}, {with_article(type(value).__name__)}."
     )
 
 
@@ -100,11 +80,3 @@ def _example(field_type: str) -> str:
     if "[" in field_type or field_type.startswith("sequence"):
         return "a list"
     return "a dict of its fields" if "/" in field_type else "one that fits"
-
-
-def _ros_word(field_type: str) -> str:
-    return {"double": "float64", "float": "float32", "boolean": "bool", "octet": "byte"}.get(field_type, field_type)
-
-
-def _article(word: str) -> str:
-    return f"{'an' if word[0] in 'aeio' else 'a'} {word}"

@@ -1,53 +1,30 @@
 """Parameters of any node on the graph, over its parameter services, as `ros2 param` does it.
 
-Each verb is written once, as a generator that yields a question for a service and is sent the response; it is driven
-by asyncio in a notebook and by a wait in a program.
+Each verb is written once, as a generator of questions (see `course_kit.ros.parameters`), and driven by asyncio in a
+notebook and by a wait in a program.
 """
 
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from course_kit.lab import graph
-from course_kit.lab.errors import LabError, NodeNotFoundError, ParameterNotFoundError, ServiceNotFoundError
-from course_kit.lab.hearing import Hearing
-from course_kit.lab.parameter_values import (
-    Descriptors,
-    Outcome,
-    Values,
-    described,
-    from_message,
-    is_empty_list,
-    is_of_every_node,
-    own_first,
-    to_message,
+from course_kit.lab.errors import (
+    FieldError,
+    LabError,
+    NodeNotFoundError,
+    ParameterNotFoundError,
+    ServiceNotFoundError,
 )
+from course_kit.lab.parameter_events import ParameterEventWait
+from course_kit.lab.parameter_values import Descriptors, Outcome, Values
+from course_kit.ros import errors, graph, names, parameters
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
-
-    from course_kit.lab.core import Lab
+    from course_kit.ros.parameters import Question, Steps
 
 T = TypeVar("T")
 _TIMEOUT = 5.0  # seconds for each answer
-_SERVICE = "/list_parameters"  # a node that has it has parameter services
-
-
-class Question(NamedTuple):
-    """A call that a verb wants made.
-
-    Attributes:
-        service: which of the node's parameter services, such as "get_parameters".
-        fields: the request's.
-    """
-
-    service: str
-    fields: dict[str, Any]
-
-
-if TYPE_CHECKING:
-    Steps = Generator[Question, Any, T]
 
 
 async def get_parameters(node: Any, /, *names: str, timeout: float = _TIMEOUT) -> Values:
@@ -100,7 +77,7 @@ async def set_parameters(
         NoAnswerError: nothing came back in time.
     """
     name = full_name(node)
-    with Hearing() as hearing:
+    with ParameterEventWait() as hearing:
         outcome = await _ask(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
         if hearing.expects(outcome.events):
             await asyncio.to_thread(hearing.wait)
@@ -110,9 +87,16 @@ async def set_parameters(
 def set_parameters_blocking(
     node: Any, given: dict[str, Any] | None = None, /, *, atomically: bool = False, **values: Any
 ) -> Outcome:
-    """The same as `set_parameters` for programs and for threads without an event loop."""
+    """The same as `set_parameters` for programs and for threads without an event loop.
+
+    Args:
+        node: as for `set_parameters`.
+        given: as for `set_parameters`.
+        atomically: as for `set_parameters`.
+        values: as for `set_parameters`.
+    """
     name = full_name(node)
-    with Hearing() as hearing:
+    with ParameterEventWait() as hearing:
         outcome = _ask_blocking(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
         if hearing.expects(outcome.events):
             hearing.wait()
@@ -151,33 +135,27 @@ def full_name(node: Any) -> str:
 
 
 def _getting(node: str, wanted: tuple[str, ...]) -> Steps[Values]:
-    names = list(wanted) or own_first((yield Question("list_parameters", {})).result.names)
-    values = (yield Question("get_parameters", {"names": names})).values
-    if len(values) != len(names):  # one of them has no value, so that the node has answered nothing at all
-        known = (yield Question("list_parameters", {})).result.names
-        for name in names:
+    asked = list(wanted) or parameters.own_first((yield from parameters.names()))
+    found = yield from parameters.values(asked)
+    if any(value.type == 0 for value in found):
+        known = yield from parameters.names()
+        for name in asked:
             if name not in known:
                 raise ParameterNotFoundError(f"There is no parameter {name!r}: {_declared(node, name, known)}")
-        values = []
-        for name in names:
-            values += list((yield Question("get_parameters", {"names": [name]})).values) or [None]
-    pairs = zip(names, values, strict=True)
-    return Values({name: None if value is None else from_message(value) for name, value in pairs})
+    return Values(zip(asked, map(parameters.from_message, found), strict=True))
 
 
 def _setting(node: str, values: dict[str, Any], *, atomically: bool) -> Steps[Outcome]:
     if not values:
         raise LabError('Say what to set: lab.set_parameters("/node", name=value).')
-    kinds = {}
-    for name in [name for name, value in values.items() if is_empty_list(value)]:
-        types = (yield Question("get_parameter_types", {"names": [name]})).types  # the node knows what it is a list of
-        kinds.update(dict.fromkeys([name], *types) if types else {})
-    parameters = [to_message(name, value, kinds.get(name)) for name, value in values.items()]
+    try:
+        messages = yield from parameters.to_messages(values)
+    except errors.BadFieldError as error:
+        raise FieldError(str(error)) from None
     if atomically:
-        result = (yield Question("set_parameters_atomically", {"parameters": parameters})).result
-        results = [result] * len(values)
+        results = [(yield from parameters.set_together(messages))] * len(values)
     else:
-        results = (yield Question("set_parameters", {"parameters": parameters})).results
+        results = yield from parameters.set_each(messages)
     reasons = {name: each.reason for name, each in zip(values, results, strict=True) if not each.successful}
     if any("declared" in reason for reason in reasons.values()):
         unknown = yield from _undeclared(node, list(reasons))
@@ -187,77 +165,61 @@ def _setting(node: str, values: dict[str, Any], *, atomically: bool) -> Steps[Ou
     return Outcome(node, values, reasons, atomically=atomically)
 
 
-def _undeclared(node: str, names: list[str]) -> Steps[dict[str, str]]:
+def _undeclared(node: str, wanted: list[str]) -> Steps[dict[str, str]]:
     """Those of the names that the node has not declared, and what it has instead; rclpy's own text names neither."""
-    known = (yield Question("list_parameters", {})).result.names
-    unknown = [name for name in names if name not in known]
+    known = yield from parameters.names()
+    unknown = [name for name in wanted if name not in known]
     return {name: f"there is no parameter {name!r}: {_declared(node, name, known)}" for name in unknown}
 
 
 def _describing() -> Steps[Descriptors]:
-    names = own_first((yield Question("list_parameters", {})).result.names)
-    descriptors = (yield Question("describe_parameters", {"names": names})).descriptors
-    for name, descriptor in zip(names, descriptors, strict=True):
-        descriptor.name = name  # rclpy gives all parameters declared with one descriptor object the last one's name
-    return Descriptors(described(one) for one in descriptors)
+    known = parameters.own_first((yield from parameters.names()))
+    return Descriptors(map(parameters.described, (yield from parameters.descriptors(known))))
 
 
 def _declared(node: str, name: str, known: list[str]) -> str:
-    near = graph.nearest(name, known)
+    near = names.nearest(name, known)
     meant = f" Did you mean {near!r}?" if near else ""
-    own = [one for one in known if not is_of_every_node(one)]
+    own = [one for one in known if not parameters.is_of_every_node(one)]
     return f"{node} has {', '.join(own or known) or 'none'}.{meant}"
 
 
 async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
-    from course_kit.lab import call, current
+    from course_kit.lab.api import call
+
+    def ask(question: Question) -> Any:
+        return call(f"{node}/{question.service}", question.interface, timeout=timeout, **question.fields)
 
     try:
-        question = next(steps)
-        while True:
-            try:
-                response = await call(*_of(node, question), timeout=timeout, **question.fields)
-            except ServiceNotFoundError:
-                raise _no_node(current(), node) from None
-            question = steps.send(response)
-    except StopIteration as end:
-        result: T = end.value
-        return result
+        return await parameters.awaited(steps, ask)
+    except ServiceNotFoundError:
+        raise _no_node(node) from None
 
 
 def _ask_blocking(node: str, steps: Steps[T], timeout: float) -> T:
-    from course_kit.lab import call_blocking, current
+    from course_kit.lab.api import call_blocking
+
+    def ask(question: Question) -> Any:
+        return call_blocking(f"{node}/{question.service}", question.interface, timeout=timeout, **question.fields)
 
     try:
-        question = next(steps)
-        while True:
-            try:
-                response = call_blocking(*_of(node, question), timeout=timeout, **question.fields)
-            except ServiceNotFoundError:
-                raise _no_node(current(), node) from None
-            question = steps.send(response)
-    except StopIteration as end:
-        result: T = end.value
-        return result
+        return parameters.driven(steps, ask)
+    except ServiceNotFoundError:
+        raise _no_node(node) from None
 
 
-def _of(node: str, question: Question) -> tuple[str, Any]:
-    """The service and its type."""
-    import rcl_interfaces.srv
-
-    type_name = "".join(word.capitalize() for word in question.service.split("_"))
-    return f"{node}/{question.service}", getattr(rcl_interfaces.srv, type_name)
-
-
-def _no_node(lab: Lab, node: str) -> NodeNotFoundError:
+def _no_node(node: str) -> NodeNotFoundError:
     """Why the parameter services of a node were not found."""
-    looking = lab.engine.node
-    names = {graph.full_name(*one) for one in looking.get_node_names_and_namespaces()} - lab.engine.own_names
-    if node in names:
-        return NodeNotFoundError(f"{node} is on the graph and offers no parameter services.")
+    from course_kit.lab.singleton import current
+
+    engine = current().engine
+    looking = engine.node
+    nodes = set(graph.nodes(looking)) - engine.own_names
+    if node in nodes:
+        return NodeNotFoundError(f"{node} is on the graph but offers no parameter services.")
     services = {name for name, _ in looking.get_service_names_and_types()}
-    having = sorted(name for name in names if name + _SERVICE in services and "/_" not in name)
-    near = graph.nearest(node, having)
+    having = sorted(one for one in nodes if one + parameters.LIST_SERVICE in services and not names.is_hidden(one))
+    near = names.nearest(node, having)
     if near:
         return NodeNotFoundError(f"There is no node {node}. The nearest name on the graph is {near}.")
     if having:

@@ -8,7 +8,9 @@ import time
 from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.lab.errors import FieldError, NoAnswerError
-from course_kit.lab.messages import build, is_message_type, type_name
+from course_kit.lab.messages import build
+from course_kit.ros.messages import is_message_type, type_name
+from course_kit.ros.qos import as_offered
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,7 +30,16 @@ def require_message_type(message_type: Any) -> None:
 
 
 def message_of(message_type: Any, message: Any, fields: dict[str, Any]) -> Any:
-    """The message to publish: a ready one, or one made of fields."""
+    """The message to publish: a ready one, or one made of fields.
+
+    Args:
+        message_type: its class.
+        message: a ready one.
+        fields: or its fields.
+
+    Raises:
+        FieldError: both are given, no such field, or a value it cannot take.
+    """
     require_message_type(message_type)
     if message is None:
         return build(message_type, fields, f"a {type_name(message_type)}")
@@ -85,7 +96,7 @@ class Subscription:
         self._lab = lab
         self._type = type_name(message_type)
         self._open = True
-        self._subscription = lab.subscription(message_type, topic, callback, qos or _as_offered(_DEPTH))
+        self._subscription = lab.subscription(message_type, topic, callback, qos or as_offered(_DEPTH))
         self.topic: str = self._subscription.topic_name
         if not lab.in_callback():
             node, new = lab.node, self._subscription
@@ -110,10 +121,13 @@ class Deliveries(Protocol):
     def subscriptions(self, topic: str, message_type: Any) -> set[Any]:
         """The subscriptions of the lab's nodes to a topic."""
 
+    def tells_deliveries(self) -> bool:
+        """Whether a subscription that has had a message can be known."""
+
     def listen_for_deliveries(self, told: Callable[[Any], None], *, listen: bool) -> None:
         """Begin or end to call `told` with each subscription whose callback has had a message."""
 
-    def settle(self) -> None:
+    def flush_output(self) -> None:
         """Show what callbacks have printed."""
 
 
@@ -123,7 +137,7 @@ def publish(lab: Deliveries, publisher: Any, message: Any) -> None:
     So what they print is printed with the cell that published. At most one second: a subscription of another
     quality of service gets nothing, and a callback may take long.
     """
-    if lab.in_callback():  # the thread that would deliver
+    if lab.in_callback() or not lab.tells_deliveries():  # in a callback this is the thread that would deliver
         publisher.publish(message)
         return
     waiting = lab.subscriptions(publisher.topic_name, publisher.msg_type)
@@ -141,11 +155,18 @@ def publish(lab: Deliveries, publisher: Any, message: Any) -> None:
             all_had_it.wait(_DELIVERY)
     finally:
         lab.listen_for_deliveries(had, listen=False)
-        lab.settle()
+        lab.flush_output()
 
 
 async def next_messages(lab: Surroundings, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:
     """Subscribe, and return the next messages once there are `count`.
+
+    Args:
+        lab: the lab.
+        topic: its name.
+        message_type: its class.
+        count: how many.
+        timeout: seconds for all of them.
 
     Raises:
         NoAnswerError: fewer came within `timeout` seconds; says who publishes what on that topic.
@@ -165,7 +186,7 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
             if len(received) == count:
                 loop.call_soon_threadsafe(finish)
 
-    subscription = lab.node.create_subscription(message_type, topic, keep, _as_offered(max(_DEPTH, count)))
+    subscription = lab.node.create_subscription(message_type, topic, keep, as_offered(max(_DEPTH, count)))
     try:
         await asyncio.wait_for(complete, timeout)
     except (TimeoutError, asyncio.TimeoutError):  # two types until Python 3.11
@@ -174,15 +195,8 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
         raise NoAnswerError(f"{text} {_why_none(lab.node, subscription)}") from None
     finally:
         lab.destroy_subscription(subscription)
-        lab.settle()
+        lab.flush_output()
     return received
-
-
-def _as_offered(depth: int) -> Any:
-    """A QoS profile that fits the publishers that are there."""
-    from rclpy.qos import QoSProfile, ReliabilityPolicy
-
-    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_AVAILABLE)
 
 
 def _why_none(node: Any, subscription: Any) -> str:
@@ -192,6 +206,6 @@ def _why_none(node: Any, subscription: Any) -> str:
     types = sorted({publisher.topic_type for publisher in publishers})
     wanted = type_name(subscription.msg_type)
     if types != [wanted]:
-        return f"It is published as {', '.join(types)}, and was asked for as {wanted}."
+        return f"It is published as {', '.join(types)}, but you asked for {wanted}."
     names = sorted({publisher.node_name for publisher in publishers})
-    return f"{', '.join(names)} has a publisher for it and may not have published."
+    return f"{', '.join(names)} has a publisher for it but may not have published yet."

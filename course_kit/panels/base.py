@@ -39,11 +39,19 @@ class Panel:
 
     @property
     def widget(self) -> Any:
-        """The ipywidget to be displayed."""
+        """The ipywidget to be displayed.
+
+        Raises:
+            NotImplementedError: the panel has not said.
+        """
         raise NotImplementedError
 
     def describe(self) -> str:
-        """The panel in a sentence or two, for where no widget can be shown."""
+        """The panel in a sentence or two, for where no widget can be shown.
+
+        Raises:
+            NotImplementedError: the panel has not said.
+        """
         raise NotImplementedError
 
     def at_close(self, function: Callable[[], None]) -> None:

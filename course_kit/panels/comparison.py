@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import ipywidgets
 
 from course_kit.panels.base import Panel
+from course_kit.text.templates import render
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-_STYLE = (
-    "display:grid;grid-template-columns:max-content minmax(8em,24em) max-content;gap:.3em .9em;align-items:center;"
-    "max-width:52em"
-)
-_BAR = "height:.9em;min-width:2px;background:var(--jp-brand-color1,#1976d2)"
+_TEMPLATE = Path(__file__).with_name("comparison.html")
 
 
 class Comparison(Panel):
@@ -38,7 +35,8 @@ class Comparison(Panel):
         super().__init__(title)
         self._title = title
         self._order = sorted(values, key=lambda name: values[name])
-        self._html = ipywidgets.HTML(_drawn(title, values, unit))
+        drawn = render(_TEMPLATE, title=title, values=values, unit=unit, longest=max(values.values()) or 1.0)
+        self._html = ipywidgets.HTML(str(drawn))
 
     @property
     def widget(self) -> ipywidgets.HTML:
@@ -48,14 +46,3 @@ class Comparison(Panel):
     def describe(self) -> str:
         """The order without the numbers, which no two runs share."""
         return f"{self._title}, smallest first: {', '.join(self._order)}."
-
-
-def _drawn(title: str, values: Mapping[str, float], unit: str) -> str:
-    longest = max(values.values()) or 1.0
-    rows = "".join(
-        f'<span>{escape(name)}</span><div aria-hidden="true"><div style="{_BAR};width:{100 * value / longest:.1f}%">'
-        f"</div></div><span>{value:.3g} {escape(unit)}</span>"
-        for name, value in values.items()
-    )
-    caption = f"<figcaption>{escape(title)}</figcaption>"
-    return f'<figure style="margin:.5em 0">{caption}<div style="{_STYLE}">{rows}</div></figure>'

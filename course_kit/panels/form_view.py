@@ -11,10 +11,10 @@ import traitlets
 
 from course_kit import lab
 from course_kit.lab.errors import FieldError, LabError
-from course_kit.lab.messages import is_service_type, type_name
-from course_kit.lab.snapshot import snapshot
+from course_kit.lab.recording.snapshot import snapshot
 from course_kit.panels.base import Panel, of_files
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
+from course_kit.ros.messages import is_service_type, type_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,11 +8,11 @@ import anywidget
 import traitlets
 
 from course_kit.lab.errors import FieldError
-from course_kit.lab.messages import is_action_type, type_name
 from course_kit.panels import goal_words
 from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.goal_sender import GoalSender
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
+from course_kit.ros.messages import is_action_type, type_name
 
 if TYPE_CHECKING:
     from course_kit.panels.goal_sender import Standing

@@ -9,12 +9,12 @@ import anywidget
 import traitlets
 
 from course_kit import lab
-from course_kit.lab import overview
-from course_kit.lab.describe import display_name
 from course_kit.panels.base import RATE, Panel, of_files
+from course_kit.ros import graph
+from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
-    from course_kit.lab.overview import Overview, Use
+    from course_kit.ros.graph import Overview, Use
 
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
@@ -70,7 +70,7 @@ class GraphView(Panel):
 
     def describe(self) -> str:
         """The graph in lines: each node, what it does, and what may be amiss."""
-        return in_lines(overview.read(self._node))
+        return in_lines(graph.read(self._node))
 
     def _watch(self) -> None:
         while not self._ended.wait(_PAUSE):
@@ -78,7 +78,7 @@ class GraphView(Panel):
 
     def _look(self) -> None:
         with self._lock:  # the page and the thread may ask at the same time
-            seen = overview.read(self._node, plumbing=self._widget.plumbing)
+            seen = graph.read(self._node, plumbing=self._widget.plumbing)
             if seen == self._shown:
                 return
             before, self._shown = self._shown, seen
@@ -100,7 +100,7 @@ def in_lines(seen: Overview) -> str:
         return _EMPTY
     lines = []
     for node in sorted(set(seen.nodes)):
-        lines.append(display_name(node) + _how_many(seen.nodes.count(node)))
+        lines.append(short_name(node) + _how_many(seen.nodes.count(node)))
         uses = seen.of(node)
         lines += [f"    {use.role.verb} {use.channel} [{', '.join(use.types)}]" for use in uses]
     remarks = [remark for said in seen.remarks().values() for remark in said]
@@ -114,7 +114,7 @@ def drawn(seen: Overview) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     remarks = seen.remarks()
     nodes = [
         {
-            "name": display_name(node),
+            "name": short_name(node),
             "note": _how_many(seen.nodes.count(node)).strip(),
             "uses": [
                 {
@@ -149,8 +149,8 @@ def news(before: Overview, now: Overview) -> str:
     """What has changed, in a sentence for each node that came or left."""
     came = sorted(set(now.nodes) - set(before.nodes))
     left = sorted(set(before.nodes) - set(now.nodes))
-    said = [f"{display_name(node)} has joined the graph." for node in came]
-    said += [f"{display_name(node)} has left the graph." for node in left]
+    said = [f"{short_name(node)} has joined the graph." for node in came]
+    said += [f"{short_name(node)} has left the graph." for node in left]
     return " ".join(said) or "The graph has changed."
 
 

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.interfaces import literals
 from course_kit.interfaces.message_fields import MessageField, message_fields
+from course_kit.ros.messages import ros_word
 
 if TYPE_CHECKING:
     from course_kit.interfaces.field_types import FieldType
 
 Entry = dict[str, Any]  # one field, as the page draws it
 Values = dict[str, Any]  # path of a field -> the text in it, or whether it is ticked
-
-_ROS_WORDS = {"boolean": "bool", "double": "float64", "float": "float32", "octet": "byte"}
 
 
 class FormError(ValueError):
@@ -88,7 +87,7 @@ class MessageForm:
 
     def _entry(self, path: str, field: MessageField, default: Any, choices: list[dict[str, str]]) -> Entry:
         kind = field.type
-        entry: Entry = {"path": path, "name": path.rpartition(".")[2], "type": ros_word(kind), "choices": choices}
+        entry: Entry = {"path": path, "name": path.rpartition(".")[2], "type": type_in_words(kind), "choices": choices}
         if _is_list_of_parts(kind):
             element = field._replace(type=kind.element)
             count = self._length(path, kind, default)
@@ -127,9 +126,9 @@ class MessageForm:
         return _parsed(kind, values[path]) if path in values else now
 
 
-def ros_word(kind: FieldType) -> str:
+def type_in_words(kind: FieldType) -> str:
     """A type as a definition spells it, such as "float64[3]"."""
-    value = kind.base.replace("/msg/", "/") if kind.is_nested else _ROS_WORDS.get(kind.base, kind.base)
+    value = kind.base.replace("/msg/", "/") if kind.is_nested else ros_word(kind.base)
     if kind.string_bound:
         value += f"<={kind.string_bound}"
     if kind.container == "array":
@@ -139,7 +138,7 @@ def ros_word(kind: FieldType) -> str:
 
 def fields_in_words(message_type: Any) -> str:
     """The fields of a message in one line: "a (int64), b (int64)"; "none" without any."""
-    return ", ".join(f"{field.name} ({ros_word(field.type)})" for field in message_fields(message_type)) or "none"
+    return ", ".join(f"{field.name} ({type_in_words(field.type)})" for field in message_fields(message_type)) or "none"
 
 
 def _is_list_of_parts(kind: FieldType) -> bool:
@@ -182,7 +181,7 @@ def _set(message: Any, field: MessageField, value: Any) -> None:
     try:
         setattr(message, field.name, value)
     except (AssertionError, TypeError, OverflowError):
-        raise ValueError(f"Expected what {ros_word(field.type)} can hold, not {value!r}.") from None
+        raise ValueError(f"Expected what {type_in_words(field.type)} can hold, not {value!r}.") from None
 
 
 def _constants(message_type: Any) -> dict[str, Any]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from typing import Any
 
 from course_kit.lab.errors import FieldError
-from course_kit.lab.messages import is_message_type, type_name
+from course_kit.ros.messages import is_message_type, type_name
+from course_kit.ros.names import nearest
 
 _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
 _NUMBER = re.compile(r"(u?int\d+|float|double|boolean)")
@@ -61,7 +61,7 @@ class NumberField:
             raise FieldError(self._no_number(kind, current))
 
     def _no_number(self, kind: str, current: Any) -> str:
-        text = f"{self.path!r} is no number but a {kind}."
+        text = f"{self.path!r} is not a number but a {kind}."
         if current is not None:
             inside = list(current.get_fields_and_field_types())
             return f"{text} In it: {', '.join(f'{self.path}.{name}' for name in inside)}."
@@ -69,8 +69,8 @@ class NumberField:
 
 
 def _unknown(name: str, kind: str, fields: list[str]) -> str:
-    near = difflib.get_close_matches(name, fields, n=1)
-    meant = f" Did you mean {near[0]!r}?" if near else ""
+    near = nearest(name, fields)
+    meant = f" Did you mean {near!r}?" if near else ""
     return f"There is no field {name!r} in a {kind}; it has {', '.join(fields) or 'none'}.{meant}"
 
 

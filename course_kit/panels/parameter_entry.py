@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.parameter_values import Descriptor, Range
+    from course_kit.ros.parameters import Descriptor, Range
 
 _STEPS = 100  # of a slider without steps of its own, about
 _READ_ONLY = "read-only: its value is given at the start and stays"

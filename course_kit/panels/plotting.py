@@ -12,9 +12,9 @@ import numpy as np
 import traitlets
 
 from course_kit import lab
-from course_kit.lab.messages import type_name
 from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.number_field import NumberField
+from course_kit.ros.messages import type_name
 
 _KEPT = 20_000  # samples, however fast they come
 _DRAWN = 600  # points a line has at most; a screen has hardly more
@@ -60,7 +60,7 @@ class Plot(Panel):
 
     def __init__(self, topic: str, message_type: Any, field: str, seconds: float) -> None:
         if not seconds > 0:
-            raise lab.LabError(f"A plot shows some seconds, such as 20: {seconds!r} is none.")
+            raise lab.LabError(f"A plot needs a number of seconds, such as 20, not {seconds!r}.")
         self._number = NumberField(message_type, field)
         super().__init__(topic, field)
         self.topic, self.field, self.seconds = topic, field, float(seconds)

@@ -77,7 +77,7 @@ def write(questions: Questions, answers: Mapping[str, tuple[str, str]], name: st
     path = path if path.suffix == ".py" else path.with_name(f"{path.name}.py")
     try:
         if path.exists() and not _is_ours(questions, path):
-            return f"Nothing was written: {path.name} is there already with other content. Choose another name."
+            return f"Nothing was written: {path.name} already exists with other content. Choose another name."
         environment.write_atomically(path, questions.sheet(answers), folders=False)
     except (OSError, ValueError) as problem:
         return f"Nothing was written: {getattr(problem, 'strerror', None) or problem}. Choose another name."

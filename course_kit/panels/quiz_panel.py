@@ -81,7 +81,7 @@ class QuizPanel(Panel):
         return quiz_answers.usable(self._questions, self._form.choices)
 
     @property
-    def result(self) -> quiz.Result:
+    def result(self) -> quiz.MarkedAnswers:
         """All scenarios as the grader marks them now."""
         return quiz.mark(self._questions.scenarios, self._questions_answered())
 
@@ -92,11 +92,17 @@ class QuizPanel(Panel):
         return _DESCRIPTION.format(count=len(self._questions.scenarios), seed=seed, argument=argument)
 
     def answer(self, scenario: str, pattern: str, reason: str) -> None:
-        """Choose for one scenario, as a click in the form does."""
+        """Choose for one scenario, as a click in the form does.
+
+        Args:
+            scenario: its id.
+            pattern: `topic`, `service` or `action`.
+            reason: the id of one of its reasons.
+        """
         with self._one_at_a_time:
             self._form.choices = {**self._form.choices, scenario: [pattern, reason]}
 
-    def mark(self) -> quiz.Result:
+    def mark(self) -> quiz.MarkedAnswers:
         """Mark all scenarios, also those without an answer, and show it."""
         with self._one_at_a_time:
             self._marked = {scenario.id for scenario in self._questions.scenarios}
@@ -181,7 +187,7 @@ def _half(half: Half) -> dict[str, Any]:
     return {"right": half.right, "explanation": half.explanation}
 
 
-def _summary(answered: int, result: quiz.Result, marked: list[Marks]) -> str:
+def _summary(answered: int, result: quiz.MarkedAnswers, marked: list[Marks]) -> str:
     """The line above the form; what is not marked tells nothing about its points."""
     said = f"{answered} of {len(result.marks)} answered."
     needed = f"{quiz.PASS_SHARE * result.max_points:g} of {result.max_points:g}"

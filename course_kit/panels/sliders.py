@@ -10,13 +10,13 @@ import traitlets
 
 from course_kit import lab
 from course_kit.lab.errors import LabError
-from course_kit.lab.parameter_values import from_message, is_of_every_node
 from course_kit.lab.parameters import full_name
 from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.parameter_entry import EntryError, entry, shown, typed
+from course_kit.ros.parameters import from_message, is_of_every_node
 
 if TYPE_CHECKING:
-    from course_kit.lab.parameter_values import Descriptor
+    from course_kit.ros.parameters import Descriptor
 
 _EVENTS = "/parameter_events"
 _ENDED = "These sliders have ended. Run their cell again to use them."

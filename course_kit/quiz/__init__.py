@@ -6,7 +6,7 @@ needs no ROS. A learner calls `show()`.
 
 from course_kit.quiz.bank import PATTERNS, BankError, Scenario, bank
 from course_kit.quiz.drawing import DEFAULT_SEED, DRAWN, draw, reasons_as_shown
-from course_kit.quiz.marking import PASS_SHARE, Half, Marks, Result, Unusable, mark, mark_one, nearest
+from course_kit.quiz.marking import PASS_SHARE, Half, MarkedAnswers, Marks, Unusable, mark, mark_one, nearest
 from course_kit.quiz.showing import Questions, show
 
 __all__ = [
@@ -16,9 +16,9 @@ __all__ = [
     "PATTERNS",
     "BankError",
     "Half",
+    "MarkedAnswers",
     "Marks",
     "Questions",
-    "Result",
     "Scenario",
     "Unusable",
     "bank",

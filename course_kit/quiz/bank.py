@@ -124,7 +124,7 @@ def _scenario(table: dict[str, Any]) -> Scenario:
 def _text(value: Any) -> str:
     """A text in one line; in the file it may be broken anywhere."""
     if not isinstance(value, str) or not value.strip():
-        raise ValueError(f"{value!r} is no text")
+        raise ValueError(f"{value!r} is not a text")
     return " ".join(value.split())
 
 

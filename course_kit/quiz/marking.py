@@ -6,11 +6,11 @@ named and earns nothing, and the other answers count.
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from course_kit.quiz.bank import PATTERNS, bank
+from course_kit.ros import names as ros_names
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
@@ -23,10 +23,7 @@ EXAMPLE = '("topic", "reason_id")'
 MISSING, UNKNOWN, MALFORMED = "quiz.missing", "quiz.unknown", "quiz.malformed"
 _NEAR = 0.75  # how alike two ids are that one may have been meant for the other; 1.0 is the same
 _SHOWN = 60  # characters of an answer that are repeated
-_LONGEST_ID, _MOST_IDS = (
-    80,
-    200,
-)  # longer names, and more of them, are not compared: it takes the square of their length
+_MOST = 200  # ids that are compared: it takes the square of their length
 
 
 @dataclass(frozen=True)
@@ -74,7 +71,7 @@ class Marks:
 
 
 @dataclass(frozen=True)
-class Result:
+class MarkedAnswers:
     """All scenarios, marked; `strangers` are the entries whose id is in no bank."""
 
     marks: tuple[Marks, ...]
@@ -96,7 +93,9 @@ class Result:
         return self.points >= PASS_SHARE * self.max_points
 
 
-def mark(scenarios: Sequence[Scenario], answers: Mapping[Any, Any], known: Collection[str] | None = None) -> Result:
+def mark(
+    scenarios: Sequence[Scenario], answers: Mapping[Any, Any], known: Collection[str] | None = None
+) -> MarkedAnswers:
     """Mark the answers to `scenarios`.
 
     Args:
@@ -115,7 +114,7 @@ def mark(scenarios: Sequence[Scenario], answers: Mapping[Any, Any], known: Colle
             marks.append(mark_one(scenario, given[scenario.id]))
         else:
             marks.append(_absent(scenario, strangers, others))
-    return Result(tuple(marks), tuple(strangers))
+    return MarkedAnswers(tuple(marks), tuple(strangers))
 
 
 def mark_one(scenario: Scenario, answer: object) -> Marks:
@@ -123,20 +122,18 @@ def mark_one(scenario: Scenario, answer: object) -> Marks:
     if isinstance(answer, Unusable):
         return _both(scenario, Half(False, _shown(answer.text), answer.problem, MALFORMED))
     if not isinstance(answer, (tuple, list)) or len(answer) != 2:  # noqa: PLR2004 - a pair
-        problem = f"An answer is a pair such as {EXAMPLE}, and this is {_kind(answer)}."
+        problem = f"An answer is a pair such as {EXAMPLE}, but this is {_kind(answer)}."
         return _both(scenario, Half(False, _shown(repr(answer)), problem, MALFORMED))
     pattern, reason = (_plain(part) for part in answer)
     if pattern in scenario.reasons and reason in PATTERNS:
-        problem = "Pattern and reason stand the wrong way round: the pattern comes first."
+        problem = "Pattern and reason are swapped: the pattern comes first."
         return _both(scenario, Half(False, _shown(repr(answer)), problem, MALFORMED))
     return Marks(scenario, _pattern(scenario, pattern), _reason(scenario, pattern, reason))
 
 
 def nearest(name: str, names: Collection[str]) -> str | None:
     """The one of `names` that `name` was probably meant to be."""
-    short = sorted(one for one in names if len(one) <= _LONGEST_ID)[:_MOST_IDS]
-    close = difflib.get_close_matches(name, short, n=1, cutoff=_NEAR) if len(name) <= _LONGEST_ID else []
-    return close[0] if close else None
+    return ros_names.nearest(name, sorted(names)[:_MOST], _NEAR)
 
 
 def _pattern(scenario: Scenario, given: str) -> Half:
@@ -158,7 +155,7 @@ def _reason(scenario: Scenario, pattern: str, given: str) -> Half:
         return Half(False, given, scenario.wrong[given])
     if pattern in scenario.accepted and given not in scenario.accepted[pattern]:
         problem = (
-            f"This speaks for another pattern than the one you chose ({pattern}): the halves must belong together."
+            f"This is a reason for another pattern, not for the one you chose ({pattern}): the two must fit together."
         )
         return Half(False, given, problem)
     return Half(True, given, scenario.why)
@@ -166,11 +163,11 @@ def _reason(scenario: Scenario, pattern: str, given: str) -> Half:
 
 def _absent(scenario: Scenario, strangers: Collection[str], others: int) -> Marks:
     if meant := nearest(scenario.id, strangers):
-        problem = f"There is no answer under this id, but one under '{_shown(meant)}', which is no scenario."
+        problem = f"There is no answer under this id, but one under '{_shown(meant)}', which is not a scenario."
         return _both(scenario, Half(False, "", problem, UNKNOWN))
     problem = "There is no answer to this scenario."
     if others:
-        problem += f" You answer {others} that were not drawn here: were you given a seed of your own (--seed)?"
+        problem += f" You answered {others} that were not drawn here: were you given a seed of your own (--seed)?"
     return _both(scenario, Half(False, "", problem, MISSING))
 
 
@@ -181,7 +178,7 @@ def _both(scenario: Scenario, half: Half) -> Marks:
 def _no_choice(given: str, kind: str, choices: Sequence[str]) -> str:
     meant = nearest(given, choices)
     proposal = f" Did you mean '{meant}'?" if meant else ""
-    return f"'{_shown(given)}' is no {kind} of this scenario; there are {', '.join(choices)}.{proposal}"
+    return f"'{_shown(given)}' is not a {kind} of this scenario; it has to be one of {', '.join(choices)}.{proposal}"
 
 
 def _plain(value: object) -> str:

@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 import textwrap
-from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.quiz.drawing import DEFAULT_SEED, draw, reasons_as_shown
+from course_kit.text.templates import render
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from course_kit.quiz.bank import Scenario
 
+_TEMPLATE = Path(__file__).with_name("templates") / "scenarios.html"
 WIDTH = 80  # columns of text
 _ASKED = "Which pattern fits best (topic, service or action), and which one of the four reasons decides?"
-_STYLE = """
-.course-kit-quiz{max-width:60em}
-.course-kit-quiz li{margin:.8em 0}
-.course-kit-quiz p{margin:.2em 0}
-.course-kit-quiz dl{display:grid;grid-template-columns:max-content 1fr;gap:.1em .9em;margin:.3em 0}
-.course-kit-quiz dt{font-family:var(--jp-code-font-family,monospace)}
-.course-kit-quiz dd{margin:0}
-"""
 _HEAD = '''"""Exercise 4: which communication pattern fits?
 
 For each scenario, write the pattern ("topic", "service" or "action") into the first
@@ -71,16 +65,7 @@ class Questions:
         return "\n\n".join(parts)
 
     def _repr_html_(self) -> str:
-        items = "".join(
-            f"<li><strong>{escape(scenario.title)}</strong> <code>{scenario.id}</code><p>{escape(scenario.text)}</p>"
-            f"<dl>{''.join(_reason(*reason) for reason in reasons_as_shown(scenario, self.seed))}</dl></li>"
-            for scenario in self.scenarios
-        )
-        return (
-            f'<style>{_STYLE}</style><section class="course-kit-quiz" aria-label="Scenarios"><p>{_ASKED}</p>'
-            f"<ol>{items}</ol><details><summary>The form to copy and fill in</summary>"
-            f"<pre>{escape(self.form())}</pre></details></section>"
-        )
+        return str(render(_TEMPLATE, questions=self, asked=_ASKED, reasons=reasons_as_shown))
 
 
 def show(seed: int = DEFAULT_SEED) -> Questions:
@@ -93,7 +78,7 @@ def show(seed: int = DEFAULT_SEED) -> Questions:
         TypeError: the seed is no whole number.
     """
     if not isinstance(seed, int) or isinstance(seed, bool):
-        raise TypeError(f"The seed is a whole number, such as seed=17, and this is {seed!r}.")
+        raise TypeError(f"The seed has to be a whole number, such as seed=17, not {seed!r}.")
     return Questions(seed)
 
 
@@ -103,10 +88,6 @@ def _block(number: int, scenario: Scenario, seed: int, answer: tuple[str, str]) 
     for name, text in reasons_as_shown(scenario, seed):
         lines += _wrap(f"{name}: {text}", "    #   - ", "    #     ")
     return "\n".join([*lines, f'    "{scenario.id}": ("{pattern}", "{reason}"),'])
-
-
-def _reason(name: str, text: str) -> str:
-    return f"<dt>{name}</dt><dd>{escape(text)}</dd>"
 
 
 def _wrap(text: str, first: str, following: str) -> list[str]:

@@ -1,7 +1,7 @@
 """What a program sets a variable to, where that can be told from its text, without running it.
 
 Learners write a plain dictionary, which is read as a literal. It is told as texts, in the words of `repr`, as the
-sandbox tells it of a program that has to be run for it (`course_kit.grading.values`).
+sandbox tells it of a program that has to be run for it (`course_kit.grading.sandbox.values`).
 """
 
 from __future__ import annotations
@@ -87,7 +87,9 @@ def _value(node: ast.expr, bound: frozenset[str] | None) -> tuple[str, str]:
         unknown = [name for name in names if bound is not None and name not in bound]
         if not unknown:
             raise
-        problem = f"Without quotes, Python takes {unknown[0]} for the name of a variable, and there is none."
+        problem = (
+            f"Without quotes, Python takes {unknown[0]} for the name of a variable, and there is no such variable."
+        )
         return ast.unparse(node), problem
 
 

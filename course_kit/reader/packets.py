@@ -47,5 +47,5 @@ def receive(line: socket.socket, files: int = 0) -> tuple[dict[str, Any], list[i
         raise EOFError("the other end is closed")
     message = json.loads(data)
     if not isinstance(message, dict) or len(descriptors) != files:
-        raise ValueError("that is no packet")
+        raise ValueError("that is not a packet")
     return message, descriptors

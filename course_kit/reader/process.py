@@ -44,7 +44,7 @@ def main() -> None:
                 for descriptor in files:
                     os.close(descriptor)
             packets.send(line, ended)
-    except OSError:  # whoever asked has gone
+    except OSError:  # the process that asked has ended
         return
     except EOFError:
         return
@@ -54,7 +54,7 @@ def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int
     """How the child has ended: `status` as of waitpid(2), `late` if it had to be stopped, `cpu_s` it has computed.
 
     Raises:
-        EOFError: whoever asked has gone meanwhile.
+        EOFError: the process that asked has ended meanwhile.
     """
     alive, held = os.pipe()  # the child alone holds the other end
     child = os.fork()
@@ -94,7 +94,7 @@ def _await_end(line: socket.socket, alive: int) -> bool:
     poll.register(alive, select.POLLIN)
     ready = [descriptor for descriptor, _ in poll.poll(limits.WALL_S * 1000)]
     if line.fileno() in ready:
-        raise EOFError("whoever asked has gone")
+        raise EOFError("the process that asked has ended")
     return bool(ready)
 
 

@@ -72,6 +72,11 @@ def mentions(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, An
 def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[int, int]]]:
     """The program, and of a notebook for each cell it was joined from the cell's number and how many lines it gave.
 
+    Args:
+        name: the file's name.
+        file: its bytes.
+        exercise: whose cells of a notebook count.
+
     Raises:
         UnreadableTextError: there is none.
     """
@@ -123,7 +128,7 @@ def _joined(name: str, text: str, exercise: str) -> tuple[str, list[tuple[int, i
             f"(U+{ord(source[problem.start]):04X}), which no text can hold."
         ) from None
     if size > LARGEST:
-        raise UnreadableTextError(f"{name} holds more than {LARGEST // 1024} kB of code. Hand in the program alone.")
+        raise UnreadableTextError(f"{name} holds more than {LARGEST // 1024} kB of code. Hand in only the program.")
     return source, places
 
 
@@ -139,7 +144,7 @@ def _code_cells(name: str, text: str) -> list[tuple[int, str]]:
         cells = json.loads(text, parse_int=len, parse_float=len)["cells"]
         return [(number, _text_of(cell)) for number, cell in enumerate(cells, 1) if cell["cell_type"] == "code"]
     except _NO_NOTEBOOK:
-        raise UnreadableTextError(f"{name} is no Jupyter notebook. Save it again in JupyterLab.") from None
+        raise UnreadableTextError(f"{name} is not a Jupyter notebook. Save it again in JupyterLab.") from None
 
 
 def _text_of(cell: Any) -> str:

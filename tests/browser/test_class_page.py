@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import expect
 
-from course_kit.grading import exports
-from course_kit.grading.classroom.records import Records
+from course_kit.classroom import exports
+from course_kit.classroom.records import Records
 from tests.browser.learner import ARTIFACTS, page
 from tests.exports import books
 from tests.exports.programs import ORIGINAL, OTHER, class_of, disguised

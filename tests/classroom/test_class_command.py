@@ -105,7 +105,7 @@ def test_ctrl_c_finishes_what_is_under_way_and_the_rest_comes_later(handed_in: P
         process.send_signal(signal.SIGINT)
         said, _ = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
-    assert "under way are finished first" in said
+    assert "running gradings have finished" in said
     assert "--resume" in said
     assert "Traceback" not in said
     assert 1 <= len(records(handed_in)) < CLASS_SIZE
@@ -133,7 +133,7 @@ def test_names_steer_nothing_and_whoever_is_left_out_is_named(handed_in: Path) -
         assert process.returncode == 2, said
         assert "Traceback" not in said
         assert "1 student handed in something that was not graded: evil\ufffd[31m\ufffd (" in said
-        assert "it is a link, which is not followed" in said
+        assert "it is a link, and links are not followed" in said
         assert evil not in said
         assert len(records(handed_in)) == CLASS_SIZE
     grades = (handed_in.parent / "out/grades.csv").read_text(encoding="utf-8-sig")
@@ -212,8 +212,8 @@ def workers_at(address: str) -> int:
         (["--scheduler", "tcp://127.0.0.1:9"], "no Dask scheduler at"),
         (["--layout", "blackbord"], "no layout 'blackbord'"),
         (["--seeds", "nowhere.csv"], "nowhere.csv could not be read: No such file"),
-        (["--seeds", __file__], "no list of students and seeds"),
-        (["--out", __file__], "is a file. --out names the folder"),
+        (["--seeds", __file__], "not a list of students and seeds"),
+        (["--out", __file__], "is a file. --out has to name a folder"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line(handed_in: Path, more: list[str], sentence: str) -> None:

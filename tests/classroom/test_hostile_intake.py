@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit.classroom import archive, intake, layouts, listing
+from course_kit.classroom.listing import FILE, FOLDER, Item
 from course_kit.grading import GradingError, exercise
-from course_kit.grading.classroom import archive, intake, layouts, listing
-from course_kit.grading.classroom.listing import FILE, FOLDER, Item
-from course_kit.grading.output import one_line
+from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -27,6 +27,8 @@ SERVICE = exercise.load("temperature_service")
 ROBOT = exercise.load("move_robot")
 PROGRAM = "temperature_service.py"
 OTHERS = ("ann", "bob", "cem")
+
+pytestmark = pytest.mark.attack("An inbox")
 
 
 def collect(source: Path, *exercises: exercise.Exercise, layout: str = "auto") -> intake.Intake:
@@ -156,7 +158,7 @@ def test_a_moodle_file_with_two_numbers_is_nobodys_but_its_own(tmp_path: Path) -
     assert {entry.source for student, entry in entries.items() if student in IN_MOODLE} == set(flat)
     mallory = next(entry for entry in found.entries if entry.source == evil)
     assert mallory.platform == {}
-    assert dict(found.odd)[mallory.student] == "its name can be read as that of participant 66 or 12"
+    assert dict(found.odd)[mallory.student] == "its name can also be read as that of participant 66 or 12"
 
 
 def test_a_number_beside_two_names_is_nobodys(tmp_path: Path) -> None:
@@ -235,7 +237,7 @@ def test_links_are_not_followed_whoever_they_lead_to(tmp_path: Path) -> None:
     found = collect(root)
     assert taken(found) == IN_FOLDERS
     assert {student: reason.rpartition(": ")[2] for student, reason in found.dropped} == dict.fromkeys(
-        ("dee", "eve", "fay", "gus"), "it is a link, which is not followed"
+        ("dee", "eve", "fay", "gus"), "it is a link, and links are not followed"
     )
 
 
@@ -244,7 +246,7 @@ def test_a_link_among_files_of_students_is_not_followed(tmp_path: Path) -> None:
     (root / "mallory.py").symlink_to("bob.py")
     found = collect(root)
     assert taken(found) == IN_FILES
-    assert found.dropped == (("mallory", "mallory.py: it is a link, which is not followed"),)
+    assert found.dropped == (("mallory", "mallory.py: it is a link, and links are not followed"),)
 
 
 def test_pipes_and_sockets_are_not_opened(tmp_path: Path) -> None:
@@ -254,7 +256,7 @@ def test_pipes_and_sockets_are_not_opened(tmp_path: Path) -> None:
     os.mkfifo(root / "nat/answer.py")
     found = collect(root)
     assert taken(found) == {**IN_FILES, "nat": "nat/answer.py"}, "reading it says what it is"
-    assert found.dropped == (("mallory", "mallory.py: it is no ordinary file"),)
+    assert found.dropped == (("mallory", "mallory.py: it is not an ordinary file"),)
 
 
 @pytest.fixture
@@ -289,7 +291,7 @@ def test_a_heap_of_files_is_its_students_problem(tmp_path: Path, monkeypatch: py
     )
     assert taken(found) == {**IN_FOLDERS, "dee": f"dee/{PROGRAM}"}
     assert dict(found.dropped) == {
-        "mallory": "mallory: it holds more than 100 files and folders; the rest was not looked at"
+        "mallory": "mallory: it holds more than 100 files and folders; the rest was not read"
     }
     assert len(found.left) < 60, "they are counted, not listed"
 
@@ -302,7 +304,7 @@ def test_a_heap_of_links_is_told_in_a_few_words(tmp_path: Path) -> None:
     found = collect(root)
     assert taken(found) == IN_FOLDERS
     [(_, reason)] = found.dropped
-    assert reason.startswith("mallory/000: it is a link, which is not followed; ")
+    assert reason.startswith("mallory/000: it is a link, and links are not followed; ")
     assert reason.endswith("; and 497 more")
     assert len(found.left) < 60
 
@@ -312,7 +314,7 @@ def test_whoever_hands_in_something_else_only_is_named(tmp_path: Path) -> None:
     (root / "fay").mkdir()
     found = collect(root)
     assert taken(found) == {**IN_FOLDERS, "eve": "eve/essay.pdf"}
-    assert found.dropped == (("dee", "nothing of it is for the exercises"),)
+    assert found.dropped == (("dee", "none of it belongs to these exercises"),)
     assert ("fay", SERVICE.id) in found.missing
     assert ("fay", "an empty folder") in found.left
 
@@ -382,13 +384,13 @@ def flag(bits: int, name: bytes) -> Callable[[bytes], bytes]:
     return change
 
 
-OUTSIDE = "its name leads out of the archive"
+OUTSIDE = "its name leads outside the archive"
 MEMBERS: list[tuple[str, dict[str, object], str]] = [
     ("mallory/temperature_service.py", {"mode": stat.S_IFLNK | 0o777, "data": b"../bob/x"}, "it is a link"),
-    ("mallory/temperature_service.py", {"mode": stat.S_IFBLK | 0o666}, "it is no ordinary file"),
-    ("mallory/temperature_service.py", {"mode": stat.S_IFIFO | 0o666}, "it is no ordinary file"),
-    ("mallory/temperature_service.py", {"method": zipfile.ZIP_BZIP2}, "compressed by a method that is not unpacked"),
-    ("mallory/temperature_service.py", {"method": zipfile.ZIP_LZMA}, "compressed by a method that is not unpacked"),
+    ("mallory/temperature_service.py", {"mode": stat.S_IFBLK | 0o666}, "it is not an ordinary file"),
+    ("mallory/temperature_service.py", {"mode": stat.S_IFIFO | 0o666}, "it is not an ordinary file"),
+    ("mallory/temperature_service.py", {"method": zipfile.ZIP_BZIP2}, "compressed with a method that is not supported"),
+    ("mallory/temperature_service.py", {"method": zipfile.ZIP_LZMA}, "compressed with a method that is not supported"),
     (f"mallory/{'x' * 300}.py", {}, "its name is too long"),
     (f"{'m' * 300}/temperature_service.py", {}, "its name is too long"),
     (f"{'m' * 60_000}/temperature_service.py", {}, "its name is too long"),
@@ -571,8 +573,8 @@ def test_a_zip_in_a_zip_stays_closed(tmp_path: Path) -> None:
     found = collect(packed.close())
     assert taken(found) == {**IN_FOLDERS, "mallory": "mallory/work.zip", "dee": "dee.zip"}
     assert collect(tmp_path / "all.zip", SERVICE, ROBOT).dropped == (
-        ("dee", "nothing of it is for the exercises"),
-        ("mallory", "nothing of it is for the exercises"),
+        ("dee", "none of it belongs to these exercises"),
+        ("mallory", "none of it belongs to these exercises"),
     )
 
 
@@ -594,7 +596,7 @@ def test_unpacking_again_leaves_nothing_of_before(tmp_path: Path) -> None:
 
 def test_a_folder_that_is_not_ours_is_not_emptied(tmp_path: Path) -> None:
     lay_out(tmp_path / "workspace", ["precious.txt"])
-    with pytest.raises(GradingError, match=r"is there already\. Move it away first"):
+    with pytest.raises(GradingError, match=r"but that already exists\. Move it away first"):
         collect(Zip(tmp_path / "all.zip").close())
     assert (tmp_path / "workspace/precious.txt").is_file()
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit.classroom import archive, intake
 from course_kit.grading import GradingError, exercise
-from course_kit.grading.classroom import archive, intake
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -84,7 +84,7 @@ def test_canvas_tells_who_is_late_and_the_latest_attempt_counts(tmp_path: Path) 
     assert jane.platform == {"canvas_user": "12345", "canvas_submission": "67891"}
     assert joerg.late
     left = dict(found.left)
-    assert left["doejane_12345_67890_temperature_service.py"] == f"{jane.source} was taken"
+    assert left["doejane_12345_67890_temperature_service.py"] == f"{jane.source} was used"
     assert left["notes.txt"] == "its name does not follow the layout 'canvas'"
 
 
@@ -108,7 +108,7 @@ def test_with_several_exercises_each_file_goes_to_its_own_by_name_or_by_content(
         ("jane", "pattern_choice", "jane/quiz.ipynb"),
         ("joe", "move_robot", "joe/week_move_robot_final.py"),
     ]
-    assert found.left == (("jane/other.py", "it is for none of the exercises"),)
+    assert found.left == (("jane/other.py", "it belongs to none of these exercises"),)
     assert found.missing == (("joe", "temperature_service"), ("joe", "pattern_choice"))
 
 
@@ -148,7 +148,7 @@ def test_an_archive_that_reaches_out_is_unpacked_without_those_members(tmp_path:
 
 def test_what_is_no_archive_or_not_there_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "broken.zip").write_bytes(b"PK\x03\x04 and then nothing")
-    with pytest.raises(GradingError, match=r"broken\.zip is no zip archive"):
+    with pytest.raises(GradingError, match=r"broken\.zip cannot be read as a zip archive"):
         collect(tmp_path / "broken.zip")
     with pytest.raises(GradingError, match="no folder or zip"):
         collect(tmp_path / "nowhere")

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from course_kit.classroom import intake
 from course_kit.grading import GradingError, exercise
-from course_kit.grading.classroom import intake
 from tests.classroom.hostile_inboxes import Inbox, Maker
 
 if TYPE_CHECKING:
@@ -22,6 +22,8 @@ SERVICE = exercise.load("temperature_service")
 SEEDS = range(12)  # each gives ten inboxes
 EACH = 10
 PYTHONS_OWN = (sys.prefix, sys.base_prefix)  # an encoding of names is imported when it is first met
+
+pytestmark = pytest.mark.attack("Damaged archives")
 
 
 class Opened:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 EXERCISE = "temperature_service"
-pytestmark = pytest.mark.answers
+pytestmark = [pytest.mark.answers, pytest.mark.attack("Processes of the grader that are killed")]
 ROLES = (
     "grade warm",
     "grade launchers",
@@ -29,8 +29,8 @@ ROLES = (
     "grade worker",
     "grade supervise",
     "grade grader",
-    "grade gate",
-    "grade guard",
+    "grade enter",
+    "grade init",
     "submission",
 )
 SIZE = int(os.environ.get("COURSE_KILLS_SIZE", "8"))

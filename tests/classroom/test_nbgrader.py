@@ -12,7 +12,8 @@ import nbformat
 import pytest
 from nbgrader.api import Gradebook
 
-from course_kit import environment, grading, nbgrader
+from course_kit import environment, grading
+from course_kit.integrations import nbgrader
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 EXERCISE = "temperature_service"

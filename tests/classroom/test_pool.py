@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.grading import exercise, submission
-from course_kit.grading.classroom.pool import Pool, Task
 from course_kit.grading.reading import Reader
+from course_kit.grading.workers.pool import Pool, Task
 
 if TYPE_CHECKING:
     from course_kit.grading import Report
@@ -35,7 +35,7 @@ def test_a_worker_whose_folder_is_gone_costs_nobody_a_grade(
     assert domain
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", None)
-    with closing(Pool(1, [SERVICE.id])) as pool:
+    with closing(Pool(1, [SERVICE.grader])) as pool:
         assert grade(pool).score == 10
         [folder] = tmp_path.glob("course-kit-worker-*")
         shutil.rmtree(folder)

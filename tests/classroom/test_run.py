@@ -14,15 +14,18 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading import GradingError, exercise, exports
-from course_kit.grading.classroom.records import Entry, Record, Records, safe_name
-from course_kit.grading.classroom.run import ClassRun, Plan
-from course_kit.grading.classroom.watching import Tally
+from course_kit.classroom import exports
+from course_kit.classroom.progress import RunProgress
+from course_kit.classroom.records import Entry, Record, Records, safe_name
+from course_kit.classroom.run import ClassRun, Plan
+from course_kit.grading import GradingError, exercise
 from course_kit.grading.report import CheckReport, Report
 
 if TYPE_CHECKING:
-    from course_kit.grading.classroom.gradebook import Gradebook
-    from course_kit.grading.classroom.pool import Task
+    from collections.abc import Sequence
+
+    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.grading.workers.pool import Task
 
 SERVICE = exercise.load("temperature_service")
 CHOICE = exercise.load("pattern_choice")
@@ -64,7 +67,7 @@ def handed_in(tmp_path: Path) -> Path:
 
 def run(source: Path, out: Path, executor: StandInForGrading, **options: Any) -> Gradebook:
     plan = Plan(source, out, options.pop("exercises", (SERVICE,)), **options)
-    return ClassRun(plan, Tally(io.StringIO())).grade(lambda: executor)
+    return ClassRun(plan, RunProgress(io.StringIO())).grade(lambda: executor)
 
 
 def results(book: Gradebook) -> dict[str, tuple[str, float, str]]:
@@ -93,6 +96,30 @@ def test_what_may_never_end_is_begun_first(handed_in: Path, tmp_path: Path) -> N
     executor = StandInForGrading()
     run(handed_in, tmp_path / "out", executor)
     assert [task.shown.partition("/")[0] for task in executor.tasks] == ["eve", "ada", "bob", "dee"]
+
+
+class Order(RunProgress):
+    """Notes when all submissions have been read."""
+
+    def __init__(self, happened: list[str]) -> None:
+        super().__init__(io.StringIO())
+        self._happened = happened
+
+    def begin(self, total: int, ready: Sequence[Record]) -> None:
+        self._happened.append("read")
+        super().begin(total, ready)
+
+
+def test_the_workers_get_ready_while_submissions_are_read(handed_in: Path, tmp_path: Path) -> None:
+    happened: list[str] = []
+
+    def start() -> StandInForGrading:
+        happened.append("started")
+        return StandInForGrading()
+
+    for resume in (False, True):  # the second time there is nothing to do
+        ClassRun(Plan(handed_in, tmp_path / "out", (SERVICE,), resume=resume), Order(happened)).grade(start)
+    assert happened == ["started", "read", "read"]
 
 
 def test_each_result_is_a_record_and_a_page_that_belong_to_the_student(handed_in: Path, tmp_path: Path) -> None:
@@ -142,7 +169,7 @@ def test_a_request_to_stop_leaves_what_is_done_and_says_it_is_not_all(handed_in:
     executor, out = StandInForGrading(), tmp_path / "out"
     plan = Plan(handed_in, out, (SERVICE,))
     executor.slots = 1
-    book = ClassRun(plan, Tally(io.StringIO()), lambda: int(len(executor.tasks) >= 2)).grade(lambda: executor)
+    book = ClassRun(plan, RunProgress(io.StringIO()), lambda: int(len(executor.tasks) >= 2)).grade(lambda: executor)
     assert not book.complete
     assert executor.closed
     rest = StandInForGrading()
@@ -206,7 +233,7 @@ def test_two_students_never_share_a_folder(names: tuple[str, str]) -> None:
 
 def test_progress_counts_and_estimates(handed_in: Path, tmp_path: Path) -> None:
     now = [0.0]
-    tally = Tally(io.StringIO(), clock=lambda: now[0])
+    tally = RunProgress(io.StringIO(), clock=lambda: now[0])
     book = run(handed_in, tmp_path / "out", StandInForGrading())
     tally.begin(total=104, ready=[])
     for record in book.records[:4]:
@@ -216,7 +243,7 @@ def test_progress_counts_and_estimates(handed_in: Path, tmp_path: Path) -> None:
 
 
 def test_progress_counts_what_an_earlier_run_has_done(handed_in: Path, tmp_path: Path) -> None:
-    tally = Tally(io.StringIO(), clock=lambda: 0.0)
+    tally = RunProgress(io.StringIO(), clock=lambda: 0.0)
     book = run(handed_in, tmp_path / "out", StandInForGrading())
     tally.begin(total=4, ready=book.records[:3])
     tally.done(book.records[3])
@@ -293,10 +320,10 @@ def test_where_nobody_has_handed_in_anything_that_is_said_and_nothing_is_begun(t
     (tmp_path / "in/ann/\x1bnotes.txt").write_text("")
     (tmp_path / "in/ann/more.txt").write_text("")
     with pytest.raises(
-        GradingError, match="holds no submission of temperature_service, read by the layout 'folders'"
+        GradingError, match="holds no submission for temperature_service, read with the layout 'folders'"
     ) as told:
         run(tmp_path / "in", tmp_path / "out", StandInForGrading())
-    assert "ann (nothing of it is for the exercises)" in str(told.value)
+    assert "ann (none of it belongs to these exercises)" in str(told.value)
     assert "\x1b" not in str(told.value)
     (tmp_path / "in/ann/temperature_service.py").write_text("right = 1")
     assert run(tmp_path / "in", tmp_path / "out", StandInForGrading()).complete, "without --resume"

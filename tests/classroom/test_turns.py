@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading.classroom import turns
-from course_kit.grading.classroom.turns import IdleShare, Turns, early
+from course_kit.classroom import concurrency
+from course_kit.classroom.concurrency import IdleShare, Turns, early
 from course_kit.grading.machine import ProcessorTimes
 
 if TYPE_CHECKING:
@@ -138,6 +138,6 @@ def test_what_a_grading_raises_meets_whoever_asks(made: Callable[[float], Turns]
 
 def test_the_idle_share_is_that_since_the_last_question(monkeypatch: pytest.MonkeyPatch) -> None:
     times = iter([ProcessorTimes(1.0, 9.0), ProcessorTimes(4.0, 16.0), *[ProcessorTimes(4.0, 26.0)] * 2])
-    monkeypatch.setattr(turns, "processor_times", lambda: next(times))
+    monkeypatch.setattr(concurrency, "processor_times", lambda: next(times))
     share = IdleShare()
     assert [share(), share(), share()] == [0.3, 0.0, 0.0]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.namespaces import drop_privileges
+from course_kit.grading.sandbox.namespaces import drop_privileges
 from course_setup import problems
 from tests.course_clone import STAND_IN_UV, Clone
 
@@ -80,7 +80,7 @@ def test_pythonhome_is_left_aside(clone: Clone) -> None:
 
 
 def test_packages_from_elsewhere_are_left_aside_unless_ros_brings_them(clone: Clone, tmp_path: Path) -> None:
-    (clone.root / "course_kit" / "cli.py").write_text("import graphlib; print(graphlib.__file__)\n")
+    (clone.root / "course_kit" / "cli" / "main.py").write_text("import graphlib; print(graphlib.__file__)\n")
     (tmp_path / "graphlib.py").touch()
     for _ in range(2):
         done = clone.course("doctor", PYTHONPATH=str(tmp_path))
@@ -104,7 +104,7 @@ def test_the_installer_gets_no_settings_for_other_installations(clone: Clone, tm
 def test_a_folder_that_cannot_be_written_is_refused_at_once(clone: Clone) -> None:
     with not_writable(clone.root):
         told = refusal(clone.course("lab", before=drop_privileges))
-    assert f"The folder {clone.root} cannot be written (Permission denied)" in told
+    assert f"The folder {clone.root} cannot be written to (Permission denied)" in told
     assert "have its owner run './course lab' once" in told
     assert clone.calls() == []
 
@@ -144,10 +144,10 @@ def test_a_pip_that_is_too_old_is_renewed_first(clone: Clone, version: str, call
 
 def test_only_an_old_python_is_named_with_what_to_do(clone: Clone, bare: dict[str, str]) -> None:
     (clone.tools / "uv").unlink()
-    assert "here is none" in refusal(clone.course("lab", **bare))
+    assert "this machine has none" in refusal(clone.course("lab", **bare))
     clone.tool("python3", OLD_PYTHON)
     told = refusal(clone.course("lab", **bare))
-    assert f"The course needs Python 3.10 to 3.14, and here is 3.9.2 ({clone.tools}/python3)." in told
+    assert f"The course needs Python 3.10 to 3.14, and this machine has 3.9.2 ({clone.tools}/python3)." in told
     assert "uv, which brings a Python of its own" in told
 
 
@@ -193,7 +193,7 @@ def test_a_file_that_changes_during_the_set_up_is_no_endless_loop(clone: Clone) 
     [
         (errno.ENOSPC, "The disk is full. The course needs about 500 MB in /a course."),
         (errno.EDQUOT, "The disk is full."),
-        (errno.EROFS, "cannot be written (Read-only file system)"),
+        (errno.EROFS, "cannot be written to (Read-only file system)"),
         (errno.EIO, "The set-up failed (Input/output error: /a course/x)."),
     ],
 )
@@ -206,7 +206,7 @@ def test_errors_of_the_system_are_sentences(number: int, word: str) -> None:
     ("free_mb", "words"),
     [
         (3, ["The disk is full. The course needs about 500 MB in"]),
-        (60, ["the lines above say why", "room: 60 MB are free, and the course needs about 500 MB"]),
+        (60, ["the lines above say why", "disk space: 60 MB are free, but the course needs about 500 MB"]),
         (900, ["the lines above say why. It needs a network connection. Then run the same command again."]),
     ],
 )

@@ -93,7 +93,7 @@ def test_the_patience_has_an_end(tmp_path: Path) -> None:
     ) as owner:
         assert owner.stdout is not None
         assert owner.stdout.readline() == "held\n"
-        told = rf"has not ended in .*: process {owner.pid}, since .*Stop it"
+        told = rf"has not finished within .*: process {owner.pid}, since .*Stop it"
         with pytest.raises(SetUpError, match=told), held(lock, patience_s=0.0):
             pytest.fail("two hold the lock")
         owner.communicate()

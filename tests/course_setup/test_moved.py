@@ -71,7 +71,7 @@ def test_a_copy_has_nothing_to_do_with_the_original(clone: Clone, tmp_path: Path
     original = clone.root
     shutil.copytree(original, tmp_path / "a copy", symlinks=True)
     clone.root = tmp_path / "a copy"
-    (original / "course_kit" / "cli.py").write_text("print('the original')\n")
+    (original / "course_kit" / "cli" / "main.py").write_text("print('the original')\n")
     assert clone.course("doctor", cwd=tmp_path).stdout == f"cli {clone.environment} doctor\n"
     assert clone.calls() == ["venv", "pip"]
     assert clone.environment.is_relative_to(tmp_path / "a copy")
@@ -97,7 +97,7 @@ def test_moved_and_edited_it_installs_and_keeps_the_environment(clone: Clone) ->
 def test_letters_beyond_ascii_need_no_utf_8_locale(tmp_path: Path, locale: dict[str, str]) -> None:
     clone = Clone(tmp_path, "Übung")
     prints = "import course_kit, os, sys; os.write(1, os.fsencode(course_kit.__file__)); print(' ✓', sys.argv[1:])\n"
-    (clone.root / "course_kit/cli.py").write_text(prints)
+    (clone.root / "course_kit/cli/main.py").write_text(prints)
     done = subprocess.run(
         [clone.root / "course", "grade", "lösung.py"],
         cwd=tmp_path,

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import cli, environment, grading
-from course_kit.dev import check_table, gradings, rules, sets, styles
-from course_kit.grading import CheckReport, Report, processes
-from course_kit.grading.diagnosis import catalogue, complete
+from course_kit import environment, grading
+from course_kit.authoring import check_table, corpus, gradings, rules, styles
+from course_kit.cli import main
+from course_kit.grading import CheckReport, Report
+from course_kit.grading.diagnosis.catalogue import catalogue, complete
+from course_kit.process import tree
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -47,7 +49,7 @@ def solution(course: Path) -> Path:
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
-    code = cli.main(["dev", "check", "--workers", "2", *arguments])
+    code = main.main(["dev", "check", "--workers", "2", *arguments])
     shown = capsys.readouterr()
     return code, shown.out, shown.err
 
@@ -132,8 +134,8 @@ def test_mistakes_of_use_are_told(course: Path, capsys: pytest.CaptureFixture[st
 
 @pytest.mark.usefixtures("course")
 def test_breaking_off_leaves_no_worker() -> None:
-    (submission,) = sets.load(EXERCISE, ROOT).of("solution")
-    before = set(processes.descendants(os.getpid()))
+    (submission,) = corpus.load(EXERCISE, ROOT).of("solution")
+    before = set(tree.descendants(os.getpid()))
     begun: list[Future[Report]] = []
 
     def break_off() -> None:
@@ -145,15 +147,15 @@ def test_breaking_off_leaves_no_worker() -> None:
     with pytest.raises(KeyboardInterrupt):
         break_off()
     assert all(future.done() for future in begun)
-    assert set(processes.descendants(os.getpid())) == before
+    assert set(tree.descendants(os.getpid())) == before
 
 
 @pytest.mark.usefixtures("course")
 def test_a_killed_worker_costs_one_grading() -> None:
-    (submission,) = sets.load(EXERCISE, ROOT).of("solution")
-    before = set(processes.descendants(os.getpid()))
+    (submission,) = corpus.load(EXERCISE, ROOT).of("solution")
+    before = set(tree.descendants(os.getpid()))
     with gradings.Gradings(ROOT / "exercises", 1) as pool:
-        worker = next(one for one in processes.descendants(os.getpid()) if one not in before)  # parents come first
+        worker = next(one for one in tree.descendants(os.getpid()) if one not in before)  # parents come first
         assert pool.begin(submission, None).result().score == 10.0
         os.kill(worker, 9)
         with pytest.raises(grading.GradingError):
@@ -164,39 +166,40 @@ def test_a_killed_worker_costs_one_grading() -> None:
 def test_load_keeps_processors_busy_and_ends() -> None:
     with gradings.load(2) as busy:
         assert len(busy) == 2
-        while processes.usage(busy).cpu_s < 0.1:
-            assert processes.usage(busy).tasks == 2
-    assert processes.usage(busy).tasks == 0
+        while tree.usage(busy).cpu_s < 0.1:
+            assert tree.usage(busy).tasks == 2
+    assert tree.usage(busy).tasks == 0
 
 
-def made_report(submission: sets.Submission, **failed: str | None) -> Report:
+def made_report(submission: corpus.ProofSubmission, **failed: str | None) -> Report:
     """A report in which the checks named have failed, each with its diagnosis, and `fine` has passed."""
     checks = [CheckReport("fine", "Fine", "passed", 1.0, 1.0)]
     for name, code in failed.items():
-        message = complete("It failed.", code)
-        checks.append(CheckReport(name, name, "failed", 0.0, 1.0, "", "a", "b", code, message, "a hint"))
+        known = catalogue().get(code or "")
+        message = complete("It failed.", known)
+        checks.append(CheckReport(name, name, "failed", 0.0, 1.0, "", "a", "b", code, message, "a hint", known=known))
     score = float(not failed)
     return Report(submission.exercise, "", "", "graded", not failed, score, 1.0, 0.1, tuple(checks))
 
 
-def made_sets(*submissions: sets.Submission) -> sets.Sets:
-    loaded = sets.load("temperature_service", ROOT)
-    return sets.Sets(loaded.task, submissions)
+def made_sets(*submissions: corpus.ProofSubmission) -> corpus.Corpus:
+    loaded = corpus.load("temperature_service", ROOT)
+    return corpus.Corpus(loaded.task, submissions)
 
 
-def texts(rule: str, of: sets.Sets, reports: dict[sets.Submission, Report]) -> str:
+def texts(rule: str, of: corpus.Corpus, reports: dict[corpus.ProofSubmission, Report]) -> str:
     return "\n".join(str(fault) for fault in rules.faults(of, reports) if fault.rule == rule)
 
 
 def test_a_check_that_nothing_turns_red_is_named() -> None:
-    right, wrong = (sets.load("temperature_service", ROOT).of(kind)[0] for kind in ("solution", "slip"))
+    right, wrong = (corpus.load("temperature_service", ROOT).of(kind)[0] for kind in ("solution", "slip"))
     reports = {right: made_report(right), wrong: made_report(wrong, other=None)}
     said = texts("checks", made_sets(right, wrong), reports)
     assert said == "temperature_service: no submission makes the check 'fine' fail."
 
 
 def test_missing_variants_and_styles_are_named() -> None:
-    loaded = sets.load("temperature_service", ROOT)
+    loaded = corpus.load("temperature_service", ROOT)
     (right,) = loaded.of("solution")
     kept = [one for one in loaded.of("variant") if one.name in ("class_only", "main_guarded")]
     said = texts("variants", made_sets(right, *kept), {one: made_report(one) for one in (right, *kept)})
@@ -216,14 +219,14 @@ def test_missing_variants_and_styles_are_named() -> None:
     ],
 )
 def test_broken_submission_with_another_code_is_named(failed: dict[str, str | None], said: str) -> None:
-    one = next(one for one in sets.load("temperature_service", ROOT).of("broken") if one.name == "start.crash")
+    one = next(one for one in corpus.load("temperature_service", ROOT).of("broken") if one.name == "start.crash")
     found = texts("broken", made_sets(one), {one: made_report(one, **failed)})
     assert found.startswith(f"temperature_service broken start.crash: {said}" if said else "")
     assert bool(found) == bool(said)
 
 
 def test_poor_feedback_is_named() -> None:
-    one = next(one for one in sets.load("temperature_service", ROOT).of("broken") if one.name == "start.crash")
+    one = next(one for one in corpus.load("temperature_service", ROOT).of("broken") if one.name == "start.crash")
     report = made_report(one, offered="start.crash")
     silent = replace(report.checks[1], hint=None, got="", message="?")
     found = texts("broken", made_sets(one), {one: replace(report, checks=(silent,))})
@@ -233,7 +236,7 @@ def test_poor_feedback_is_named() -> None:
 
 
 def test_starter_that_passes_or_has_no_hint_of_its_own_is_named() -> None:
-    program, notebook = sets.load("temperature_service", ROOT).of("starter")
+    program, notebook = corpus.load("temperature_service", ROOT).of("starter")
     reports = {program: made_report(program), notebook: made_report(notebook, answers=None)}
     said = texts("starter", made_sets(program, notebook), reports)
     assert "starter temperature_service.py: it should be graded and not passed" in said
@@ -257,7 +260,7 @@ def test_styles_are_seen(text: str, style: set[str]) -> None:
 
 
 def test_verdict_is_what_must_not_change() -> None:
-    (one,) = sets.load("temperature_service", ROOT).of("solution")
+    (one,) = corpus.load("temperature_service", ROOT).of("solution")
     report = made_report(one)
     assert rules.verdict(report) == rules.verdict(replace(report, duration_s=9.0, stdout="x"))
     for changed in ({"score": 3.0}, {"status": "crashed"}, {"checks": made_report(one, fine=None).checks}):
@@ -265,7 +268,7 @@ def test_verdict_is_what_must_not_change() -> None:
 
 
 def test_another_verdict_is_told_at_once() -> None:
-    (one,) = sets.load("temperature_service", ROOT).of("solution")
+    (one,) = corpus.load("temperature_service", ROOT).of("solution")
     told = io.StringIO()
     show = check_table.progress(told)
     show(1, 9, one, made_report(one))

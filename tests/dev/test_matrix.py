@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.dev import matrix, pythons
+from course_kit.dev import matrix, notebooks, pythons
 from course_kit.dev.pythons import Interpreter
 from tests.course_copy import copy_course
 from tests.waiting import wait_until
@@ -30,6 +30,9 @@ STAND_IN_COURSE = """#!/bin/sh
 echo "$COURSE_PYTHON ${COURSE_NO_UV:-} $(pwd) $*" >>"$STAND_IN_LOG"
 case $1 in
   doctor) if [ -n "${STAND_IN_PIPE:-}" ]; then echo $$ >"$STAND_IN_PIPE"; read -r _ <"$STAND_IN_PIPE"; fi
+    mkdir -p .venv/bin
+    printf '#!/bin/sh\\necho "- - $(pwd) python $*" >>"$STAND_IN_LOG"\\n' >.venv/bin/python
+    chmod +x .venv/bin/python
     exit "${STAND_IN_DOCTOR:-0}" ;;
   grade) echo "{\\"score\\": ${STAND_IN_SCORE:-10}, \\"max_score\\": 10}" ;;
   dev) setsid sleep 300 & echo $! >"$STAND_IN_DETACHED" ;;
@@ -94,13 +97,14 @@ def test_each_step_is_run_and_told_and_nothing_is_left(tried: Tried) -> None:
     code, said = tried.run()
     assert code == 0, said
     header, _, row = tried.rows()
-    assert header == "| Python | installer | set-up and doctor | temperature_service | notebooks |"
+    assert header == "| Python | installer | set-up and doctor | temperature_service | nbval | notebooks |"
     assert row.startswith(f"| {THIS}.")
-    assert row.count("passed, ") == 3
+    assert row.count("passed, ") == 4
     calls = [line.partition("/my course ")[2] for line in tried.log.read_text().splitlines()]
     assert calls == [
         "doctor",
         "grade temperature_service solutions/temperature_service/temperature_service.py --format json",
+        f"python -m pip install --quiet {notebooks.requirement()}",
         "dev notebooks",
     ]
     assert f"{Path(sys.executable).resolve().parent}" in tried.log.read_text()  # COURSE_PYTHON, none of an environment
@@ -111,8 +115,8 @@ def test_each_step_is_run_and_told_and_nothing_is_left(tried: Tried) -> None:
 @pytest.mark.parametrize(
     ("variables", "cells"),
     [
-        ({"STAND_IN_SCORE": "9.5"}, ["passed", "FAILED: 9.5 of 10 points.", "passed"]),
-        ({"STAND_IN_SCORE": "x"}, ["passed", "FAILED: there is no report.", "passed"]),
+        ({"STAND_IN_SCORE": "9.5"}, ["passed", "FAILED: 9.5 of 10 points.", "passed", "passed"]),
+        ({"STAND_IN_SCORE": "x"}, ["passed", "FAILED: there is no report.", "passed", "passed"]),
         ({"STAND_IN_DOCTOR": "1"}, ["FAILED: exit code 1"]),
     ],
 )

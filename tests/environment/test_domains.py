@@ -33,7 +33,7 @@ AS_NOBODY = "import course_kit.environment.domains, os\nos.setgroups([])\nos.set
 IN_ANOTHER_CONTAINER = """
 import os, sys
 from course_kit.environment import domains
-from course_kit.grading import namespaces
+from course_kit.grading.sandbox import namespaces
 def another_root():
     os.chroot(os.environ["ROOT"])
 try:
@@ -53,11 +53,11 @@ more = "import os; os.write(1, b'started\\\\n'); os.read(0, 100); os.write(1, b'
 os.execv(sys.executable, [sys.executable, "-S", "-c", more])
 """
 IN_ANOTHER_NETWORK = """
-from course_kit.grading import isolation
+from course_kit.grading.sandbox import isolation
 isolation.enter_network()
 """
 IN_A_NETWORK_THAT_IS_OFF = """
-from course_kit.grading import namespaces
+from course_kit.grading.sandbox import namespaces
 namespaces.enter(namespaces.CLONE_NEWNET)
 """
 

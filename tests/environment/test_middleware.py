@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 MISSING = "rmw_cyclonedds_cpp"
-SENTENCE = f"RMW_IMPLEMENTATION is set to '{MISSING}', and no such middleware is installed here"
+SENTENCE = f"RMW_IMPLEMENTATION is set to '{MISSING}', but no such middleware is installed here"
 PROGRAM = "import rclpy; rclpy.init(); print(rclpy.get_rmw_implementation_identifier())"
 
 
@@ -71,7 +71,7 @@ def test_the_commands_answer_and_keep_their_output_clean(tmp_path: Path, domain:
     assert json.loads(graded.stdout)["score"] == 1.0
     assert graded.stderr.count(SENTENCE) == 1
     listed = subprocess.run(
-        [sys.executable, "-m", "course_kit.ros2", "service", "list", "--no-daemon"], env=course.environ(**variables),
+        [sys.executable, "-m", "course_kit.ros2cli", "service", "list", "--no-daemon"], env=course.environ(**variables),
         capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
     assert (listed.returncode, listed.stdout) == (0, "")
@@ -101,7 +101,7 @@ def test_what_is_done_depends_on_what_is_installed(
 
 
 def test_a_grade_does_not_depend_on_the_users_middleware(monkeypatch: pytest.MonkeyPatch) -> None:
-    from course_kit.grading.warm_process import variables_of
+    from course_kit.grading.workers.warm_process import variables_of
 
     monkeypatch.setattr(middleware, "settle", lambda: "")  # as in a sourced ROS that has it
     monkeypatch.setenv("RMW_IMPLEMENTATION", MISSING)

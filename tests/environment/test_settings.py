@@ -10,7 +10,7 @@ import psutil
 import pytest
 
 from course_kit import environment
-from course_kit.environment import places
+from course_kit.environment import paths
 
 KIT_VARIABLES = (*environment.defaults(), "ROS_DOMAIN_ID", "COURSE_KIT_DOMAIN_ID", "ROS_LOG_DIR")
 DISCOVERY_GROUP = "239.255.0.1"  # of DDS; joined on the loopback interface only
@@ -97,7 +97,7 @@ def test_without_a_usable_home_the_state_goes_elsewhere(tmp_path: Path, monkeypa
     monkeypatch.delenv("XDG_STATE_HOME", raising=False)
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", None)
-    places._state_dir.cache_clear()
+    paths._state_dir.cache_clear()
     state = environment.state_dir()
     assert state.is_dir()
     assert state.is_relative_to(tmp_path)

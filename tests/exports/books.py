@@ -5,9 +5,9 @@ from __future__ import annotations
 import random
 from typing import TYPE_CHECKING, Any
 
+from course_kit.classroom.gradebook import Gradebook
+from course_kit.classroom.records import Entry, Record
 from course_kit.grading import exercise
-from course_kit.grading.classroom.gradebook import Gradebook
-from course_kit.grading.classroom.records import Entry, Record
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

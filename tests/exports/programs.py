@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from tests.exports.books import SERVICE, good
 
 if TYPE_CHECKING:
-    from course_kit.grading.classroom.records import Record
+    from course_kit.classroom.records import Record
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 ORIGINAL = """

@@ -11,17 +11,18 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import exports
-from course_kit.grading.classroom.records import safe_name
-from course_kit.grading.exports import texts
-from course_kit.grading.exports.formats import canvas as canvas_format
+from course_kit.classroom import exports
+from course_kit.classroom.exports import texts
+from course_kit.classroom.exports.formats import canvas as canvas_format
+from course_kit.classroom.records import safe_name
+from course_kit.text.sanitize import printable
 from tests.exports import books, rules
 from tests.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, good, not_graded, unreadable
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.grading.classroom.gradebook import Gradebook
+    from course_kit.classroom.gradebook import Gradebook
 
 EMPTY = book()
 ONE = book(good("jane"))
@@ -236,7 +237,7 @@ def test_junit_has_a_suite_for_each_student_and_a_case_for_each_check() -> None:
 def test_names_survive_every_format() -> None:
     """Unchanged, but for what steers, and for the apostrophe before what looks like a formula."""
     files = written(replace(HOSTILE_BOOK, records=tuple(good(name, name=name) for name in HOSTILE), missing=()))
-    shown = {texts.plain(name) for name in HOSTILE}
+    shown = {printable(name) for name in HOSTILE}
     cells = {texts.cell(name) for name in HOSTILE}
     exact = {texts.cell(texts.Identifier(name)) for name in HOSTILE}
     assert len(shown) == len(cells) == len(exact) == len(HOSTILE)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.exports import lookalikes
+from course_kit.classroom.exports import lookalikes
 from course_kit.reader.fingerprints import RUN, WINDOW, fingerprints
 from tests.exports import programs
 from tests.exports.books import CHOICE, SERVICE, book, good, unreadable

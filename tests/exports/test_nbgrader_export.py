@@ -8,7 +8,7 @@ import pytest
 from nbgrader.api import Gradebook as RealGradebook
 from nbgrader.plugins.export import CsvExportPlugin
 
-from course_kit.grading import exports
+from course_kit.classroom import exports
 from tests.exports import rules
 from tests.exports.books import SERVICE, bad, book, good
 

@@ -9,9 +9,10 @@ from urllib.parse import unquote
 
 import pytest
 
-from course_kit.grading import exports
-from course_kit.grading.classroom.records import Records, safe_name
-from course_kit.grading.exports import counts, markup, page, texts
+from course_kit.classroom import exports
+from course_kit.classroom.exports import counts, page
+from course_kit.classroom.records import Records, safe_name
+from course_kit.text.sanitize import escaped
 from tests.exports import books
 from tests.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, check, good, not_graded, record, unreadable
 
@@ -116,10 +117,10 @@ def test_it_says_how_the_class_did() -> None:
         unreadable("li"),
         not_graded("ole"),
         missing=(("eve", SERVICE.id),),
-        left=(("notes.txt", "it is for none of the exercises"),),
+        left=(("notes.txt", "it belongs to none of these exercises"),),
         layout="canvas",
         complete=False,
-        dropped=(("zoe", "zoe: it is a link, which is not followed"),),
+        dropped=(("zoe", "zoe: it is a link, and links are not followed"),),
         odd=(("yan", "its name does not follow the layout 'canvas'"),),
     )
     text = Document(page.render(gradebook)).text
@@ -129,11 +130,11 @@ def test_it_says_how_the_class_did() -> None:
         "--resume",
         "1 of 3 submissions passed",
         "Could not be graded",
-        "our fault",
+        "the grader's fault",
         "the worker was gone",
         "Handed in, but not graded",
-        "zoe: it is a link, which is not followed",
-        "Graded, each as a student for itself",
+        "zoe: it is a link, and links are not followed",
+        "Graded, each entry as a separate student",
         "its name does not follow the layout 'canvas'",
         "10 of 10",
         "passed, late",
@@ -144,9 +145,9 @@ def test_it_says_how_the_class_did() -> None:
         "12.3\u00a0kB",
         "1.25\u00a0s",
         "notes.txt",
-        "it is for none of the exercises",
-        "Students who have handed in something else only",
-        "Similarity is no proof.",
+        "it belongs to none of these exercises",
+        "Students who handed in only something else",
+        "Similarity is not proof.",
     ):
         assert part in text, part
 
@@ -179,15 +180,15 @@ def test_diagnoses_are_counted_by_exercise_and_by_score() -> None:
 
 def test_a_link_is_the_reports_path() -> None:
     one = good("Jörg #1?")
-    assert unquote(markup.report(one)) == f"students/{safe_name('Jörg #1?')}/temperature_service.html"
-    assert not set(markup.report(one)) & set("#? ")
+    assert unquote(page.report_link(one)) == f"students/{safe_name('Jörg #1?')}/temperature_service.html"
+    assert not set(page.report_link(one)) & set("#? ")
 
 
 def test_three_hundred_students_are_on_it_and_in_every_file(tmp_path: Path) -> None:
     gradebook = books.large_book(300)
     text = exports.write_all(gradebook, tmp_path).read_text(encoding="utf-8")
     document = Document(text)
-    assert all(texts.html(student) in document.text for student in gradebook.students)
+    assert all(escaped(student) in document.text for student in gradebook.students)
     assert len(text) < 2_000_000
     assert len((tmp_path / "grades.csv").read_text(encoding="utf-8").splitlines()) == 301
     assert len(list((tmp_path / "exports" / "gradescope").rglob("results.json"))) == 600

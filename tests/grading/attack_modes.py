@@ -16,9 +16,12 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from course_kit.grading import isolation, launcher, mounts, namespaces, probing, processes, seccomp
 from course_kit.grading.job import Job
-from course_kit.grading.warden import Warden
+from course_kit.grading.sandbox import isolation, launcher, mounts, namespaces, seccomp
+from course_kit.grading.sandbox.supervisor import Supervisor
+from course_kit.grading.workers import grader_process
+from course_kit.process import libc, tree
+from course_kit.process.parent import adopt_orphans
 from tests.grading.conftest import EXERCISE, ROOT
 
 USER, USER_ALONE, AS_ROOT, ROOT_ALONE = "user", "user without namespaces", "root", "root without namespaces"
@@ -52,7 +55,7 @@ def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
 def main() -> None:
     """Read programs, a JSON object by name, and print the outcome of each, and what isolated them."""
     mode, exercise = sys.argv[1:]
-    probing.warm_up()
+    grader_process.warm_up()
     os.environ.update(ROS_LOG_DIR=tempfile.gettempdir(), HOME="/nonexistent")
     if mode in OF_USER and os.getuid() == 0:
         open_the_way(sys.base_prefix)
@@ -60,7 +63,7 @@ def main() -> None:
     if mode not in (USER, AS_ROOT):
         refuse_namespaces(_LANDLOCK if mode == BARE else {})
     namespaces.forbid_tracing()
-    namespaces.adopt_orphans()
+    adopt_orphans()
     found = isolation.try_out()
     handle, end = launcher.Launcher.pair()
     if (starter := os.fork()) == 0:
@@ -73,22 +76,30 @@ def main() -> None:
     print(json.dumps({"isolation": found.to_mapping()}), flush=True)
     for name, source in programs.items():
         user = isolation.guest(os.getpid()) if found.user else 0
-        job = Job(exercise, "run", "answer.py", seed, source=source, class_name="TemperatureService", isolation=found)
+        job = Job(
+            f"course_kit.graders.{exercise}",
+            "run",
+            "answer.py",
+            seed,
+            source=source,
+            class_name="TemperatureService",
+            isolation=found,
+        )
         job = Job.from_mapping({**job.to_mapping(), "user": user})
         sys.stdout.flush()
         if os.fork() == 0:
-            outcome = Warden(job, handle).run()
+            outcome = Supervisor(job, handle).run()
             print(json.dumps({"name": name, **outcome}), flush=True)
             os._exit(0)
         os.wait()
-        processes.end_descendants((starter,))
+        tree.end_descendants((starter,))
 
 
 def open_the_way(path: str) -> None:
     """Have every user find a folder that lies in a private one, such as a Python in root's home; as root."""
     private = [place for place in reversed(Path(path).parents) if not place.stat().st_mode & stat.S_IXOTH]
     if private:
-        namespaces._checked(namespaces._libc.unshare(namespaces.CLONE_NEWNS), "unshare")
+        libc.call("unshare", namespaces.CLONE_NEWNS)
         mounts.detach()
         opened = os.open(path, os.O_PATH)
         mounts.memory(str(private[0]), 1)

@@ -110,7 +110,7 @@ NOTEBOOKS = {
         lambda right: cells(MAGIC + right) + " " * (64 * MB), "unreadable", "larger than 64 MB"
     ),
     "lists in each other": notebook(
-        lambda _: '{"cells": ' + "[" * 100_000 + "]" * 100_000 + "}", "unreadable", "no Jupyter"
+        lambda _: '{"cells": ' + "[" * 100_000 + "]" * 100_000 + "}", "unreadable", "not a Jupyter"
     ),
     "numbers of a million digits": notebook(
         lambda right: cells(MAGIC + right, more=f', "x": [{"1" * 1_000_000}, 1.{"1" * 1_000_000}]'), "graded", "", 10.0
@@ -119,11 +119,11 @@ NOTEBOOKS = {
     "a million empty cells": notebook(
         lambda right: cells(MAGIC + right)[:-2] + ', {"cell_type": "raw"}' * 1_000_000 + "]}", "graded", "", 10.0
     ),
-    "cells that are a text": notebook(lambda _: '{"cells": "abc"}', "unreadable", "no Jupyter"),
-    "cells that are a number": notebook(lambda _: '{"cells": 1e999}', "unreadable", "no Jupyter"),
-    "cells that are none": notebook(lambda _: '{"cells": [null, 1, []]}', "unreadable", "no Jupyter"),
+    "cells that are a text": notebook(lambda _: '{"cells": "abc"}', "unreadable", "not a Jupyter"),
+    "cells that are a number": notebook(lambda _: '{"cells": 1e999}', "unreadable", "not a Jupyter"),
+    "cells that are none": notebook(lambda _: '{"cells": [null, 1, []]}', "unreadable", "not a Jupyter"),
     "a cell of numbers": notebook(
-        lambda _: '{"cells": [{"cell_type": "code", "source": [1]}]}', "unreadable", "no Jupyter"
+        lambda _: '{"cells": [{"cell_type": "code", "source": [1]}]}', "unreadable", "not a Jupyter"
     ),
     "more objects than memory": notebook(
         lambda right: cells(MAGIC + right, more=f', "x": [{"{}," * (20 * MB)}0]'), "unreadable", "768 MB of memory"

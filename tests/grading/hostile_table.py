@@ -33,7 +33,7 @@ class Table:
         lines = [
             "# The hostile set",
             "",
-            f"Walls in this run: {self.isolation.describe()}.",
+            f"Isolation in this run: {self.isolation.describe()}.",
             "",
             "| a submission | points | verdict | what held |",
             "|---|---|---|---|",

@@ -274,17 +274,17 @@ PROGRAMS = {
     ),
     "values of a type that is none": Strange(
         "robot_parameters",
-        ("limits", "parameter.type"),
+        ("wheel_speed", "parameter.type"),
         source=_by_hand("[ParameterValue(type=77) for _ in request.names]"),
     ),
     "values of other types": Strange(
         "robot_parameters",
-        ("limits", "parameter.type"),
+        ("wheel_speed", "parameter.type"),
         source=_by_hand("[ParameterValue(type=4, string_value='x') for _ in request.names]"),
     ),
-    "values of nothing": Strange("robot_parameters", ("limits", "parameter.type"), source=_by_hand("[]")),
+    "values of nothing": Strange("robot_parameters", ("wheel_speed", "parameter.type"), source=_by_hand("[]")),
     "too many values": Strange(
-        "robot_parameters", ("status", "topic.silent"), source=_by_hand("response.values * 500")
+        "robot_parameters", ("wheel_speed", "parameter.type"), source=_by_hand("response.values * 500")
     ),
     "a wheel of no size": Strange(
         "robot_parameters",

@@ -17,8 +17,8 @@ from rcl_interfaces.srv import GetParameters
 from std_msgs.msg import String
 
 from course_kit.grading import bounds
-from course_kit.grading.actions import Feedback, Statuses
-from course_kit.grading.tester import Heard
+from course_kit.grading.checks.actions import Feedback, Statuses
+from course_kit.grading.checks.grader_node import Heard
 
 INFO = {"received_timestamp": 2_000_000_000, "source_timestamp": 1_000_000_000}
 TEXTS = ("sent", "expected", "got", "message")

@@ -6,21 +6,21 @@ from typing import Any
 
 import pytest
 
-from course_kit.grading.checks import Check, Evidence, Failed, check, in_order, run_all
-from course_kit.grading.steps import Record
+from course_kit.grading.checks.check import Check, Evidence, Failed, check, in_order, run_all
+from course_kit.grading.exchange_log import ExchangeLog
 
 
 class FakeBench:
     def __init__(self) -> None:
-        self.record = Record()
+        self.record = ExchangeLog()
 
     def begin(self, deadline_s: float) -> None:
         self.deadline_s = deadline_s
 
 
 def make(name: str, *needs: str, outcome: Any = None) -> Check:
-    def run(bench: Any) -> Evidence:
-        del bench
+    def run(context: Any) -> Evidence:
+        del context
         if outcome is not None:
             raise outcome
         return Evidence("a", "b", "c")
@@ -61,10 +61,10 @@ def test_failure_skips_what_depends_on_it_and_nothing_else() -> None:
 
 
 def test_an_exchange_that_cannot_be_told_leaves_the_verdict_as_it_is() -> None:
-    bench = FakeBench()
-    bench.record.follow(lambda: [1 / 0])  # type: ignore[list-item]
+    context = FakeBench()
+    context.record.follow(lambda: [1 / 0])  # type: ignore[list-item]
     failed = Failed(Evidence("s", "e", "g"), "what happened", "math.formula")
-    (result,) = run_all([make("a", outcome=failed)], bench)  # type: ignore[arg-type]
+    (result,) = run_all([make("a", outcome=failed)], context)  # type: ignore[arg-type]
     assert (result.status, result.diagnosis, result.got) == ("failed", "math.formula", "g")
     assert "ZeroDivisionError" in result.steps[0].text
 
@@ -90,12 +90,12 @@ def test_skipped_check_names_the_title_it_waits_for() -> None:
 
 def test_declaration_takes_name_and_title_from_the_function() -> None:
     @check(points=2, depends_on=["x"])
-    def reaches_the_wall(bench: Any) -> Evidence:
+    def reaches_the_wall(context: Any) -> Evidence:
         """The robot reaches the wall.
 
         More about it.
         """
-        del bench
+        del context
         return Evidence()
 
     assert (reaches_the_wall.id, reaches_the_wall.title) == ("reaches_the_wall", "The robot reaches the wall")
@@ -103,7 +103,7 @@ def test_declaration_takes_name_and_title_from_the_function() -> None:
 
 
 def test_declaration_needs_a_title_and_points() -> None:
-    def silent(bench: Any) -> Evidence:
+    def silent(context: Any) -> Evidence:
         raise NotImplementedError
 
     with pytest.raises(ValueError, match="docstring"):

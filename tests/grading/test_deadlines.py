@@ -15,19 +15,19 @@ from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
 
 from course_kit import environment
-from course_kit.grading.actions import Action, expect_action, start_again
-from course_kit.grading.bench import Bench
-from course_kit.grading.checks import Check, Evidence, run_all
-from course_kit.grading.goals import Goal
+from course_kit.grading.checks.actions import WantedAction, expect_action, start_again
+from course_kit.grading.checks.check import Check, Evidence, run_all
+from course_kit.grading.checks.context import CheckContext
+from course_kit.grading.checks.discovery import expect_node
+from course_kit.grading.checks.goals import CheckedGoal
+from course_kit.grading.checks.load_test import Load, call_many
+from course_kit.grading.checks.parameters import Remote, expect_served
+from course_kit.grading.checks.services import Service, call, expect_offered
+from course_kit.grading.checks.topics import HEARD_S, Topic, TopicExchange, await_next, expect_endpoints
+from course_kit.grading.diagnosis.hangs import ANSWER_S
 from course_kit.grading.job import Job
 from course_kit.grading.limits import Limits
-from course_kit.grading.load import Load, call_many
-from course_kit.grading.offers import expect_node
-from course_kit.grading.parameters import Remote, expect_served
-from course_kit.grading.services import Service, call, expect_offered
-from course_kit.grading.silence import ANSWER_S
-from course_kit.grading.topics import HEARD_S, Exchange, Topic, await_next, expect_endpoints
-from course_kit.grading.wire import Channel, ChannelClosedError
+from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -36,8 +36,8 @@ DEADLINE_S = 0.4
 START_S = PATIENCE_S = 60.0  # against hanging only
 SERVICE = Service("/convert_temperature", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
 MISSING = Service("/not_there", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
-ACTION = Action("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
-NO_ACTION = Action("/no_action", MoveRobot, "course_interfaces/action/MoveRobot")
+ACTION = WantedAction("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
+NO_ACTION = WantedAction("/no_action", MoveRobot, "course_interfaces/action/MoveRobot")
 SENT = Topic("/cmd_vel_in", Twist, "geometry_msgs/msg/Twist")
 HEARD = Topic("/cmd_vel", Twist, "geometry_msgs/msg/Twist")
 OTHER = Topic("/other", Twist, "geometry_msgs/msg/Twist")
@@ -66,66 +66,69 @@ threading.Event().wait()
 
 
 @pytest.fixture
-def bench(domain: int) -> Iterator[Bench]:
-    """A bench on whose graph is the silent node."""
+def context(domain: int) -> Iterator[CheckContext]:
+    """A context on whose graph is the silent node."""
     environ = environment.child_environment(ROS_DOMAIN_ID=str(domain))
-    job = Job("temperature_service", "attach", "", 3, limits=Limits(start_s=START_S))
+    job = Job("course_kit.graders.temperature_service", "attach", "", 3, limits=Limits(start_s=START_S))
     with subprocess.Popen([sys.executable, "-c", SILENT], env=environ) as program:
-        made = Bench(None, job)  # type: ignore[arg-type]  # nobody starts anything
+        made = CheckContext(None, job)  # type: ignore[arg-type]  # nobody starts anything
         made.launch()
-        assert made.wait_until(lambda: NODE in made.tester.nodes(), PATIENCE_S)
+        assert made.wait_until(lambda: NODE in made.grader_node.nodes(), PATIENCE_S)
         yield made
         made.close()
         program.kill()
 
 
-def send(bench: Bench) -> Goal:
-    return Goal(bench, ACTION, MoveRobot.Goal(), "a goal")
+def send(context: CheckContext) -> CheckedGoal:
+    return CheckedGoal(context, ACTION, MoveRobot.Goal(), "a goal")
 
 
-def cancel(bench: Bench) -> None:
-    assert not bench.wait_until(send(bench).cancel().done, ANSWER_S)
+def cancel(context: CheckContext) -> None:
+    assert not context.wait_until(send(context).cancel().done, ANSWER_S)
 
 
 # Each asks the silent node for something, and how long it would wait by itself.
-VERBS: dict[str, tuple[Callable[[Bench], Any], float]] = {
-    "call": (lambda bench: call(bench, SERVICE, REQUEST, "a request", "an answer"), ANSWER_S),
-    "call_many": (lambda bench: call_many(bench, SERVICE, [REQUEST] * 20, Load(10, 10, 10.0), EVIDENCE), ANSWER_S),
-    "goal": (lambda bench: send(bench).wait_for_answer("an answer"), ANSWER_S),
+VERBS: dict[str, tuple[Callable[[CheckContext], Any], float]] = {
+    "call": (lambda context: call(context, SERVICE, REQUEST, "a request", "an answer"), ANSWER_S),
+    "call_many": (lambda context: call_many(context, SERVICE, [REQUEST] * 20, Load(10, 10, 10.0), EVIDENCE), ANSWER_S),
+    "goal": (lambda context: send(context).wait_for_answer("an answer"), ANSWER_S),
     "cancel": (cancel, ANSWER_S),
-    "result": (lambda bench: send(bench).wait_for_end(ANSWER_S, "an end"), ANSWER_S),
-    "last feedback": (lambda bench: send(bench).wait_for_last_feedback(lambda _: False), 3.5),
-    "parameter names": (lambda bench: Remote(bench, NODE).names(), ANSWER_S),
-    "parameter values": (lambda bench: Remote(bench, NODE).values(["x"]), ANSWER_S),
-    "set": (lambda bench: Remote(bench, NODE).set("x", 1.0), ANSWER_S),
-    "set together": (lambda bench: Remote(bench, NODE).set_together({"x": 1.0}), ANSWER_S),
-    "node that serves its parameters": (lambda bench: expect_served(bench, NODE), ANSWER_S),
-    "exchange": (lambda bench: Exchange(bench, SENT, [HEARD]).send(Twist(), EVIDENCE), HEARD_S),
-    "next message": (lambda bench: await_next(bench, bench.tester.hear(Twist, "/cmd_vel"), 1, 9.0, EVIDENCE), 9.0),
-    "endpoints": (lambda bench: expect_endpoints(bench, [OTHER], []), 2.0),
-    "service that is missing": (lambda bench: expect_offered(bench, MISSING, REQUEST), 2.0),
-    "action that is missing": (lambda bench: expect_action(bench, NO_ACTION), 2.0),
-    "node that is missing": (lambda bench: expect_served(bench, "/nobody"), 2.0),
-    "node's name": (lambda bench: expect_node(bench, "/nobody", lambda: None), 1.5),
-    "start": (lambda bench: bench.wait_for_start(lambda: False), START_S),
-    "another start": (lambda bench: start_again(bench, NO_ACTION), START_S),
+    "result": (lambda context: send(context).wait_for_end(ANSWER_S, "an end"), ANSWER_S),
+    "last feedback": (lambda context: send(context).wait_for_last_feedback(lambda _: False), 3.5),
+    "parameter names": (lambda context: Remote(context, NODE).names(), ANSWER_S),
+    "parameter values": (lambda context: Remote(context, NODE).values(["x"]), ANSWER_S),
+    "set": (lambda context: Remote(context, NODE).set("x", 1.0), ANSWER_S),
+    "set together": (lambda context: Remote(context, NODE).set_together({"x": 1.0}), ANSWER_S),
+    "node that serves its parameters": (lambda context: expect_served(context, NODE), ANSWER_S),
+    "exchange": (lambda context: TopicExchange(context, SENT, [HEARD]).send(Twist(), EVIDENCE), HEARD_S),
+    "next message": (
+        lambda context: await_next(context, context.grader_node.hear(Twist, "/cmd_vel"), 1, 9.0, EVIDENCE),
+        9.0,
+    ),
+    "endpoints": (lambda context: expect_endpoints(context, [OTHER], []), 2.0),
+    "service that is missing": (lambda context: expect_offered(context, MISSING, REQUEST), 2.0),
+    "action that is missing": (lambda context: expect_action(context, NO_ACTION), 2.0),
+    "node that is missing": (lambda context: expect_served(context, "/nobody"), 2.0),
+    "node's name": (lambda context: expect_node(context, "/nobody", lambda: None), 1.5),
+    "start": (lambda context: context.wait_for_start(lambda: False), START_S),
+    "another start": (lambda context: start_again(context, NO_ACTION), START_S),
 }
 
 
 @pytest.mark.parametrize("verb", VERBS)
-def test_no_verb_waits_beyond_the_deadline(bench: Bench, verb: str) -> None:
+def test_no_verb_waits_beyond_the_deadline(context: CheckContext, verb: str) -> None:
     ask, patience_s = VERBS[verb]
     spent: list[float] = []
 
-    def one(bench: Bench) -> Evidence:
-        clock = bench.clock()
+    def one(context: CheckContext) -> Evidence:
+        clock = context.clock()
         try:
-            ask(bench)
+            ask(context)
         finally:
             spent.append(clock.fair())
         return EVIDENCE
 
-    (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], bench)
+    (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], context)
     assert result.status in ("failed", "passed"), result.message
     assert spent[0] < patience_s
     if told := re.search(r"within ([\d.]+) s", result.got):
@@ -146,39 +149,39 @@ def test_a_program_that_is_run_for_its_value_is_ended_at_the_deadline() -> None:
     supervisor.start()
     lives = []
 
-    def one(bench: Bench) -> Evidence:
-        lives.append(bench.run_to_end())
+    def one(context: CheckContext) -> Evidence:
+        lives.append(context.run_to_end())
         return EVIDENCE
 
-    job = Job("pattern_choice", "run", "answer.py", 3, variable="answers")
-    (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], Bench(ours, job))
+    job = Job("course_kit.graders.pattern_choice", "run", "answer.py", 3, variable="answers")
+    (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], CheckContext(ours, job))
     ours.close()
     supervisor.join()
     theirs.close()
     assert (result.status, lives[0].limit) == ("passed", "time"), result.message
 
 
-def test_when_the_time_is_up_nothing_more_is_asked(bench: Bench) -> None:
-    def one(bench: Bench) -> Evidence:
-        assert not bench.wait_until(lambda: False, ANSWER_S)
-        return call(bench, SERVICE, REQUEST, "a request", "an answer")  # type: ignore[return-value]
+def test_when_the_time_is_up_nothing_more_is_asked(context: CheckContext) -> None:
+    def one(context: CheckContext) -> Evidence:
+        assert not context.wait_until(lambda: False, ANSWER_S)
+        return call(context, SERVICE, REQUEST, "a request", "an answer")  # type: ignore[return-value]
 
-    (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], bench)
-    assert (result.status, result.diagnosis, result.got) == ("failed", "service.blocks", "too late to be asked")
-    assert "0.4 s for this check were over" in result.message
+    (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], context)
+    assert (result.status, result.diagnosis, result.got) == ("failed", "service.blocks", "too late to ask")
+    assert "0.4 s for this check ran out" in result.message
 
 
-def test_the_next_check_has_time_of_its_own(bench: Bench) -> None:
+def test_the_next_check_has_time_of_its_own(context: CheckContext) -> None:
     waited: list[bool] = []
 
-    def slow(bench: Bench) -> Evidence:
-        waited.append(bench.wait_until(lambda: False, ANSWER_S))
+    def slow(context: CheckContext) -> Evidence:
+        waited.append(context.wait_until(lambda: False, ANSWER_S))
         return EVIDENCE
 
-    def quick(bench: Bench) -> Evidence:
-        waited.append(bench.wait_until(lambda: NODE in bench.tester.nodes(), ANSWER_S))
+    def quick(context: CheckContext) -> Evidence:
+        waited.append(context.wait_until(lambda: NODE in context.grader_node.nodes(), ANSWER_S))
         return EVIDENCE
 
     checks = [Check("slow", "Slow", 1.0, (), DEADLINE_S, slow), Check("quick", "Quick", 1.0, (), PATIENCE_S, quick)]
-    assert [result.status for result in run_all(checks, bench)] == ["passed", "passed"]
+    assert [result.status for result in run_all(checks, context)] == ["passed", "passed"]
     assert waited == [False, True]

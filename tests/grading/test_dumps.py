@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.life import Life
-from course_kit.grading.output import Output
-from course_kit.grading.sandbox import Streams
-from course_kit.grading.traces import activity
+from course_kit.grading.diagnosis.tracebacks import activity
+from course_kit.grading.output import BoundedOutput
+from course_kit.grading.sandbox.output_collector import OutputCollector
+from course_kit.grading.sandbox.sandbox import Streams
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,51 +20,51 @@ MAIN = b'Current thread 0x00007f01 (most recent call first):\n  File "answer.py"
 
 
 @pytest.fixture
-def written() -> Iterator[tuple[Life, int]]:
-    """A life, and the end of the pipe into which its program's dumps go."""
+def written() -> Iterator[tuple[OutputCollector, int]]:
+    """A process, and the end of the pipe into which its program's dumps go."""
     reader, writer = os.pipe()
     os.set_blocking(reader, False)
     idle = [os.open(os.devnull, os.O_RDONLY) for _ in range(4)]
     streams = Streams(idle[0], idle[1], idle[2], reader, idle[3])
-    yield Life(streams, 10, (Output(), Output())), writer
+    yield OutputCollector(streams, 10, (BoundedOutput(), BoundedOutput())), writer
     os.close(writer)
     streams.close()
 
 
-def test_a_dump_is_whole_when_the_next_one_has_begun(written: tuple[Life, int]) -> None:
-    life, writer = written
+def test_a_dump_is_whole_when_the_next_one_has_begun(written: tuple[OutputCollector, int]) -> None:
+    process, writer = written
     for part in (WORKER, MAIN):
         os.write(writer, part)
-        life.take("evidence")
-        assert not life.has_whole_dump()
+        process.take("evidence")
+        assert not process.has_whole_dump()
     os.write(writer, WORKER)
-    life.take("evidence")
-    assert life.has_whole_dump()
-    assert life.stacks() == (WORKER + MAIN).decode()
+    process.take("evidence")
+    assert process.has_whole_dump()
+    assert process.stacks() == (WORKER + MAIN).decode()
 
 
-def test_a_thread_that_has_come_in_between_does_not_hide_the_end(written: tuple[Life, int]) -> None:
-    life, writer = written
+def test_a_thread_that_has_come_in_between_does_not_hide_the_end(written: tuple[OutputCollector, int]) -> None:
+    process, writer = written
     os.write(writer, WORKER + MAIN + WORKER.replace(b"02", b"03") + WORKER)
-    life.take("evidence")
-    assert life.has_whole_dump()
-    assert MAIN.decode() in life.stacks()
+    process.take("evidence")
+    assert process.has_whole_dump()
+    assert MAIN.decode() in process.stacks()
 
 
-def test_a_note_of_the_program_is_no_dump(written: tuple[Life, int]) -> None:
-    life, writer = written
+def test_a_note_of_the_program_is_no_dump(written: tuple[OutputCollector, int]) -> None:
+    process, writer = written
     os.write(writer, b'{"note": {"returned": "Thread 0x1"}}\n')
-    life.take("evidence")
-    assert not life.has_whole_dump()
-    assert not activity(life.stacks(), "answer.py").known
+    process.take("evidence")
+    assert not process.has_whole_dump()
+    assert not activity(process.stacks(), "answer.py").known
 
 
-def test_forgetting_starts_anew(written: tuple[Life, int]) -> None:
-    life, writer = written
+def test_forgetting_starts_anew(written: tuple[OutputCollector, int]) -> None:
+    process, writer = written
     os.write(writer, WORKER + MAIN + WORKER)
-    life.take("evidence")
-    life.forget_stacks()
-    assert not life.has_whole_dump()
+    process.take("evidence")
+    process.forget_stacks()
+    assert not process.has_whole_dump()
     os.write(writer, MAIN)
-    life.take("evidence")
-    assert life.stacks() == MAIN.decode()
+    process.take("evidence")
+    assert process.stacks() == MAIN.decode()

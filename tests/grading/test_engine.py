@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading import engine, exercise, processes
-from course_kit.grading.checks import Result
+from course_kit.grading import engine, exercise
+from course_kit.grading.checks.check import Result
+from course_kit.process import tree
 from tests.grading.conftest import EXERCISE, ROOT
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
 
 @pytest.fixture
 def node_running(domain: int) -> Iterator[int]:
-    """The solution as a program of its own, started by nobody of the grader's, on the graph of ROS_DOMAIN_ID."""
+    """The solution as a program of its own, not started by the grader, on the graph of ROS_DOMAIN_ID."""
     program = subprocess.Popen(
         [sys.executable, str(SOLUTION)],
         env=environment.child_environment(ROS_DOMAIN_ID=str(domain)),
@@ -141,7 +142,7 @@ def test_a_check_that_breaks_leaves_no_grade() -> None:
     outcome = {"results": results, "problem": "", "stdout": "", "stderr": "", "timings": {}}
     report = engine._report(exercise.load(EXERCISE), "shown", outcome, "", time.monotonic())
     assert (report.status, report.score, report.passed) == ("error", 0.0, False)
-    assert report.problem == 'The grading did not come to its end, at the check "B". about b'
+    assert report.problem == 'The grading did not finish: it stopped at the check "B". about b'
     assert grading.exit_code(report) == 2
     assert "Not graded" in grading.render_text(report)
 
@@ -169,13 +170,13 @@ def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None
 
     def watch() -> None:
         deadline = time.monotonic() + 20
-        while len(below) < 5 and time.monotonic() < deadline:  # warden, probe, gate, guard, program
-            below[:] = processes.descendants(worker.process_id)
+        while len(below) < 5 and time.monotonic() < deadline:  # supervisor, grader, entering, init process, program
+            below[:] = tree.descendants(worker.process_id)
         end()
 
     watcher = threading.Thread(target=watch)
     watcher.start()
-    with pytest.raises(grading.GradingError, match="ended while it was at work"):
+    with pytest.raises(grading.GradingError, match="ended while it was grading"):
         grading.grade(EXERCISE, path, worker=worker)
     watcher.join()
     assert len(below) >= 5
@@ -185,7 +186,7 @@ def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None
 def all_dead(process_ids: list[int]) -> bool:
     deadline = time.monotonic() + 20
     while time.monotonic() < deadline:
-        if processes.usage(process_ids).tasks == 0:
+        if tree.usage(process_ids).tasks == 0:
             return True
     return False
 
@@ -195,7 +196,9 @@ def test_grader_that_cannot_be_loaded_is_named(tmp_path: Path, solution: str) ->
     folder = tmp_path / "exercises" / "no_grader"
     folder.mkdir(parents=True)
     text = (ROOT / "exercises" / EXERCISE / "exercise.toml").read_text()
-    (folder / "exercise.toml").write_text(text.replace(EXERCISE, "no_grader", 1))
+    (folder / "exercise.toml").write_text(
+        text.replace(EXERCISE, "no_grader", 1).replace(f"graders.{EXERCISE}", "graders.no_grader")
+    )
     report = grading.grade("no_grader", tmp_path / "a.py", exercises=tmp_path / "exercises")
     assert report.status == "error"
     assert "course_kit.graders.no_grader" in report.problem
@@ -268,12 +271,12 @@ def test_points_of_the_checks_are_those_of_the_exercise() -> None:
     assert sum(check.points for check in grader.CHECKS) == task.points
     known = {check.id for check in grader.CHECKS}
     for check in known:
-        assert task.next_hint(check), f"the ladder has no rung for {check}"
+        assert task.ladder(check), f"the ladder has no rung for {check}"
 
 
-def test_ladder_is_climbed_and_ends_at_its_last_rung() -> None:
+def test_ladder_has_its_rungs_in_order() -> None:
     task = exercise.load(EXERCISE)
-    rungs = [task.next_hint("answers", seen) for seen in range(4)]
-    assert rungs[0] != rungs[1]
-    assert rungs[1] == rungs[2] == rungs[3]
-    assert task.next_hint("no_such_topic") is None
+    first, second = task.ladder("answers")
+    assert "empty response to fill in" in first
+    assert "Begin with one direction" in second
+    assert task.ladder("no_such_topic") == ()

@@ -8,8 +8,8 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from course_kit import grading
-from course_kit.grading.isolation import Isolation
-from course_kit.grading.warm_process import _PASSED_ON, _PASSED_ON_PREFIXES
+from course_kit.grading.sandbox.isolation import Isolation
+from course_kit.grading.workers.warm_process import _PASSED_ON, _PASSED_ON_PREFIXES
 from tests.grading.conftest import ROOT
 
 if TYPE_CHECKING:
@@ -83,8 +83,8 @@ def test_the_page_names_what_there_is() -> None:
 
 
 def test_the_page_is_named_by_the_doctor_and_by_help() -> None:
-    from course_kit import cli, doctor
+    from course_kit.cli import doctor, main
 
     assert "LIMITS.md" in doctor.isolation().advice
-    help_text = cli.build_parser()._subparsers._group_actions[0].choices["grade"].format_help()  # type: ignore[union-attr]
+    help_text = main.build_parser()._subparsers._group_actions[0].choices["grade"].format_help()  # type: ignore[union-attr]
     assert "LIMITS.md" in help_text

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading import isolation, processes
+from course_kit.grading.sandbox import isolation
+from course_kit.process import tree
 from tests.grading.hostile_table import Table
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ for note in (b'{"note": 3}', b'{"note": {"functions": 5, "returned": [], "node_c
     KILLS: f"""
 import os, signal
 victims = [os.getppid()]
-if os.readlink("/proc/self/ns/pid") != {OUR_PROCESSES!r}:  # else it would kill whatever the tester has running
+if os.readlink("/proc/self/ns/pid") != {OUR_PROCESSES!r}:  # else it would kill whatever the grader_node has running
     victims += [1, -1, *range(2, 200)]
     print("EVERYBODY", flush=True)
 for victim in victims:
@@ -83,8 +84,8 @@ except OSError:
     pass
 """,
     "patches_rclpy": """
-import rclpy.client, course_kit.grading.checks, course_kit.grading.report
-course_kit.grading.checks.run_all = lambda *_: []
+import rclpy.client, course_kit.grading.checks.check, course_kit.grading.report
+course_kit.grading.checks.check.run_all = lambda *_: []
 course_kit.grading.report.Report.score = 10.0
 rclpy.client.Client.service_is_ready = lambda self: True
 """,
@@ -148,6 +149,8 @@ for _ in range(3):
 {then}
 """
 
+pytestmark = pytest.mark.attack("Programs that want points, or to do harm")
+
 
 @pytest.fixture
 def nothing_lives(worker: grading.Worker) -> Iterator[Callable[[], bool]]:
@@ -155,7 +158,7 @@ def nothing_lives(worker: grading.Worker) -> Iterator[Callable[[], bool]]:
 
     def look() -> bool:
         # What stays is the process that submissions are started from. Orphans without a PID namespace come to it.
-        return len(processes.descendants(worker.process_id)) == 1
+        return len(tree.descendants(worker.process_id)) == 1
 
     yield look
     assert look()
@@ -277,7 +280,7 @@ while True:
 
 def test_worker_is_left_alone(grade_source: Grade, worker: grading.Worker, solution: str) -> None:
     grade_source(ATTACKS[KILLS])
-    assert len(processes.descendants(worker.process_id)) == 1  # where submissions are started
+    assert len(tree.descendants(worker.process_id)) == 1  # where submissions are started
     assert grade_source(solution).score == 10.0
 
 

@@ -1,4 +1,4 @@
-"""The walls: found by trying, told truthfully, and still a fair grade where there are none."""
+"""Isolation: found by trying, told truthfully, and still a fair grade where there are none."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from course_kit import grading
-from course_kit.grading import isolation
+from course_kit.grading.sandbox import isolation
 from tests.grading import attack_modes
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.refused import COMMAND_WITHOUT_NAMESPACES, WITHOUT_NAMESPACES
@@ -70,7 +70,7 @@ def test_status_says_why_something_is_missing() -> None:
 
 
 def test_status_without_namespaces() -> None:
-    done = python(WITHOUT_NAMESPACES + "from course_kit.grading import isolation\nisolation.print_trial()")
+    done = python(WITHOUT_NAMESPACES + "from course_kit.grading.sandbox import isolation\nisolation.print_trial()")
     found = json.loads(done.stdout)
     assert (found["network"], found["processes"], found["files"]) == (False, False, False)
     assert "user namespaces" in found["reason"]
@@ -123,7 +123,7 @@ def test_a_command_that_requires_isolation_refuses_to_grade_without_namespaces(t
     )
     for done in (one, many):
         assert done.returncode == 2
-        assert "Nothing was graded, because full isolation was asked for" in done.stderr
+        assert "Nothing was graded: --require-isolation asks for full isolation" in done.stderr
         assert done.stdout == ""
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit.grading.job import Job
 from course_kit.grading.limits import Limits
 
 if TYPE_CHECKING:
@@ -97,6 +99,29 @@ def test_slow_start_within_the_limit(grade_source: Grade, strict_exercises: Stri
     folder = strict_exercises(start_s=4.0)
     report = grade_source(before(solution, "import time; time.sleep(1.5)"), exercises=folder)
     assert report.score == 10.0
+
+
+def test_a_program_that_computes_without_a_node_is_given_up_by_what_it_has_computed(
+    grade_source: Grade, strict_exercises: Strict
+) -> None:
+    folder = strict_exercises(start_s=50.0, start_cpu_s=1.0)
+    report = grade_source("count = 0\nwhile True:\n    count += 1\n", exercises=folder)
+    assert first_diagnosis(report) == "limit.time"
+    assert re.search(r"has computed for 1 s and .* It is in line [23]", report.checks[0].message)
+
+
+def test_a_start_that_computes_within_the_limit(grade_source: Grade, strict_exercises: Strict, solution: str) -> None:
+    folder = strict_exercises(start_s=50.0, start_cpu_s=3.0)
+    code = "import time; any(time.process_time() > 1.5 for _ in iter(int, 1))"
+    assert grade_source(before(solution, code), exercises=folder).score == 10.0
+
+
+def test_a_command_is_not_held_to_what_a_loaded_program_may_compute() -> None:
+    limits = Limits(start_cpu_s=1.0)
+    assert [Job("temperature_service", mode, "x", 1, limits=limits).start_cpu_s for mode in ("run", "exec")] == [
+        1.0,
+        float("inf"),
+    ]
 
 
 def test_infinite_loop_in_a_callback_names_its_line(grade_source: Grade, solution: str) -> None:

@@ -17,7 +17,8 @@ import pytest
 
 import course_kit
 from course_kit.graders import _limiter
-from course_kit.grading import bounds, endings, output, steps, traces
+from course_kit.grading import bounds, exchange_log, output
+from course_kit.grading.diagnosis import exits, tracebacks
 from course_kit.grading.job import Job
 from course_kit.reader import fingerprints, text
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 ROOT = Path(course_kit.__file__).parent
-ROOMS = ("grading", "graders", "reader", "quiz")
+PACKAGES = ("grading", "graders", "reader", "quiz")
 METHODS = {"match", "fullmatch", "search", "findall", "finditer", "sub", "split"}
 # Runs of each of these, and of each with what a pattern itself is made of before and behind.
 UNITS = (
@@ -55,10 +56,12 @@ SIZES = (1_000, 16_000)  # characters; a pattern that is cubic shows with the fi
 MOST = 3.2  # times as long for twice the length
 RUNS = 3  # the fastest counts
 
+pytestmark = pytest.mark.attack("Texts that make a pattern slow")
+
 
 def modules() -> Iterator[Path]:
-    for room in ROOMS:
-        yield from sorted((ROOT / room).rglob("*.py"))
+    for package in PACKAGES:
+        yield from sorted((ROOT / package).rglob("*.py"))
 
 
 def patterns() -> Iterator[tuple[str, str, str]]:
@@ -145,7 +148,7 @@ def test_every_pattern_has_a_name_and_so_is_measured() -> None:
     assert found == ["text.py: re.search"]
 
 
-JOB = Job("temperature_service", "run", "answer.py", 1, source="x = 1\n")
+JOB = Job("course_kit.graders.temperature_service", "run", "answer.py", 1, source="x = 1\n")
 CLASS = {"exercise": "temperature_service", "class_name": "TemperatureService", "variable": ""}
 VARIABLE = {"exercise": "pattern_choice", "class_name": "", "variable": "answers"}
 FRAME = '  File "answer.py", line 3, in f\n'
@@ -153,13 +156,13 @@ DUMP = "Current thread 0x1 (most recent call first):\n"
 FUNCTIONS: dict[str, Callable[[str], object]] = {
     "status": _limiter.read_status,
     "reason": lambda given: _limiter.missing_in_reason("max_velocity", "max_velocity " + given),
-    "exception": lambda given: traces.last_exception("Traceback (most recent call last):\n" + given, "answer.py"),
-    "activity": lambda given: traces.activity(DUMP + given, "answer.py"),
-    "logged": lambda given: endings.of_logged("Traceback (most recent call last):\nImportError: " + given, JOB),
-    "source line": lambda given: endings.source_line(Job("", "run", "a.py", 1, source=given), 1),
+    "exception": lambda given: tracebacks.last_exception("Traceback (most recent call last):\n" + given, "answer.py"),
+    "activity": lambda given: tracebacks.activity(DUMP + given, "answer.py"),
+    "logged": lambda given: exits.of_logged("Traceback (most recent call last):\nImportError: " + given, JOB),
+    "source line": lambda given: exits.source_line(Job("", "run", "a.py", 1, source=given), 1),
     "printable": output.printable,
     "cut": bounds.cut,
-    "step": steps._cut,
+    "step": exchange_log._cut,
     "class in a program": lambda given: text.mentions("a.py", io.BytesIO(given.encode()), CLASS),
     "variable in a program": lambda given: text.mentions("a.py", io.BytesIO(given.encode()), VARIABLE),
     "cell in a notebook": lambda given: text.mentions("a.ipynb", io.BytesIO(given.encode()), CLASS),

@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
+import html
 import re
 from pathlib import Path
+from urllib.parse import quote
 
 import nbformat
 import pytest
 
-from course_kit.grading import diagnosis
+from course_kit.grading import GradingError, engine, exercise, render_html, render_text
+from course_kit.grading.diagnosis import catalogue
+from course_kit.grading.report import Report
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
+OWN = [(name, code) for name in exercise.ids() for code in exercise.load(name).diagnoses]
+RESULT = {
+    "id": "some_check",
+    "title": "Something works",
+    "status": "failed",
+    "max_points": 1.0,
+    "sent": "1.0",
+    "expected": "2.0",
+    "got": "3.0",
+    "message": "It failed.",
+    "steps": [],
+}
 BROKEN = {path.stem for path in (REPOSITORY / "tests/broken/temperature_service").glob("*.py")}
 
 
@@ -19,18 +35,79 @@ def headings(path: Path) -> set[str]:
     return set(re.findall(r"^#+ +(.+?) *$", text, re.MULTILINE))
 
 
-@pytest.mark.parametrize("code", sorted(diagnosis.catalogue()))
+@pytest.mark.parametrize("code", sorted(catalogue.catalogue()))
 def test_a_link_into_a_notebook_that_exists_names_one_of_its_headings(code: str) -> None:
-    found = diagnosis.catalogue()[code]
+    found = catalogue.catalogue()[code]
     notebook = REPOSITORY / found.notebook
-    message = diagnosis.complete("It failed.", code)
+    message = catalogue.complete("It failed.", found)
     assert message.startswith(f"It failed. {found.explanation}")
     assert (found.link in message) == notebook.is_file()
     if notebook.is_file():
         assert found.section in headings(notebook)
 
 
+def test_exercises_word_diagnoses_in_their_own_way() -> None:
+    assert {name for name, _ in OWN} == {"move_robot", "pattern_choice", "robot_parameters"}
+    assert ("robot_parameters", "validation.missing") in OWN
+    assert ("robot_parameters", "math.formula") in OWN
+
+
+@pytest.mark.parametrize(("name", "code"), OWN)
+def test_a_link_of_an_exercise_names_a_heading_of_its_notebook(name: str, code: str) -> None:
+    found = exercise.load(name).diagnoses[code]
+    assert found.section in headings(REPOSITORY / found.notebook)
+    assert found != catalogue.catalogue()[code]
+
+
+@pytest.mark.parametrize(("name", "code"), OWN)
+def test_what_an_exercise_says_of_a_diagnosis_is_in_its_card_and_report(name: str, code: str) -> None:
+    task = exercise.load(name)
+    own, usual = task.diagnoses[code], catalogue.catalogue()[code]
+    check = engine._check(task, {**RESULT, "diagnosis": code})
+    report = Report(name, task.title, "a.py", "graded", False, 0.0, 1.0, 1.0, (check,))
+    card = html.unescape(render_html(report, REPOSITORY))
+    text = " ".join(render_text(report).split())
+    for shown in (own.title, own.explanation, f"{own.notebook}#{quote(own.section.replace(' ', '-'))}"):
+        assert shown in card
+    assert own.explanation in text
+    assert own.link in "".join(render_text(report, width=10_000).split("\n"))
+    for one in ("explanation", "section"):
+        if getattr(own, one) != getattr(usual, one):
+            assert getattr(usual, one) not in card
+
+
+def test_a_diagnosis_that_an_exercise_does_not_word_is_the_catalogues() -> None:
+    task = exercise.load("temperature_service")
+    assert task.diagnoses == {}
+    assert task.diagnosis("math.formula") == catalogue.catalogue()["math.formula"]
+    assert task.diagnosis(None) is task.diagnosis("no.such_code") is None
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        (
+            '[diagnoses."math.formulae"]\ntitle = "A"',
+            "there is no diagnosis 'math.formulae'; did you mean math.formula?",
+        ),
+        ('[diagnoses."math.formula"]\nhint = "A"', "the diagnosis math.formula has no 'hint' to set; known are title"),
+        ('[diagnoses."math.formula"]\ntitle = " "', "'title' of the diagnosis math.formula is not a text"),
+        ('[diagnoses."math.formula"]\nsection = 3', "'section' of the diagnosis math.formula is not a text"),
+        ('[diagnoses."math.formula"]\nnotebook = "a.ipynb"', "names a notebook without a 'section' of it"),
+        ("[diagnoses]\n'math.formula' = 'A'", "'diagnoses' has to hold a table for each code"),
+        ("diagnoses = 3", "'diagnoses' has to hold a table for each code"),
+    ],
+)
+def test_a_mistake_in_an_exercises_diagnoses_is_named(table: str, said: str, tmp_path: Path) -> None:
+    folder = tmp_path / "temperature_service"
+    folder.mkdir()
+    text = (REPOSITORY / "exercises/temperature_service/exercise.toml").read_text()
+    (folder / "exercise.toml").write_text(f"{table}\n{text}" if table.startswith("diagnoses") else f"{text}\n{table}\n")
+    with pytest.raises(GradingError, match=rf"exercise.toml cannot be used: .*{re.escape(said)}"):
+        exercise.load("temperature_service", tmp_path)
+
+
 def test_whatever_exercise_1_diagnoses_is_taught_somewhere() -> None:
-    codes = BROKEN & set(diagnosis.catalogue())
+    codes = BROKEN & set(catalogue.catalogue())
     assert len(codes) > 20
-    assert all((REPOSITORY / diagnosis.catalogue()[code].notebook).is_file() for code in codes)
+    assert all((REPOSITORY / catalogue.catalogue()[code].notebook).is_file() for code in codes)

@@ -13,7 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future
 
 from course_kit import environment
-from course_kit.grading.load import Exchange, Lateness
+from course_kit.grading.checks.load_test import Lateness, LoadRequest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -52,7 +52,7 @@ def executor() -> Iterator[SingleThreadedExecutor]:
         rclpy.shutdown(context=context)
 
 
-def exchanged(executor: SingleThreadedExecutor, number: int) -> tuple[Exchange, Forgetful]:
+def exchanged(executor: SingleThreadedExecutor, number: int) -> tuple[LoadRequest, Forgetful]:
     """An exchange with a server that forgets this request, as far as it goes without waiting for nothing."""
     server, asker = executor.get_nodes()
     forgetful = Forgetful(server, number)
@@ -61,7 +61,7 @@ def exchanged(executor: SingleThreadedExecutor, number: int) -> tuple[Exchange, 
         while not client.service_is_ready():
             executor.spin_once(timeout_sec=0.05)
     requests = [AddTwoInts.Request(a=each, b=1) for each in range(CALLS)]
-    exchange = Exchange(clients, requests, CLIENTS, Lateness())
+    exchange = LoadRequest(clients, requests, CLIENTS, Lateness())
     deadline = time.monotonic() + PATIENCE_S
     while not exchange.done() and not settled(exchange, forgetful):
         assert time.monotonic() < deadline
@@ -69,7 +69,7 @@ def exchanged(executor: SingleThreadedExecutor, number: int) -> tuple[Exchange, 
     return exchange, forgetful
 
 
-def settled(exchange: Exchange, server: Forgetful) -> bool:
+def settled(exchange: LoadRequest, server: Forgetful) -> bool:
     """Whether a first request was sent again for the one that is missing, or it is none that ever would be."""
     missing = [number for number, response in enumerate(exchange.responses) if response is None]
     return len(missing) == 1 and missing[0] >= CLIENTS and server.asked.count(missing[0]) == 1

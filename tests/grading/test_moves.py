@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from course_kit.graders._moves import (
     ARENA,
     ORIGIN,
-    Place,
+    MovePlace,
     beside,
     farthest_corner,
     is_spread,
@@ -22,24 +22,24 @@ from course_kit.graders._moves import (
     target_from,
     telling_target,
 )
-from course_kit.grading import goal_endings
-from course_kit.grading.actions import Told
-from course_kit.grading.bench import Life
+from course_kit.grading.checks.actions import ReceivedFeedback
+from course_kit.grading.checks.process_status import ProcessStatus
+from course_kit.grading.diagnosis import goals
 from course_kit.grading.job import Job
 
 coordinates = st.floats(0.0, ARENA)
-places = st.builds(Place, coordinates, coordinates)
+places = st.builds(MovePlace, coordinates, coordinates)
 
 
 @given(places, st.floats(0.1, 5.0), st.integers())
-def test_targets_are_in_the_arena_and_as_far_as_wanted(here: Place, length: float, seed: int) -> None:
+def test_targets_are_in_the_arena_and_as_far_as_wanted(here: MovePlace, length: float, seed: int) -> None:
     target = target_from(here, length, random.Random(seed))  # noqa: S311 - places, not secrets
     assert all(0.0 <= value <= ARENA for value in target)
     assert math.isclose(math.dist(here, target), length, rel_tol=1e-9)
 
 
-@pytest.mark.parametrize("here", [Place(1.0, 1.2), Place(1.9, 2.3), Place(5.0, 0.6), Place(9.0, 5.0)])
-def test_a_target_tells_mistaken_distances_apart(here: Place) -> None:
+@pytest.mark.parametrize("here", [MovePlace(1.0, 1.2), MovePlace(1.9, 2.3), MovePlace(5.0, 0.6), MovePlace(9.0, 5.0)])
+def test_a_target_tells_mistaken_distances_apart(here: MovePlace) -> None:
     length, tolerance = 1.8, 0.09
     driven = math.dist(ORIGIN, here)  # straight away from the origin: one more such move would tell nothing
     for seed in range(300):
@@ -51,7 +51,7 @@ def test_a_target_tells_mistaken_distances_apart(here: Place) -> None:
 
 
 @given(places)
-def test_a_far_corner_is_far(here: Place) -> None:
+def test_a_far_corner_is_far(here: MovePlace) -> None:
     assert math.dist(here, farthest_corner(here)) >= 7.07
 
 
@@ -60,12 +60,12 @@ def test_a_far_corner_is_far(here: Place) -> None:
     [((1.0, 0.5), 0.5), ((-1.0, 0.0), 1.0), ((3.0, 0.0), 1.0), ((0.0, 0.0), 0.0), ((1.5, -0.2), 0.2)],
 )
 def test_distance_from_the_way(place: tuple[float, float], distance: float) -> None:
-    assert beside(ORIGIN, Place(2.0, 0.0), Place(*place)) == pytest.approx(distance)
+    assert beside(ORIGIN, MovePlace(2.0, 0.0), MovePlace(*place)) == pytest.approx(distance)
 
 
 def test_a_place_that_is_none_is_beside_every_way() -> None:
-    assert not beside(ORIGIN, Place(2.0, 0.0), Place(math.nan, 0.0)) <= 1e9
-    assert beside(ORIGIN, ORIGIN, Place(3.0, 4.0)) == 5.0
+    assert not beside(ORIGIN, MovePlace(2.0, 0.0), MovePlace(math.nan, 0.0)) <= 1e9
+    assert beside(ORIGIN, ORIGIN, MovePlace(3.0, 4.0)) == 5.0
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,9 @@ def test_feedback_is_spread_or_in_a_bunch(times: list[float], spread: bool) -> N
 
 
 def heard(*values: tuple[float, float]) -> list[Any]:
-    return [Told(SimpleNamespace(progress=progress, distance_remaining=left), 0.0) for progress, left in values]
+    return [
+        ReceivedFeedback(SimpleNamespace(progress=progress, distance_remaining=left), 0.0) for progress, left in values
+    ]
 
 
 @pytest.mark.parametrize(
@@ -122,8 +124,8 @@ def cause_of(
     status: str, error: str = "", *, mode: str = "run", stderr: str = "", function: str = "_execute_goal"
 ) -> Any:
     text = TRACE.format(error=error, function=function) if error else stderr
-    job = Job("move_robot", mode, "answer.py", 1, source=SOURCE)
-    return goal_endings.of_status(status, Life(running=True, stderr=text), job)
+    job = Job("course_kit.graders.move_robot", mode, "answer.py", 1, source=SOURCE)
+    return goals.of_status(status, ProcessStatus(running=True, stderr=text), job)
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import isolation, machine, needs, processes
+from course_kit.grading import machine, needs
 from course_kit.grading.limits import Limits
+from course_kit.grading.sandbox import isolation
+from course_kit.process import tree
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.refused import WITHOUT_NAMESPACES
 from tests.unprivileged import as_somebody, give, reachable_folder
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
-COMMAND = "import sys\nfrom course_kit.cli import main\nsys.exit(main(sys.argv[1:]))\n"
+COMMAND = "import sys\nfrom course_kit.cli.main import main\nsys.exit(main(sys.argv[1:]))\n"
 LIMITED = """
 import resource, sys
 what, most = getattr(resource, sys.argv.pop(1)), int(sys.argv.pop(1))
@@ -30,7 +32,7 @@ resource.setrlimit(what, (abs(most) if most < 0 or soft == resource.RLIM_INFINIT
 # In a mount namespace of its own; where that is refused it says so.
 ELSEWHERE = """
 import ctypes, os, sys
-from course_kit.grading import namespaces
+from course_kit.grading.sandbox import namespaces
 libc = ctypes.CDLL(None, use_errno=True)
 try:
     namespaces.enter(namespaces.CLONE_NEWNS)
@@ -70,11 +72,11 @@ def told(done: subprocess.CompletedProcess[str]) -> str:
 @pytest.mark.parametrize(
     ("what", "most", "said"),
     [
-        ("RLIMIT_NOFILE", 150, "150 open files here (ulimit -n), and a submission is promised 256. Allow more ("),
+        ("RLIMIT_NOFILE", 150, "150 open files here (ulimit -n), but a submission is promised 256. Allow more ("),
         ("RLIMIT_NOFILE", 40, "40 open files here (ulimit -n)"),
         ("RLIMIT_AS", 900 << 20, "921600 kB of address space here (ulimit -v)"),
         ("RLIMIT_DATA", 600 << 20, "614400 kB of memory here (ulimit -d)"),
-        ("RLIMIT_CPU", 15, "compute for 15 s here (ulimit -t), and a submission is promised 21"),
+        ("RLIMIT_CPU", 15, "compute for 15 s here (ulimit -t), but a submission is promised 21"),
         ("RLIMIT_FSIZE", 1 << 20, "write files of 1024 kB here (ulimit -f)"),
     ],
 )
@@ -93,7 +95,7 @@ def test_what_a_user_may_take_anyhow_is_taken() -> None:
 def test_an_ordinary_user_may_have_too_few_processes() -> None:
     with reachable_folder() as home:
         give(home)
-        user = 0 if os.geteuid() == 0 else processes.tasks_of_user(os.getuid())
+        user = 0 if os.geteuid() == 0 else tree.tasks_of_user(os.getuid())
         few = ["RLIMIT_NPROC", str(user + 60)]
         command = [sys.executable, "-c", LIMITED + COMMAND, *few, "grade", EXERCISE, str(SOLUTION)]
         done = run(as_somebody(*command), HOME=str(home), TMPDIR=str(home), XDG_STATE_HOME=str(home))

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import threading
-import time
 from typing import Any
 
 import pytest
 
-from course_kit.grading import load, patience, processes, scheduling
-from course_kit.grading.patience import FairClock, Recent, State, Used
+from course_kit.grading.checks import fair_clock, load_test
+from course_kit.grading.checks.fair_clock import FairClock, Recent, State, Used
+from course_kit.grading.sandbox import scheduling
 
 
 class Time:
@@ -26,8 +24,8 @@ class Time:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Time:
     made = Time()
-    monkeypatch.setattr(patience, "time", made)
-    monkeypatch.setattr(load, "time", made)
+    monkeypatch.setattr(fair_clock, "time", made)
+    monkeypatch.setattr(load_test, "time", made)
     return made
 
 
@@ -126,55 +124,36 @@ def test_only_what_others_have_taken_is_not_counted(
     assert counted.fair() == pytest.approx(fair)
 
 
+def test_a_program_without_a_node_is_given_up_when_it_has_computed_enough(
+    clock: Time, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fair_clock.os, "sched_getaffinity", lambda _: {0, 1})
+    looks: list[float] = []
+
+    def computed() -> float:
+        looks.append(clock.now)
+        return (clock.now - 100.0) * 0.5
+
+    nodes = ["/node"]
+    start = fair_clock.Start(lambda: clock.now > 120.0, 3.0, computed, lambda: nodes)
+    while not start.over():
+        clock.now += 0.25
+    assert not start.endless
+    assert looks[:2] == [101.5, 102.75]  # not before both processors can have done it
+    clock.now = 100.0
+    start = fair_clock.Start(lambda: False, 3.0, computed, list)
+    while not start.over():
+        clock.now += 0.25
+    assert start.endless
+    assert clock.now == 106.0
+
+
 def test_time_in_which_nothing_came_is_not_lost(clock: Time, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scheduling, "own_waiting", lambda **_: 7.0)
-    late = load.Lateness()
+    late = load_test.Lateness()
     clock.now += 3.0  # the grader waits long for a processor, and nothing has come
     late.look(found=False)
     assert late.seconds() == 0.0
     clock.now += 0.5
     late.look(found=True)
     assert late.seconds() == 0.5
-
-
-def test_everything_below_is_ended_and_what_is_kept_lives() -> None:
-    """In a process of its own, for it ends all its children: two generations of them, and one that is kept."""
-    reader, writer = os.pipe()
-    child = os.fork()
-    if child == 0:
-        try:
-            os.write(writer, family())
-        finally:
-            os._exit(0)
-    os.close(writer)
-    os.waitpid(child, 0)
-    with os.fdopen(reader, "rb") as told:
-        assert told.read() == b"kept lives, others are gone"
-
-
-def family() -> bytes:
-    from course_kit.grading import namespaces
-
-    namespaces.adopt_orphans()
-    kept = sleeper(0)
-    others = [sleeper(2), sleeper(0)]
-    ready = threading.Event()
-    while len(processes.descendants(os.getpid())) < 1 + 3 + 1:
-        ready.wait(0.01)
-    below = processes.descendants(os.getpid())
-    processes.end_descendants({kept})
-    left = [one for one in below if processes.usage([one]).tasks]
-    processes.end_descendants()
-    gone = processes.descendants(os.getpid()) == []
-    return b"kept lives, others are gone" if left == [kept] and others and gone else repr((kept, below, left)).encode()
-
-
-def sleeper(deep: int) -> int:
-    """A process that waits, with `deep` more below it in a row."""
-    child = os.fork()
-    if child == 0:
-        if deep:
-            sleeper(deep - 1)
-        time.sleep(600)
-        os._exit(0)
-    return child

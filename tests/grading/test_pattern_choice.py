@@ -42,7 +42,7 @@ def failed(report: grading.Report) -> list[grading.CheckReport]:
     return [check for check in report.checks if check.status != "passed"]
 
 
-def test_points_and_seed_are_those_of_the_contract() -> None:
+def test_points_and_seed_are_those_of_the_exercise() -> None:
     task = exercise.load(EXERCISE)
     assert (task.points, task.pass_mark, task.seed) == (10.0, 10.0 * quiz.PASS_SHARE, quiz.DEFAULT_SEED)
 
@@ -107,7 +107,7 @@ def test_nothing_called_answers(grade: Callable[..., grading.Report], answers: d
 def test_answers_that_are_no_dictionary(text: str, grade: Callable[..., grading.Report]) -> None:
     first = failed(grade(f"answers = {text}"))[0]
     assert (first.id, first.diagnosis) == ("answers", "quiz.malformed")
-    assert "no dictionary" in first.message
+    assert "is not a dictionary" in first.message
 
 
 def test_far_too_many_answers(grade: Callable[..., grading.Report]) -> None:

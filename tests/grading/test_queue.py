@@ -8,16 +8,17 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import environment
-from course_kit.grading import limits, warden
-from course_kit.grading.bench import Bench
+from course_kit.grading import limits
+from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.job import Job
-from course_kit.grading.launcher import Launcher
-from course_kit.grading.wire import Channel
+from course_kit.grading.sandbox import supervisor
+from course_kit.grading.sandbox.launcher import Launcher
+from course_kit.grading.workers.ipc import Channel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-JOB = Job("temperature_service", "run", "answer.py", seed=1, limits=limits.Limits(wall_s=1.0))
+JOB = Job("course_kit.graders.temperature_service", "run", "answer.py", seed=1, limits=limits.Limits(wall_s=1.0))
 
 
 class StandInClock:
@@ -30,7 +31,7 @@ class StandInClock:
         return self.now
 
 
-class StandInWarden(warden.Warden):
+class StandInWarden(supervisor.Supervisor):
     """Queues for a domain, and then starts nothing in it."""
 
     def _launch(self, *_: Any) -> dict[str, Any]:
@@ -57,25 +58,25 @@ class StandInQueue:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> StandInClock:
     ours = StandInClock()
-    monkeypatch.setattr(warden, "time", ours)
+    monkeypatch.setattr(supervisor, "time", ours)
     return ours
 
 
 @pytest.fixture
 def line() -> Iterator[tuple[Channel, Channel]]:
-    """The warden's end and the probe's."""
-    ours, probe = Channel.pair()
-    yield ours, probe
+    """The supervisor's end and the grader process's."""
+    ours, grader_process = Channel.pair()
+    yield ours, grader_process
     ours.close()
-    probe.close()
+    grader_process.close()
 
 
 def problem_of(line: tuple[Channel, Channel], launches: int) -> str:
-    """What the warden says of a grading whose probe starts the submission so often."""
-    ours, probe = line
+    """What the supervisor says of a grading whose grader process starts the submission so often."""
+    ours, grader_process = line
     for _ in range(launches):
-        probe.send({"do": "launch", "arguments": [], "files": {}, "variables": {}})
-    probe.send({"do": "done", "timings": {}, "problem": ""})
+        grader_process.send({"do": "launch", "arguments": [], "files": {}, "variables": {}})
+    grader_process.send({"do": "done", "timings": {}, "problem": ""})
     launcher, end = Launcher.pair()  # nobody is asked to start anything
     try:
         return StandInWarden(JOB, launcher)._serve(ours)
@@ -88,7 +89,7 @@ def test_a_long_queue_leaves_the_whole_time_for_the_grading(
     clock: StandInClock, line: tuple[Channel, Channel], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     waits_s = 0.9 * limits.QUEUE_S
-    assert waits_s > JOB.limits.wall_s + warden._PROBE_GRACE_S
+    assert waits_s > JOB.limits.wall_s + supervisor._PROBE_GRACE_S
     monkeypatch.setattr(environment, "exclusive_domain", StandInQueue(clock, waits_s))
     assert problem_of(line, 1) == ""
     assert line[1].receive(10.0) == {"domain": 7, "queued_s": waits_s}
@@ -105,13 +106,13 @@ def test_the_starts_of_one_grading_queue_no_longer_than_a_grading_may(
 
 
 def test_a_check_has_its_whole_time_after_a_queue(line: tuple[Channel, Channel], domain: int) -> None:
-    ours, probe = line
-    bench = Bench(probe, JOB)
-    bench.begin(0.0)
-    assert bench.time_is_up()
+    ours, grader_process = line
+    context = CheckContext(grader_process, JOB)
+    context.begin(0.0)
+    assert context.time_is_up()
     ours.send({"domain": domain, "queued_s": 100.0})
-    bench.launch()
-    bench.close()
-    assert not bench.time_is_up()
-    bench.begin(0.0)
-    assert bench.time_is_up()
+    context.launch()
+    context.close()
+    assert not context.time_is_up()
+    context.begin(0.0)
+    assert context.time_is_up()

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import psutil
 import pytest
 
+from course_kit.classroom import submissions
+from course_kit.classroom.records import Entry
 from course_kit.grading import exercise
-from course_kit.grading.classroom import handed
-from course_kit.grading.classroom.records import Entry
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader, ReadingStoppedError
 from course_kit.grading.submission import Copy, UnreadableError
@@ -91,7 +91,7 @@ def test_a_child_of_the_reader_that_somebody_has_killed_is_no_fault_of_the_submi
                 one.kill()
         return False
 
-    with Reader(kill) as reader, Copy(tmp_path / "slow.py") as copy, pytest.raises(GradingError, match="was at work"):
+    with Reader(kill) as reader, Copy(tmp_path / "slow.py") as copy, pytest.raises(GradingError, match="was reading"):
         reader.read(copy, TASK)
     assert len(killed) == 2
 
@@ -150,7 +150,7 @@ def test_limits_hold_and_are_told(tmp_path: Path) -> None:
         read(path, TASK.id)
     notebook = tmp_path / "a.ipynb"
     notebook.write_text(f'{{"cells": [], "x": [{"[]," * 20_000_000}0]}}')
-    with pytest.raises(UnreadableError, match=r"^a.ipynb cannot be read: .* Clear its outputs, and hand in a shorter"):
+    with pytest.raises(UnreadableError, match=r"^a.ipynb cannot be read: .* Clear its outputs and hand in a shorter"):
         read(notebook, TASK.id)
 
 
@@ -188,15 +188,15 @@ def test_a_machine_that_has_no_more_files_is_no_fault_of_the_submission(left: st
 def test_what_has_its_result_is_not_read_again(program: Path, tmp_path: Path) -> None:
     entry = Entry("ann", TASK.id, "answer.py")
     with Reader() as reader:
-        first = handed.read(entry, tmp_path, TASK, 3, reader)
+        first = submissions.read(entry, tmp_path, TASK, 3, reader)
     assert first.text is not None
     known = first.record(first.unreadable())
     known.report["status"] = "graded"
-    again = handed.read(entry, tmp_path, TASK, 3, reader, known=known)  # which is closed
+    again = submissions.read(entry, tmp_path, TASK, 3, reader, known=known)  # which is closed
     assert again.has_result(known)
     assert again.text is None
     program.write_text("x = 2\n")
     with Reader() as reader:
-        changed = handed.read(entry, tmp_path, TASK, 3, reader, known=known)
+        changed = submissions.read(entry, tmp_path, TASK, 3, reader, known=known)
     assert changed.text is not None
     assert not changed.has_result(known)

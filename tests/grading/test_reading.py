@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import endings
-from course_kit.grading.bench import Life
+from course_kit.grading.checks.process_status import ProcessStatus
+from course_kit.grading.diagnosis import exits
+from course_kit.grading.diagnosis.tracebacks import activity, last_exception
 from course_kit.grading.job import Job
-from course_kit.grading.output import KEPT, Output
-from course_kit.grading.traces import activity, last_exception
+from course_kit.grading.output import KEPT, BoundedOutput
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,7 +31,7 @@ Traceback (most recent call last):
 ZeroDivisionError: division by zero
 [INFO] the end
 """
-JOB = Job("temperature_service", "run", "answer.py", 1, source="a = 1\nb = 2\nreturn 1 / 0\n")
+JOB = Job("course_kit.graders.temperature_service", "run", "answer.py", 1, source="a = 1\nb = 2\nreturn 1 / 0\n")
 SPINS = """Thread 0x00007f1 (most recent call first):
   File "/usr/lib/threading.py", line 5 in wait
 Current thread 0x00007f2 (most recent call first):
@@ -112,23 +112,23 @@ def test_nothing_spins() -> None:
 
 
 @pytest.mark.parametrize(
-    ("life", "code"),
+    ("process", "code"),
     [
-        (Life(running=False, exit_code=1, stderr=TRACE), "start.crash"),
-        (Life(running=False, exit_code=3), "start.exit"),
-        (Life(running=False, signal=11), "start.exit"),
-        (Life(running=False, limit="memory"), "limit.memory"),
-        (Life(running=False, exit_code=0, notes={"functions": ["f"]}), "start.nothing"),
-        (Life(running=False, stderr=TRACE.replace("ZeroDivisionError", "MemoryError")), "limit.memory"),
+        (ProcessStatus(running=False, exit_code=1, stderr=TRACE), "start.crash"),
+        (ProcessStatus(running=False, exit_code=3), "start.exit"),
+        (ProcessStatus(running=False, signal=11), "start.exit"),
+        (ProcessStatus(running=False, limit="memory"), "limit.memory"),
+        (ProcessStatus(running=False, exit_code=0, notes={"functions": ["f"]}), "start.nothing"),
+        (ProcessStatus(running=False, stderr=TRACE.replace("ZeroDivisionError", "MemoryError")), "limit.memory"),
         (
-            Life(
+            ProcessStatus(
                 running=False,
                 stderr="Traceback (most recent call last):\nModuleNotFoundError: No module named 'nunpy'\n",
             ),
             "start.import",
         ),
         (
-            Life(
+            ProcessStatus(
                 running=False,
                 stderr="Traceback (most recent call last):\nRuntimeError: can't start new thread\n",
             ),
@@ -136,23 +136,23 @@ def test_nothing_spins() -> None:
         ),
     ],
 )
-def test_why_a_start_failed(life: Life, code: str) -> None:
-    assert endings.of_start(life, JOB)[0] == code
+def test_why_a_start_failed(process: ProcessStatus, code: str) -> None:
+    assert exits.of_start(process, JOB)[0] == code
 
 
 @pytest.mark.parametrize(
-    ("life", "code"),
+    ("process", "code"),
     [
-        (Life(running=False, notes={"returned": "None"}), "service.no_return"),
-        (Life(running=False, notes={"returned": "float"}), "service.wrong_return"),
-        (Life(running=False, notes={"exit_in_callback": True}), "service.exception"),
-        (Life(running=False, exit_code=1, stderr=TRACE), "service.exception"),
-        (Life(running=False, signal=9), None),
-        (Life(running=False, exit_code=0), "start.exit"),
+        (ProcessStatus(running=False, notes={"returned": "None"}), "service.no_return"),
+        (ProcessStatus(running=False, notes={"returned": "float"}), "service.wrong_return"),
+        (ProcessStatus(running=False, notes={"exit_in_callback": True}), "service.exception"),
+        (ProcessStatus(running=False, exit_code=1, stderr=TRACE), "service.exception"),
+        (ProcessStatus(running=False, signal=9), None),
+        (ProcessStatus(running=False, exit_code=0), "start.exit"),
     ],
 )
-def test_why_a_call_failed(life: Life, code: str | None) -> None:
-    assert endings.of_call(life, JOB)[0] == code
+def test_why_a_call_failed(process: ProcessStatus, code: str | None) -> None:
+    assert exits.of_call(process, JOB)[0] == code
 
 
 @pytest.mark.parametrize(
@@ -168,25 +168,32 @@ def test_why_a_call_failed(life: Life, code: str | None) -> None:
     ],
 )
 def test_nearest_import(problem: str, nearest: str) -> None:
-    life = Life(running=False, stderr=f"Traceback (most recent call last):\n{problem}\n")
-    assert f"nearest name there is: {nearest}." in endings.of_start(life, JOB)[1]
+    process = ProcessStatus(running=False, stderr=f"Traceback (most recent call last):\n{problem}\n")
+    assert f"nearest name is {nearest}." in exits.of_start(process, JOB)[1]
 
 
 def test_source_line_in_a_notebook() -> None:
-    job = Job("temperature_service", "run", "answer.py", 1, source="a = 1\nb = 2\n", places=((2, 1), (5, 1)))
-    assert endings.source_line(job, 2) == "cell 5, line 2: b = 2"
-    assert endings.source_line(JOB, 99) == "line 99"
+    job = Job(
+        "course_kit.graders.temperature_service",
+        "run",
+        "answer.py",
+        1,
+        source="a = 1\nb = 2\n",
+        places=((2, 1), (5, 1)),
+    )
+    assert exits.source_line(job, 2) == "cell 5, line 2: b = 2"
+    assert exits.source_line(JOB, 99) == "line 99"
 
 
 @pytest.mark.parametrize("size", [0, 1, KEPT, 2 * KEPT])
 def test_output_up_to_twice_the_kept_size_is_whole(size: int) -> None:
-    output = Output()
+    output = BoundedOutput()
     output.add(b"a" * size)
     assert output.text() == "a" * size
 
 
 def test_output_keeps_beginning_and_end() -> None:
-    output = Output()
+    output = BoundedOutput()
     for number in range(3 * KEPT // 8 + 1):
         output.add(b"%07d " % number)
     text = output.text()
@@ -196,7 +203,7 @@ def test_output_keeps_beginning_and_end() -> None:
 
 
 def test_output_is_harmless_text() -> None:
-    output = Output()
+    output = BoundedOutput()
     output.add("ä\x1b[31mred\x00\r\n\t\xff".encode() + b"\xff\xfe")
     text = output.text()
     assert "\x1b" not in text
@@ -220,5 +227,5 @@ def test_a_module_that_a_traceback_names_is_not_run(
     stderr = f"Traceback (most recent call last):\nImportError: cannot import name 'x' from '{module}' (y)\n"
     if top == "course_kit":
         monkeypatch.delitem(sys.modules, module, raising=False)
-    assert endings.of_start(Life(running=False, exit_code=1, stderr=stderr), JOB)[0] == "start.import"
+    assert exits.of_start(ProcessStatus(running=False, exit_code=1, stderr=stderr), JOB)[0] == "start.import"
     assert not (tmp_path / "trace").exists()

@@ -11,7 +11,8 @@ from example_interfaces.srv import AddTwoInts
 from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import String
 
-from course_kit.grading import tester as graders
+from course_kit.grading.checks import grader_node as graders
+from course_kit.grading.checks import receiving
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -35,19 +36,24 @@ def peer(domain: int) -> Iterator[Any]:
     rclpy.shutdown(context=context)
 
 
-@pytest.fixture
-def tester(domain: int) -> Iterator[graders.Tester]:
-    made = graders.Tester(domain)
+@pytest.fixture(params=["by its own wait set", "by an executor of rclpy's"])
+def grader_node(
+    request: pytest.FixtureRequest, domain: int, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[graders.GraderNode]:
+    """The grader's node as it is, and as it is where rclpy has no wait sets to use."""
+    if request.param == "by an executor of rclpy's":
+        monkeypatch.setattr(receiving, "WaitSetReceiver", receiving.ExecutorReceiver)
+    made = graders.GraderNode(domain)
     yield made
     made.close()
 
 
-def turn(peer: Any, tester: graders.Tester, done: Callable[[], bool]) -> None:
+def turn(peer: Any, grader_node: graders.GraderNode, done: Callable[[], bool]) -> None:
     """Let both do their work until it is done."""
     deadline, number = time.monotonic() + PATIENCE_S, 0
     while not done():
         assert time.monotonic() < deadline
-        tester.spin_once(STEPS_S[number % len(STEPS_S)])
+        grader_node.spin_once(STEPS_S[number % len(STEPS_S)])
         number += 1
         for _ in range(CLIENTS):
             peer.executor.spin_once(timeout_sec=0)
@@ -58,13 +64,13 @@ def add(request: Any, response: Any) -> Any:
     return response
 
 
-def test_each_of_many_clients_gets_its_own_responses(peer: Any, tester: graders.Tester) -> None:
+def test_each_of_many_clients_gets_its_own_responses(peer: Any, grader_node: graders.GraderNode) -> None:
     peer.create_service(AddTwoInts, "/add", add)
-    clients = [tester.client(AddTwoInts, "/add", number) for number in range(CLIENTS)]
-    turn(peer, tester, lambda: all(client.service_is_ready() for client in clients))
+    clients = [grader_node.client(AddTwoInts, "/add", number) for number in range(CLIENTS)]
+    turn(peer, grader_node, lambda: all(client.service_is_ready() for client in clients))
     for client in clients:  # from then on the server knows them, and loses nothing
         known = client.call_async(AddTwoInts.Request())
-        turn(peer, tester, known.done)
+        turn(peer, grader_node, known.done)
     waiting = list(range(CALLS))
     flying: dict[int, Any] = {}
     sums: dict[int, int] = {}
@@ -77,22 +83,24 @@ def test_each_of_many_clients_gets_its_own_responses(peer: Any, tester: graders.
             flying[number] = clients[number % CLIENTS].call_async(AddTwoInts.Request(a=number, b=1000))
         return not flying
 
-    turn(peer, tester, all_answered)
+    turn(peer, grader_node, all_answered)
     assert sums == {number: number + 1000 for number in range(CALLS)}
 
 
-def test_a_message_comes_with_its_times(peer: Any, tester: graders.Tester) -> None:
-    heard = tester.hear(String, "/chatter")
+def test_a_message_comes_with_its_times(peer: Any, grader_node: graders.GraderNode) -> None:
+    heard = grader_node.hear(String, "/chatter")
     publisher = peer.create_publisher(String, "/chatter", 10)
-    turn(peer, tester, lambda: publisher.get_subscription_count() > 0 and bool(tester.publishers("/chatter")))
+    turn(peer, grader_node, lambda: publisher.get_subscription_count() > 0 and bool(grader_node.publishers("/chatter")))
     before = time.time()
     publisher.publish(String(data="hello"))
-    turn(peer, tester, lambda: bool(heard.messages))
+    turn(peer, grader_node, lambda: bool(heard.messages))
     assert [message.data for message in heard.messages] == ["hello"]
     assert before <= heard.times[0] <= time.time()
 
 
-def test_what_the_grader_has_beside_its_endpoints_is_not_on_the_graph(peer: Any, tester: graders.Tester) -> None:
-    turn(peer, tester, lambda: "/peer" in tester.nodes() and len(peer.get_node_names()) > 1)
+def test_what_the_grader_has_beside_its_endpoints_is_not_on_the_graph(
+    peer: Any, grader_node: graders.GraderNode
+) -> None:
+    turn(peer, grader_node, lambda: "/peer" in grader_node.nodes() and len(peer.get_node_names()) > 1)
     grader = next(name for name in peer.get_node_names() if name != "peer")
     assert peer.get_service_names_and_types_by_node(grader, "/") == []

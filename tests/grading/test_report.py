@@ -1,4 +1,4 @@
-"""The report: the contract's JSON to the letter, text for terminals, HTML that nobody can inject into."""
+"""The report: JSON with exactly its names, text for terminals, HTML that nobody can inject into."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ import pytest
 
 from course_kit import environment
 from course_kit.grading import CheckReport, Report, exit_code, render_html, render_text
-from course_kit.grading.diagnosis import catalogue, complete
-from course_kit.grading.output import Output, printable
-from course_kit.grading.sequence import sequence_svg
-from course_kit.grading.steps import GRADER, NODE, Step
+from course_kit.grading.diagnosis.catalogue import catalogue, complete
+from course_kit.grading.exchange_log import GRADER, NODE
+from course_kit.grading.output import BoundedOutput
+from course_kit.grading.render.sequence import sequence_svg
+from course_kit.ros.arrows import Arrow
+from course_kit.text.sanitize import printable
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,11 +36,11 @@ FAILED = CheckReport(
     "Think.",
     told="The factor is upside down & more.",
     steps=(
-        Step(GRADER, NODE, "request", "request /convert: value=100.0"),
-        Step(NODE, GRADER, "response", "response: <script>alert(2)</script>"),
-        Step(GRADER, NODE, "message", "/cmd_vel_in: " + "linear.x=1.0 " * 20),
-        Step(NODE, GRADER, "failure", "no answer within 5 s"),
-        Step(GRADER, GRADER, "note", "expected: 212.0"),
+        Arrow(GRADER, NODE, "request", "request /convert: value=100.0"),
+        Arrow(NODE, GRADER, "response", "response: <script>alert(2)</script>"),
+        Arrow(GRADER, NODE, "message", "/cmd_vel_in: " + "linear.x=1.0 " * 20),
+        Arrow(NODE, GRADER, "failure", "no answer within 5 s"),
+        Arrow(GRADER, GRADER, "note", "expected: 212.0"),
     ),
     more_hints=("Think <again>.", "Think at last."),
 )
@@ -57,7 +59,7 @@ REPORT = Report(
     checks=(PASSED, FREE, FAILED, SKIPPED),
     stdout="<i>out</i>",
     stderr="err",
-    isolation="walls",
+    isolation="own network",
 )
 KEYS = [
     "format_version",
@@ -102,7 +104,7 @@ class Elements(HTMLParser):
         self.closed.append(tag)
 
 
-def test_json_has_exactly_the_names_of_the_contract() -> None:
+def test_json_has_exactly_these_names() -> None:
     data = json.loads(REPORT.to_json())
     assert list(data) == KEYS
     assert [list(check) for check in data["checks"]] == [CHECK_KEYS] * 4
@@ -151,7 +153,7 @@ def test_text_fits_and_says_all(width: int) -> None:
         "1.5 of 4 points",
         "1. grader -> your node: request /convert",
         "4. your node --x grader: no answer",
-        "Isolation: walls.",
+        "Isolation: own network.",
     ):
         assert word in text
     assert "\x1b" not in text
@@ -183,7 +185,7 @@ def test_text_lets_nothing_steer_the_terminal() -> None:
 def test_joiners_stay_where_writing_needs_them(said: str, shown: str) -> None:
     assert printable(said) == shown
     assert printable(shown) == shown
-    output = Output()
+    output = BoundedOutput()
     output.add(said.encode())
     assert output.text() == shown
 
@@ -269,7 +271,7 @@ def test_diagram_grows_with_its_text_and_stays_within_its_width() -> None:
 
 
 def test_link_leads_from_the_notebooks_folder_to_the_lesson() -> None:
-    taught = replace(FAILED, diagnosis="service.no_return")
+    taught = replace(FAILED, diagnosis="service.no_return", known=catalogue()["service.no_return"])
     root = environment.checkout()
     assert root is not None
     html = render_html(replace(REPORT, checks=(taught,)), root / "exercises" / "temperature_service")
@@ -285,7 +287,7 @@ def test_link_in_a_learners_copy_leads_to_the_lesson_in_it(tmp_path: Path) -> No
     lesson.parent.mkdir()
     lesson.touch()
     (tmp_path / "exercises" / "temperature_service").mkdir(parents=True)
-    taught = replace(FAILED, diagnosis="service.no_return")
+    taught = replace(FAILED, diagnosis="service.no_return", known=catalogue()["service.no_return"])
     html = render_html(replace(REPORT, checks=(taught,)), tmp_path / "exercises" / "temperature_service")
     assert 'href="../../notebooks/01_services.ipynb#' in html
 
@@ -313,7 +315,7 @@ def test_catalogue_has_all_for_each_code() -> None:
 
 
 def test_message_is_completed_with_why_and_where() -> None:
-    text = complete("It happened.", "service.no_return")
+    text = complete("It happened.", catalogue()["service.no_return"])
     assert text.startswith("It happened. ")
     assert catalogue()["service.no_return"].explanation in text
     assert "notebooks/01_services.ipynb#" in text

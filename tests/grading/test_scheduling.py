@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import processes, scheduling
-from course_kit.grading.scheduling import Waiting
+from course_kit.grading.sandbox import scheduling
+from course_kit.grading.sandbox.scheduling import Waiting
+from course_kit.process import tree
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ def test_what_has_ended_has_computed_all_the_same(proc: MadeUpProc, ended: str) 
     waiting = Waiting(PROGRAM, with_children=False)
     proc.threads(PROGRAM, main=(0.0, 2.0))
     proc.process(PROGRAM, *((0.0, 2.0) if ended == "children" else (2.0, 0.0)))
-    assert waiting.look([PROGRAM], 1) == 0.0
+    assert waiting.look([PROGRAM], 1) == pytest.approx(0.0)
 
 
 def test_while_children_come_and_go_unseen_nothing_counts(proc: MadeUpProc) -> None:
@@ -174,11 +175,11 @@ def test_a_real_program_that_shares_its_processor_has_waited(start: Callable[[st
 
 def test_a_real_program_that_sleeps_has_not_however_busy_its_children_are(start: Callable[[str], int]) -> None:
     program = start(BUSY_CHILDREN)
-    wait_until(lambda: len(processes.descendants(program)) == 12, "the children")
+    wait_until(lambda: len(tree.descendants(program)) == 12, "the children")
     waiting = Waiting(program, with_children=False)
 
     def busy() -> float:
-        everything = [program, *processes.descendants(program)]
+        everything = [program, *tree.descendants(program)]
         waiting.look(everything, len(everything))
         return sum(map(seconds_of, everything))
 

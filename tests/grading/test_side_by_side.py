@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading.worker import side_by_side
+from course_kit.grading.workers.worker import side_by_side
 from tests.grading.conftest import EXERCISE, ROOT
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def test_one_that_is_killed_is_told_and_costs_the_other_nothing(pair: list[Worke
 
     killer = threading.Thread(target=kill)
     killer.start()
-    with pytest.raises(grading.GradingError, match="ended while it was at work"):
+    with pytest.raises(grading.GradingError, match="ended while it was grading"):
         grading.grade(EXERCISE, tmp_path / "a.py", worker=victim)
     killer.join()
     assert grading.grade(EXERCISE, SOLUTION, worker=other).score == 10.0

@@ -9,8 +9,9 @@ from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
 
 from course_kit import grading
-from course_kit.grading.checks import Evidence
-from course_kit.grading.steps import GRADER, NODE, Record, Step, tell
+from course_kit.grading.checks.check import Evidence
+from course_kit.grading.exchange_log import GRADER, NODE, ExchangeLog, in_one_line
+from course_kit.ros.arrows import Arrow
 from tests.grading.conftest import ROOT
 
 if TYPE_CHECKING:
@@ -18,12 +19,12 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def lines(record: Record, evidence: Evidence) -> list[str]:
-    return [step.line() for step in record.steps(evidence)]
+def lines(record: ExchangeLog, evidence: Evidence) -> list[str]:
+    return [str(step) for step in record.steps(evidence)]
 
 
 def test_an_unanswered_request_ends_at_what_came_instead() -> None:
-    record = Record()
+    record = ExchangeLog()
     record.sent("request /add: a=1", about="a=1")
     assert lines(record, Evidence("a=1", "sum=2", "no answer within 5 s")) == [
         "grader -> your node: request /add: a=1",
@@ -33,14 +34,14 @@ def test_an_unanswered_request_ends_at_what_came_instead() -> None:
 
 
 def test_of_several_turns_the_one_the_verdict_is_about_is_told() -> None:
-    record = Record()
+    record = ExchangeLog()
     for number in range(4):
         record.sent(f"request {number}", about=str(number)).came(f"response {number}")
     assert [step.text for step in record.steps(Evidence("1", "", "x"))] == ["request 1", "response 1"]
 
 
 def test_a_long_exchange_says_what_is_left_out() -> None:
-    record = Record()
+    record = ExchangeLog()
     for number in range(10):
         record.sent(f"request {number}").came(f"response {number}")
     told = lines(record, Evidence(got="x"))
@@ -50,7 +51,7 @@ def test_a_long_exchange_says_what_is_left_out() -> None:
 
 
 def test_questions_in_between_and_second_tries_are_not_told() -> None:
-    record = Record()
+    record = ExchangeLog()
     record.sent("set a=1").came("accepted")
     record.sent("get a", minor=True).came("a=1")
     for _ in range(2):
@@ -59,21 +60,21 @@ def test_questions_in_between_and_second_tries_are_not_told() -> None:
 
 
 def test_a_question_that_nothing_follows_is_told() -> None:
-    record = Record()
+    record = ExchangeLog()
     record.sent("get a", minor=True)
     assert [step.text for step in record.steps(Evidence(got="no answer"))] == ["get a", "no answer"]
 
 
 def test_what_is_followed_stands_where_it_happened_in_time() -> None:
-    record = Record()
+    record = ExchangeLog()
     turn = record.sent("goal")
-    record.follow(lambda: [(turn.steps[0][0] + 1e-9, Step(NODE, GRADER, "message", "feedback"))])
+    record.follow(lambda: [(turn.steps[0][0] + 1e-9, Arrow(NODE, GRADER, "message", "feedback"))])
     record.sent("cancel").missed("nothing came")
     assert [step.text for step in record.steps(Evidence())] == ["goal", "feedback", "cancel", "nothing came"]
 
 
 def test_the_next_check_begins_empty_and_tidying_up_is_not_kept() -> None:
-    record = Record()
+    record = ExchangeLog()
     late = record.sent("request")
     record.clear()
     late.came("too late")
@@ -84,15 +85,15 @@ def test_the_next_check_begins_empty_and_tidying_up_is_not_kept() -> None:
 
 def test_messages_are_told_with_their_fields() -> None:
     twist = Twist()
-    assert tell(twist) == "all fields 0"
+    assert in_one_line(twist) == "all fields 0"
     twist.linear.x = 1.23456
-    assert tell(twist) == "linear.x=1.235, the rest 0"
+    assert in_one_line(twist) == "linear.x=1.235, the rest 0"
     request = ConvertTemperature.Request(value=98.6, from_unit="x" * 100)
-    assert tell(request) == f"value=98.6, from_unit='{'x' * 40}...', to_unit=''"
+    assert in_one_line(request) == f"value=98.6, from_unit='{'x' * 40}...', to_unit=''"
 
 
 def steps_of(report: grading.Report, check: str) -> list[str]:
-    return [step.line() for one in report.checks if one.id == check for step in one.steps]
+    return [str(step) for one in report.checks if one.id == check for step in one.steps]
 
 
 @pytest.mark.parametrize(
@@ -120,7 +121,7 @@ def steps_of(report: grading.Report, check: str) -> list[str]:
             "change_velocity",
             [
                 "set_parameters: max_velocity=",
-                "it was accepted",
+                "accepted",
                 "/cmd_vel_in: linear.x=-9.0",
                 "/cmd_vel: linear.x=-1.0",
             ],

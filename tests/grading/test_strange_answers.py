@@ -12,7 +12,7 @@ from tests.grading.strange_programs import ANYTHING, PROGRAMS
 if TYPE_CHECKING:
     from pathlib import Path
 
-pytestmark = pytest.mark.answers
+pytestmark = [pytest.mark.answers, pytest.mark.attack("Strange answers")]
 
 
 @pytest.mark.parametrize("name", PROGRAMS)

@@ -29,12 +29,12 @@ def notebook(*cells: object) -> str:
         ("a.py", b"x = '\xff'", "not UTF-8 text (byte 6)"),
         ("a.py", b"x = 1\0", "null bytes"),
         ("a.py", b"#" * (LARGEST + 1), "larger than 1024 kB"),
-        ("a.txt", b"x = 1", "no .py and no .ipynb"),
-        ("a.ipynb", b"x = 1", "no Jupyter notebook"),
-        ("a.ipynb", b"[]", "no Jupyter notebook"),
-        ("a.ipynb", b'{"cells": 3}', "no Jupyter notebook"),
-        ("a.ipynb", b'{"cells": [{"cell_type": "code", "source": 3}]}', "no Jupyter notebook"),
-        ("a.ipynb", b"[" * 100_000, "no Jupyter notebook"),
+        ("a.txt", b"x = 1", "neither a .py nor an .ipynb"),
+        ("a.ipynb", b"x = 1", "is not a Jupyter notebook"),
+        ("a.ipynb", b"[]", "is not a Jupyter notebook"),
+        ("a.ipynb", b'{"cells": 3}', "is not a Jupyter notebook"),
+        ("a.ipynb", b'{"cells": [{"cell_type": "code", "source": 3}]}', "is not a Jupyter notebook"),
+        ("a.ipynb", b"[" * 100_000, "is not a Jupyter notebook"),
         ("a.ipynb", notebook("x = 1").encode(), "'%%submission temperature_service'"),
         ("a.ipynb", notebook("%%submission other\nx = 1").encode(), "It has cells for: other"),
         ("a.ipynb", notebook(f"%%submission {EXERCISE}\n\n").encode(), "no code cell that begins"),
@@ -61,7 +61,7 @@ def test_missing_folder_pipe_and_loop(tmp_path: Path) -> None:
     with pytest.raises(UnreadableError, match=r"^\w+ is a folder. Name the .py or .ipynb file in it.$"):
         read(tmp_path, EXERCISE)
     os.mkfifo(tmp_path / "pipe.py")
-    with pytest.raises(UnreadableError, match=r"^pipe.py is no ordinary file. Hand in a .py or .ipynb file.$"):
+    with pytest.raises(UnreadableError, match=r"^pipe.py is not an ordinary file. Hand in a .py or .ipynb file.$"):
         read(tmp_path / "pipe.py", EXERCISE)
     (tmp_path / "loop.py").symlink_to("loop.py")
     with pytest.raises(UnreadableError, match="cannot be read"):

@@ -7,8 +7,8 @@ import threading
 
 import pytest
 
-from course_kit.grading import wire
-from course_kit.grading.wire import Channel, ChannelClosedError
+from course_kit.grading.workers import ipc
+from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 
 
 def test_messages_arrive_whole_and_in_order() -> None:
@@ -41,14 +41,14 @@ def test_silence_is_a_timeout_and_an_end_is_an_end() -> None:
 def test_what_is_no_message_is_refused(data: bytes) -> None:
     first, second = Channel.pair()
     os.write(first.fileno(), data)
-    with pytest.raises(ChannelClosedError, match="no message"):
+    with pytest.raises(ChannelClosedError, match="is not a message"):
         second.receive(5)
     first.close()
     second.close()
 
 
 def test_a_peer_that_stops_in_the_middle_of_a_message_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(wire, "_TRANSFER_S", 0.05)
+    monkeypatch.setattr(ipc, "_TRANSFER_S", 0.05)
     for begun in (b"\0", b"\0\0\0\2", b"\0\0\0\2{"):
         first, second = Channel.pair()
         os.write(first.fileno(), begun)
@@ -59,9 +59,9 @@ def test_a_peer_that_stops_in_the_middle_of_a_message_is_not_waited_for(monkeypa
 
 
 def test_a_peer_that_does_not_read_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(wire, "_TRANSFER_S", 0.05)
+    monkeypatch.setattr(ipc, "_TRANSFER_S", 0.05)
     first, second = Channel.pair()
-    with pytest.raises(ChannelClosedError, match="does not read"):
+    with pytest.raises(ChannelClosedError, match="no longer reads"):
         first.send({"text": "x" * 10_000_000})
     first.close()
     second.close()

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from course_kit import lab
-from course_kit.lab.core import Lab
+from course_kit.lab.runtime.core import Lab
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from course_kit import lab
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 
 class Counter(Node):

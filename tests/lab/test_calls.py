@@ -17,7 +17,7 @@ from course_kit.lab.messages import build
 from tests.lab.nodes import Faulty, Switch, Talker
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 pytestmark = pytest.mark.usefixtures("own_lab")
 
@@ -67,7 +67,7 @@ def test_without_any_service_the_graph_is_said_to_be_empty() -> None:
 
 def test_another_type_is_named() -> None:
     lab.start(Switch)
-    expected = "/switch has the type std_srvs/srv/SetBool, and was called as std_srvs/srv/Trigger"
+    expected = "/switch has the type std_srvs/srv/SetBool, but you called it with std_srvs/srv/Trigger"
     with pytest.raises(lab.ServiceNotFoundError, match=expected):
         call("/switch", Trigger)
 
@@ -159,13 +159,13 @@ def test_an_error_repeated_by_a_timer_is_shown_three_times(capsys: pytest.Captur
     lab.stop(node)
     shown = capsys.readouterr().err
     assert shown.count("talker: tick raised KeyError: 'map'") == 3
-    assert shown.count("this is the last time it is shown") == 1
+    assert shown.count("will not be shown again") == 1
 
 
 def test_a_slow_callback_is_named_when_time_is_over() -> None:
     faulty = lab.start(Faulty)
     with pytest.raises(
-        lab.NoAnswerError, match=r"within 0.5 s. faulty is still in blocks \(nodes.py, line \d+: self.rel"
+        lab.NoAnswerError, match=r"within 0.5 s. faulty has been in blocks \(nodes.py, line \d+: self.rel"
     ):
         call("blocks", timeout=0.5)
     faulty.release.set()

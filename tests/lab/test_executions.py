@@ -20,7 +20,7 @@ from course_kit import lab
 from tests.lab.action_nodes import Fibonaccis, Stubborn, Waiting
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
     from tests.lab.kernel import Kernel
 
 pytestmark = pytest.mark.usefixtures("own_lab")
@@ -85,8 +85,8 @@ def test_a_goal_that_takes_too_long_says_where_it_is() -> None:
     goal = lab.send_goal_blocking("/stubborn", Fibonacci, order=1)
     assert node.busy.wait(10)
     expected = (
-        r"/stubborn did not finish the goal within 0.3 s. stubborn is still in execute "
-        r"\(action_nodes.py, line \d+: .*\), for 0 s by now\."
+        r"/stubborn did not finish the goal within 0.3 s. stubborn has been in execute "
+        r"\(action_nodes.py, line \d+: .*\) for 0 s\."
     )
     with pytest.raises(lab.NoAnswerError, match=expected):
         goal.result_blocking(timeout=0.3)
@@ -244,7 +244,7 @@ def test_a_goal_nobody_waits_for_any_more_is_cancelled_when_it_is_accepted() -> 
             return result
 
     node = lab.start(Slow)
-    expected = "/fibonacci neither accepted nor rejected the goal within 0.3 s. waiting is still in"
+    expected = "/fibonacci neither accepted nor rejected the goal within 0.3 s. waiting has been in"
     with pytest.raises(lab.NoAnswerError, match=expected):
         lab.send_goal_blocking("/fibonacci", Fibonacci, order=9, timeout=0.3)
     node.decide_now.set()
@@ -301,7 +301,7 @@ def test_what_execute_callbacks_print_lands_in_the_cell_that_waits(kernel: Kerne
     assert shown.result["text/plain"] == "Goal(order=2) for /chat: ABORTED"
     assert re.fullmatch(
         r"chatty: execute raised ValueError: two\n  In\[\d+\], line 16: raise ValueError\(\"two\"\)\n"
-        r"  The node lives on, and so do the others\.\n",
+        r"  The node keeps running, and so do the others\.\n",
         shown.stderr,
     )
 

@@ -13,7 +13,7 @@ from tests.lab.action_nodes import Fibonaccis
 from tests.lab.nodes import Switch
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 pytestmark = pytest.mark.usefixtures("own_lab")
 
@@ -72,7 +72,7 @@ def test_without_any_action_the_graph_is_said_to_be_empty() -> None:
 
 def test_an_action_of_another_type_is_named() -> None:
     lab.start(Fibonaccis)
-    expected = "/fibonacci has the type example_interfaces/action/Fibonacci, and the goal was one of test_msgs/action/"
+    expected = "/fibonacci has the type example_interfaces/action/Fibonacci, but the goal was one of test_msgs/action/"
     with pytest.raises(lab.ActionNotFoundError, match=expected):
         lab.send_goal_blocking("/fibonacci", OtherFibonacci, order=1)
 

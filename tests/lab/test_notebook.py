@@ -79,7 +79,7 @@ def test_a_crash_is_three_lines_with_the_learners_own(kernel: Kernel) -> None:
     assert cell.stderr == (
         "server: answer raised ValueError: no\n"
         f'  In[{cell_number}], line 15: raise ValueError("no")\n'
-        "  The caller gets no answer. In a program of its own this would end the server; here it lives on.\n"
+        "  The caller gets no answer. In a separate program this would end the server; here it keeps running.\n"
     )
     assert cell.error == (
         f"ServiceFailedError: server sent no response: answer raised ValueError: no (In[{cell_number}], line 15)"

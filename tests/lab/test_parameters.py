@@ -19,11 +19,12 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float64, String
 
-from course_kit import lab, trace
-from course_kit.lab.parameter_values import Descriptor, Range
+from course_kit import lab
+from course_kit.lab.recording import attaching
+from course_kit.ros.parameters import Descriptor, Range
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 pytestmark = pytest.mark.usefixtures("own_lab")
 NAMES = ["name", "speed", "gears", "frame", "tags", "late"]
@@ -104,7 +105,9 @@ def test_atomically_means_all_or_nothing() -> None:
     lab.start(Robot)
     refused = lab.set_parameters_blocking("/robot", atomically=True, name="c3po", gears=4)
     assert not refused
-    assert str(refused).startswith("nothing was set, for one was refused: The parameter value for gears is not a valid")
+    assert str(refused).startswith(
+        "nothing was set, because one value was refused: The parameter value for gears is not a valid"
+    )
     assert get("name", "gears") == {"name": "r2d2", "gears": 5}
     assert lab.set_parameters_blocking("/robot", atomically=True, name="c3po", gears=7)
     assert get("name", "gears") == {"name": "c3po", "gears": 7}
@@ -139,7 +142,7 @@ def test_a_node_that_is_not_there_is_told_the_nearest_name() -> None:
         lab.get_parameters_blocking("/robt", timeout=0.2)
     with pytest.raises(lab.NodeNotFoundError, match=r"no node /x\. On the graph: /robot"):
         asyncio.run(lab.describe_parameters("/x", timeout=0.2))
-    with pytest.raises(lab.NodeNotFoundError, match="/bare is on the graph and offers no parameter services"):
+    with pytest.raises(lab.NodeNotFoundError, match="/bare is on the graph but offers no parameter services"):
         lab.get_parameters_blocking("/bare", timeout=0.2)
     with pytest.raises(lab.LabError, match="7 is not one"):
         lab.get_parameters_blocking(7)
@@ -223,7 +226,7 @@ def test_descriptors_hold_what_the_node_says() -> None:
 
 
 def test_a_diagram_shows_a_parameter_by_its_value(own_lab: Lab) -> None:
-    trace.attach(own_lab)
+    attaching.attach(own_lab)
     lab.start(Robot)
     lab.set_parameters_blocking("/robot", speed=2.0)
     asked = "lab -> robot  /robot/set_parameters request: parameters=[{name='speed', value=2.0}]"
@@ -266,7 +269,7 @@ def test_what_cannot_be_subscribed_to_is_said() -> None:
     with pytest.raises(lab.LabError, match="'/num bers' is not a ROS name"):
         lab.subscribe("/num bers", Float64, print)
     lab.publish("/words", String, data="x")
-    with pytest.raises(lab.LabError, match="/words has the type std_msgs/msg/String, and was asked for as std_msgs"):
+    with pytest.raises(lab.LabError, match="/words has the type std_msgs/msg/String, but you asked for std_msgs"):
         lab.subscribe("/words", Float64, print)
 
 

@@ -10,16 +10,17 @@ import psutil
 import pytest
 from example_interfaces.srv import AddTwoInts
 
-from course_kit import lab, trace
+from course_kit import lab
+from course_kit.lab.recording import attaching
 from tests.lab.nodes import Switch
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from tests.lab.kernel import Kernel
 
-SEED = Path(__file__).parent.parent / "seed"
-SERVER = (SEED / "minimal_service.py").read_text()
-CLIENT = (SEED / "minimal_client.py").read_text()
+PROGRAMS = Path(__file__).parent.parent / "lesson_programs"
+SERVER = (PROGRAMS / "minimal_service.py").read_text()
+CLIENT = (PROGRAMS / "minimal_client.py").read_text()
 EXCHANGE = (
     "1. minimal_client -> minimal_service  /add_two_ints request: a=1, b=2\n"
     "2. minimal_service -> minimal_client  /add_two_ints response: sum=3"
@@ -173,7 +174,9 @@ def test_interrupting_a_cell_stops_its_script(kernel: Kernel) -> None:
 def test_scripts_die_with_the_kernel(how: signal.Signals, fresh_kernel: Kernel) -> None:
     fresh_kernel.run(f"%%ros_script server\n{SERVER}")
     children = [
-        one for one in psutil.Process(fresh_kernel.pid).children(recursive=True) if "runner" in " ".join(one.cmdline())
+        one
+        for one in psutil.Process(fresh_kernel.pid).children(recursive=True)
+        if "child_main" in " ".join(one.cmdline())
     ]
     assert len(children) == 1
     os.kill(fresh_kernel.pid, how)
@@ -183,7 +186,7 @@ def test_scripts_die_with_the_kernel(how: signal.Signals, fresh_kernel: Kernel) 
 
 @pytest.mark.usefixtures("own_lab")
 def test_scripts_from_a_program(capsys: pytest.CaptureFixture[str]) -> None:
-    trace.attach()
+    attaching.attach()
     lab.script("server", SERVER)
     assert lab.call_blocking("/add_two_ints", AddTwoInts, a=20, b=22).sum == 42
     assert repr(lab.script("client", CLIENT, 1, 2)) == "client has ended."

@@ -13,7 +13,7 @@ from course_kit import lab
 from tests.lab.nodes import Faulty, Switch, Talker
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 pytestmark = pytest.mark.usefixtures("own_lab")
 
@@ -199,7 +199,7 @@ def test_a_name_used_with_two_types_is_explained() -> None:
             self.create_service(Trigger, "switch", lambda _, response: response)
 
     lab.start(Switch)
-    with pytest.raises(lab.LabError, match=r"/switch with another type .* used by switch"):
+    with pytest.raises(lab.LabError, match=r"/switch with a different type .* used by switch"):
         lab.start(Other)
 
 

@@ -1,4 +1,4 @@
-"""Everything of the chapter the course grew from has its place in a lesson, in a cell that runs.
+"""Every item of the syllabus has its place in a lesson, in a cell that runs.
 
 Writes the table to artifacts/coverage.md.
 """
@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import nbformat
 import pytest
 
-from tests.notebooks.test_form import SEED, without_magic
+from tests.notebooks.test_form import PROGRAMS, without_magic
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -21,7 +21,7 @@ else:
     import tomli as tomllib
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
-ITEMS = tomllib.loads((Path(__file__).parent / "seed_items.toml").read_text())["item"]
+ITEMS = tomllib.loads((Path(__file__).parent / "syllabus.toml").read_text())["item"]
 TABLE = REPOSITORY / "artifacts" / "coverage.md"
 
 
@@ -41,7 +41,7 @@ def shown(cell: Any) -> str:
 
 def fits(cell: Any, item: dict[str, str]) -> bool:
     if "program" in item:
-        found = without_magic(cell.source) == SEED[item["program"]]
+        found = without_magic(cell.source) == PROGRAMS[item["program"]]
     else:
         found = re.search(item["source"], cell.source) is not None
     return found and cell.execution_count is not None
@@ -67,16 +67,16 @@ def place_of(item: dict[str, str]) -> Place | None:
 
 
 @pytest.mark.parametrize("item", ITEMS, ids=lambda item: item["name"])
-def test_each_item_of_the_chapter_has_its_cell(item: dict[str, str]) -> None:
+def test_each_item_of_the_syllabus_has_its_cell(item: dict[str, str]) -> None:
     assert place_of(item) is not None, f"no cell of {item['notebook']} covers: {item['name']}"
 
 
-def test_every_program_of_the_chapter_is_an_item() -> None:
-    assert {item.get("program") for item in ITEMS} >= set(SEED)
+def test_every_lesson_program_is_an_item() -> None:
+    assert {item.get("program") for item in ITEMS} >= set(PROGRAMS)
 
 
 def test_the_table_is_written() -> None:
-    lines = ["| item of the chapter | notebook | cell | |", "|---|---|---|---|"]
+    lines = ["| item of the syllabus | notebook | cell | |", "|---|---|---|---|"]
     for item in ITEMS:
         place = place_of(item)
         assert place is not None

@@ -10,7 +10,8 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-from course_kit import present, release
+from course_kit.authoring import release
+from course_kit.cli import present
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 DEMOS = sorted((REPOSITORY / "notebooks/demos").glob("*.ipynb"))

@@ -13,7 +13,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent.parent
 CHECKPOINTS = ".ipynb_checkpoints"  # JupyterLab's own copies
 LESSONS = sorted(path for path in (REPOSITORY / "notebooks").rglob("*.ipynb") if CHECKPOINTS not in path.parts)
 EXERCISES = sorted(path for path in (REPOSITORY / "exercises").rglob("*.ipynb") if CHECKPOINTS not in path.parts)
-SEED = {path.name: path.read_text().strip() for path in (REPOSITORY / "tests" / "seed").glob("*.py")}
+PROGRAMS = {path.name: path.read_text().strip() for path in (REPOSITORY / "tests" / "lesson_programs").glob("*.py")}
 LONGEST_CELL = 25
 
 lessons = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
@@ -44,12 +44,12 @@ def test_it_is_a_valid_notebook_for_any_kernel_name(path: Path) -> None:
 
 @notebooks
 def test_no_cell_is_long(path: Path) -> None:
-    """A program of the seed chapter stands as it is: its length is part of what is taught."""
+    """A complete program may be longer: its length is part of what is taught."""
     too_long = [
         cell.source
         for cell in cells(path, "code")
         if len(cell.source.splitlines()) > LONGEST_CELL
-        and without_magic(cell.source) not in SEED.values()
+        and without_magic(cell.source) not in PROGRAMS.values()
         and not cell.source.startswith("%%submission")
     ]
     assert not too_long
@@ -97,10 +97,10 @@ def test_every_picture_has_a_text_and_every_link_leads_somewhere(path: Path) -> 
                 )
 
 
-def test_lesson_one_runs_the_programs_of_the_chapter_word_for_word() -> None:
+def test_lesson_one_runs_its_programs_word_for_word() -> None:
     sources = [without_magic(cell.source) for cell in cells(REPOSITORY / "notebooks/01_services.ipynb", "code")]
-    assert SEED["minimal_service.py"] in sources
-    assert SEED["minimal_client.py"] in sources
+    assert PROGRAMS["minimal_service.py"] in sources
+    assert PROGRAMS["minimal_client.py"] in sources
 
 
 def words(text: str) -> int:

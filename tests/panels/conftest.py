@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import trace
+from course_kit.lab.recording import attaching
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 
 @pytest.fixture
 def live_lab(own_lab: Lab) -> Lab:
     """A recording lab of its own, in a domain of its own."""
-    trace.attach(own_lab)
+    attaching.attach(own_lab)
     return own_lab

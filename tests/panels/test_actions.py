@@ -16,7 +16,7 @@ from tests.panels.goal_panels import Gate
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
     from course_kit.panels.goal_panel import ActionPanel
 
 

@@ -12,7 +12,7 @@ from course_kit.panels.demo_robot import DemoRobot
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
     from course_kit.panels.arena_map import RobotMap
 
 

@@ -11,7 +11,7 @@ import pytest
 from course_kit.panels.base import Latest, Panel
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 pytestmark = pytest.mark.usefixtures("own_lab")
 

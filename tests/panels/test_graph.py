@@ -13,12 +13,12 @@ from rclpy.node import Node
 from std_msgs.msg import Bool, Float64
 
 from course_kit import lab, panels
-from course_kit.lab import overview
 from course_kit.panels.graph_view import GraphView, drawn, in_lines, news
+from course_kit.ros import graph as overview
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
-    from course_kit.lab.overview import Overview
+    from course_kit.lab.runtime.core import Lab
+    from course_kit.ros.graph import Overview
 
 pytestmark = pytest.mark.usefixtures("live_lab")
 

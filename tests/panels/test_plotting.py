@@ -52,7 +52,7 @@ def test_what_is_older_than_the_seconds_shown_is_forgotten() -> None:
     wait_until(lambda: time.monotonic() - panel._begun > first + 0.3)
     lab.publish("/speed", Float64, data=2.0)
     assert [value for _, value in panel.samples] == [2.0]
-    with pytest.raises(lab.LabError, match="some seconds"):
+    with pytest.raises(lab.LabError, match="a number of seconds"):
         panels.plot("/speed", Float64, "data", seconds=0)
 
 
@@ -104,11 +104,11 @@ def test_two_numbers_of_one_topic_have_a_plot_each() -> None:
     ("message_type", "path", "message"),
     [
         (Twist, "linar.x", "no field 'linar' in a geometry_msgs/msg/Twist; .* Did you mean 'linear'"),
-        (Twist, "linear", "'linear' is no number but a geometry_msgs/Vector3. In it: linear.x, linear.y, linear.z"),
+        (Twist, "linear", "'linear' is not a number but a geometry_msgs/Vector3. In it: linear.x, linear.y, linear.z"),
         (Twist, "linear.x.y", "no field 'y' in a double; it has none"),
         (Twist, "linear x", "is not a path to a field, such as .data."),
-        (String, "data", "'data' is no number but a string"),
-        (LaserScan, "ranges", r"no number but a sequence<float>. Take one element: 'ranges\[0\]'"),
+        (String, "data", "'data' is not a number but a string"),
+        (LaserScan, "ranges", r"not a number but a sequence<float>. Take one element: 'ranges\[0\]'"),
         (42, "data", "42 is not a message type"),
     ],
 )

@@ -174,7 +174,7 @@ def test_a_file_changed_by_hand_is_never_overwritten_and_its_own_is(tmp_path: Pa
     found = ast.literal_eval(path.read_text().partition("answers = ")[2])
     assert found[scenario.id] == wrong(scenario)
     path.write_text(f"{path.read_text()}# a thought\n")
-    assert panel.write().startswith("Nothing was written: my_answers.py is there already")
+    assert panel.write().startswith("Nothing was written: my_answers.py already exists")
     assert path.read_text().endswith("# a thought\n")
 
 

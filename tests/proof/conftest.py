@@ -8,17 +8,17 @@ from pathlib import Path
 import pytest
 
 from course_kit import environment
-from course_kit.dev import check, sets
+from course_kit.authoring import check, corpus
 
 ROOT = environment.checkout() or Path()
-EXERCISES = sets.all_exercises(ROOT)
+EXERCISES = corpus.all_exercises(ROOT)
 
 
 class Proofs:
     """What `dev check` finds, exercise by exercise, as the tests ask for it."""
 
     @cache  # noqa: B019 - it lives as long as the test run
-    def of(self, exercise: str) -> check.Outcome:
+    def of(self, exercise: str) -> check.ProofOutcome:
         return check.check(ROOT, [exercise])
 
     def report(self, exercise: str, kind: str, name: str) -> check.Report:

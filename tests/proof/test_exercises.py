@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
-from course_kit.dev import rules, sets
-from course_kit.grading.diagnosis import catalogue
+from course_kit.authoring import corpus, rules
+from course_kit.grading.diagnosis.catalogue import catalogue
 from tests.proof.conftest import EXERCISES, ROOT
 
 if TYPE_CHECKING:
@@ -34,16 +34,16 @@ ONLY = {  # broken submissions of exercise 2 that fail one check alone
 }
 FACTS = [
     ("temperature_service", "start.syntax", "line 36: def main()"),
-    ("temperature_service", "start.import", "The nearest name there is: course_interfaces"),
+    ("temperature_service", "start.import", "The nearest name is course_interfaces"),
     ("temperature_service", "start.crash", "KeyError: 'kelvin' in line 13"),
-    ("temperature_service", "start.nothing", "the class TemperatureService, which is no rclpy Node"),
+    ("temperature_service", "start.nothing", "the class TemperatureService, which is not an rclpy Node"),
     ("temperature_service", "start.exit", "exit code 0"),
     ("temperature_service", "name.service", "The closest is /convert_temperatur"),
     ("temperature_service", "name.node", "/temperature_server"),
     (
         "temperature_service",
         "type.interface",
-        "std_srvs/srv/SetBool instead of course_interfaces/srv/ConvertTemperature",
+        "has type std_srvs/srv/SetBool, expected course_interfaces/srv/ConvertTemperature",
     ),
     ("temperature_service", "service.wrong_return", "an object of type float"),
     ("temperature_service", "service.exception", "KeyError: 'fahrenheit' in line 17"),
@@ -51,7 +51,7 @@ FACTS = [
     ("temperature_service", "field.type", "field 'value' must be a float"),
     ("temperature_service", "math.formula", "multiplication goes before subtraction"),
     ("temperature_service", "limit.memory", "256 MB"),
-    ("robot_parameters", "field.type", "The field 'x' must be a float, and something else was put into it in line"),
+    ("robot_parameters", "field.type", "The field 'x' must be a float, but something else was put into it in line"),
     ("robot_parameters", "math.formula", "This is the speed divided by the diameter"),
     ("robot_parameters", "math.integer_division", "Digits were lost"),
     ("robot_parameters", "name.node", "The closest is /velocity_limit."),
@@ -61,25 +61,25 @@ FACTS = [
         "ValueError: robot_name must not be empty in line 38: raise ValueError(reason)",
     ),
     ("robot_parameters", "parameter.default", "wheel_diameter=0.2"),
-    ("robot_parameters", "parameter.not_atomic", "yet your node acts on it"),
+    ("robot_parameters", "parameter.not_atomic", "yet it acts on it"),
     ("robot_parameters", "parameter.override_ignored", "the node acts on another"),
     ("robot_parameters", "parameter.read_once", "what comes out is the same as before"),
     ("robot_parameters", "parameter.type", "max_velocity is integer"),
     ("robot_parameters", "parameter.undeclared", "has not declared enabled"),
     ("robot_parameters", "start.crash", "KeyError: 'right' in line"),
-    ("robot_parameters", "start.import", "The nearest name there is: Float"),
-    ("robot_parameters", "start.nothing", "the class VelocityLimiter, which is no rclpy Node"),
+    ("robot_parameters", "start.import", "The nearest name is Float"),
+    ("robot_parameters", "start.nothing", "the class VelocityLimiter, which is not an rclpy Node"),
     ("robot_parameters", "topic.qos", "Best effort publisher and reliable subscription"),
     ("robot_parameters", "topic.silent", "The closest is /velocity_limiter/wheel_speed"),
-    ("robot_parameters", "type.interface", "std_msgs/msg/Float32 instead of std_msgs/msg/Float64"),
+    ("robot_parameters", "type.interface", "with type std_msgs/msg/Float32, expected std_msgs/msg/Float64"),
     ("robot_parameters", "validation.missing", "Your node accepted robot_name=''"),
     ("robot_parameters", "validation.no_reason", "It is empty."),
     ("robot_parameters", "validation.overzealous", "refused max_velocity="),
     ("pattern_choice", "start.syntax", "in line 2"),
-    ("pattern_choice", "start.import", "The nearest name there is: course_kit"),
+    ("pattern_choice", "start.import", "The nearest name is course_kit"),
     ("pattern_choice", "start.crash", "in line 3"),
     ("pattern_choice", "start.exit", "exit code 0"),
-    ("pattern_choice", "limit.time", "computed for 3 s"),
+    ("pattern_choice", "limit.time", "used the processor for 3 s"),
     ("pattern_choice", "limit.memory", "256 MB"),
     ("pattern_choice", "quiz.malformed", "Without quotes, Python takes"),
     ("pattern_choice", "quiz.unknown", "did you mean"),
@@ -95,7 +95,7 @@ def test_everything_holds(exercise: str, proofs: Proofs) -> None:
 
 
 def names(exercise: str) -> set[str]:
-    return {one.name for one in sets.load(exercise, ROOT).of("broken")}
+    return {one.name for one in corpus.load(exercise, ROOT).of("broken")}
 
 
 def test_every_code_has_a_broken_submission() -> None:

@@ -94,7 +94,7 @@ def test_a_good_text_is_read() -> None:
     [
         ('title = "t"\n', "", "in 'one', 'title' is missing"),
         ('id = "one"\n', "", "'id' is missing"),
-        ('text = "x"', "text = 3", "3 is no text"),
+        ('text = "x"', "text = 3", "3 is not a text"),
         ("format_version = 1", "format_version = 2", "format_version 2"),
         ("topic =", "topics =", "the accepted patterns are none of"),
         ('["a"]', '["e"]', "a deciding reason is missing"),

@@ -51,7 +51,7 @@ def test_either_answer_of_an_open_scenario_counts_with_its_own_reason_only() -> 
         assert quiz.mark_one(BOTH, (pattern, BOTH.accepted[pattern][0])).points == 1.0
         crossed = quiz.mark_one(BOTH, (pattern, BOTH.accepted[other][0]))
         assert (crossed.pattern.right, crossed.reason.right) == (True, False)
-        assert "must belong together" in crossed.reason.explanation
+        assert "the two must fit together" in crossed.reason.explanation
 
 
 @pytest.mark.parametrize(
@@ -59,17 +59,17 @@ def test_either_answer_of_an_open_scenario_counts_with_its_own_reason_only() -> 
     [
         (("", ""), ("quiz.missing", "quiz.missing"), "still empty"),
         ((PATTERN, ""), (None, "quiz.missing"), "still empty"),
-        (("publisher", REASON), ("quiz.malformed", None), "'publisher' is no pattern"),
+        (("publisher", REASON), ("quiz.malformed", None), "'publisher' is not a pattern"),
         (("servise", REASON), ("quiz.malformed", None), "Did you mean 'service'?"),
         ((PATTERN, REASON + "x"), (None, "quiz.malformed"), f"Did you mean '{REASON}'?"),
-        ((REASON, PATTERN), ("quiz.malformed", "quiz.malformed"), "the wrong way round"),
+        ((REASON, PATTERN), ("quiz.malformed", "quiz.malformed"), "are swapped"),
         (PATTERN, ("quiz.malformed", "quiz.malformed"), "one text"),
         ((PATTERN,), ("quiz.malformed", "quiz.malformed"), "a group of 1"),
         ((PATTERN, REASON, "because"), ("quiz.malformed", "quiz.malformed"), "a group of 3"),
         (None, ("quiz.malformed", "quiz.malformed"), "of type NoneType"),
         ({PATTERN: REASON}, ("quiz.malformed", "quiz.malformed"), "of type dict"),
-        ((1, 2.5), ("quiz.malformed", "quiz.malformed"), "'1' is no pattern"),
-        (([], {}), ("quiz.malformed", "quiz.malformed"), "'[]' is no pattern"),
+        ((1, 2.5), ("quiz.malformed", "quiz.malformed"), "'1' is not a pattern"),
+        (([], {}), ("quiz.malformed", "quiz.malformed"), "'[]' is not a pattern"),
         (quiz.Unusable("topic", "No quotes."), ("quiz.malformed", "quiz.malformed"), "No quotes."),
         (("x" * 10_000, REASON), ("quiz.malformed", None), "xxx..."),
     ],

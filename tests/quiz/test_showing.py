@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from course_kit import environment, quiz
-from course_kit.cli import main
+from course_kit.cli.main import main
 
 FOLDER = (environment.checkout() or Path()) / "exercises" / "pattern_choice"
 

@@ -74,9 +74,9 @@ def test_a_target_beyond_a_wall_by_rounding_is_the_wall(robot: SimulatedRobot) -
 @pytest.mark.parametrize(
     ("x", "y", "told"),
     [
-        (10.01, 5.0, "x = 10.01 m lies outside the arena"),
-        (5.0, -0.01, "y = -0.01 m lies outside the arena"),
-        (math.inf, 0.0, "x = inf m lies outside the arena"),
+        (10.01, 5.0, "x = 10.01 m is outside the arena"),
+        (5.0, -0.01, "y = -0.01 m is outside the arena"),
+        (math.inf, 0.0, "x = inf m is outside the arena"),
         (0.0, math.nan, "y is NaN"),
     ],
 )

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from course_kit.graders import _limiter
-from course_kit.graders._limiter import Reaction, Settings, command
+from course_kit.graders._limiter import LimiterSettings, Reaction, command
 
 velocities = st.floats(-20.0, 20.0)
 settings = st.builds(
-    Settings,
+    LimiterSettings,
     max_velocity=st.floats(0.01, 5.0),
     wheel_diameter=st.floats(0.01, 1.0),
     enabled=st.booleans(),
@@ -22,7 +22,7 @@ settings = st.builds(
 
 
 @given(settings, velocities, velocities)
-def test_the_right_reaction_keeps_to_the_contract(values: Settings, speed: float, turn: float) -> None:
+def test_the_right_reaction_is_what_the_exercise_asks_for(values: LimiterSettings, speed: float, turn: float) -> None:
     right = _limiter.right_reaction(values, command(speed, angular_z=turn))
     if not values.enabled:
         assert right == Reaction((0.0,) * 6, 0.0)
@@ -43,13 +43,13 @@ def test_the_right_reaction_keeps_to_the_contract(values: Settings, speed: float
         (60.0, "math.formula", "the command that came in"),
         (-20.0, "math.formula", "sign"),
         (1.0, "math.formula", "in m/s"),
-        (17.3, "math.formula", "none of the usual slips"),
+        (17.3, "math.formula", "none of the usual mistakes"),
         (21.0, "math.integer_division", "Digits were lost"),
     ],
 )
 def test_a_wrong_wheel_speed_is_explained(wheel: float, code: str, said: str) -> None:
     got = Reaction((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), wheel)
-    diagnosis, message = _limiter.explain_wheel(Settings(), command(3.0), got, floors=False)
+    diagnosis, message = _limiter.explain_wheel(LimiterSettings(), command(3.0), got, floors=False)
     assert (diagnosis, said in message) == (code, True)
 
 
@@ -59,8 +59,8 @@ def test_a_wrong_wheel_speed_is_explained(wheel: float, code: str, said: str) ->
         ("max_velocity", "", "empty"),
         ("max_velocity", "  ", "empty"),
         ("max_velocity", "out of range 0 .. 5", "name the parameter"),
-        ("max_velocity", "max_velocity must be positive", "tell the range"),
-        ("max_velocity", "max_velocity=-1.0 is not allowed", "tell the range"),
+        ("max_velocity", "max_velocity must be positive", "give the range"),
+        ("max_velocity", "max_velocity=-1.0 is not allowed", "give the range"),
         ("max_velocity", "max_velocity muss groesser als 0 und hoechstens 5 sein", ""),
         ("max_velocity", "Parameter max_velocity out of range Min: 0.0, Max: 5.0, value: 7.2", ""),
         ("wheel_diameter", "wheel_diameter: 1e-2 .. 1", ""),
@@ -101,7 +101,7 @@ def test_a_parameter_file_is_what_ros_2_reads() -> None:
         "".join
     )
 )
-def test_a_status_line_is_read_as_the_contract_describes_it(line: str) -> None:
+def test_a_status_line_is_read_as_the_exercise_describes_it(line: str) -> None:
     """As by this pattern, which takes the cube of a line's length."""
     match = re.fullmatch(r"\s*(?P<name>.*?)\s*:\s*(?P<number>\S+)\s*m/s\s*", line, re.DOTALL)
     try:

@@ -51,11 +51,11 @@ def test_attached_to_a_node_it_grades_all_but_the_starts_and_leaves_the_node_as_
         assert len(not_passed(report)) == len(STARTS)
         assert report.passed
     told = {check.id: check.message for check in report.checks}
-    assert "with --attach it was started already" in told["start_arguments"]
+    assert "with --attach your program is already running" in told["start_arguments"]
 
 
 def test_what_a_provoked_error_prints_is_marked_as_such() -> None:
     report = grading.grade(EXERCISE, SOLUTION)
     lines = report.stderr.splitlines()
     assert "velocity_limiter cannot start" in lines[-2]
-    assert lines[-1].startswith("[The lines above are of a start with: --ros-args -p wheel_diameter:=")
+    assert lines[-1].startswith("[The lines above are from a start with: --ros-args -p wheel_diameter:=")

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).resolve().parent
 GOLDEN = HERE / "golden"
-SEED = HERE.parent / "seed"
-OURS = [sys.executable, "-m", "course_kit.ros2"]
+PROGRAMS = HERE.parent / "lesson_programs"
+OURS = [sys.executable, "-m", "course_kit.ros2cli"]
 PATIENCE = 60.0
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.ros2.cli import run
+from course_kit.ros2cli.cli import run
 from tests.background import IN_BACKGROUND
 
 from .commands import OURS, interrupt, lines_until
@@ -53,10 +53,10 @@ rclpy.spin(Faulty())
         (("service", "type", "/set_powr"), 1, "Unknown service '/set_powr'. Did you mean /set_power?"),
         (("service", "info", "/set power"), 1, "'/set power' cannot be a name on the graph"),
         ((*CALL, "/set_power", "std_srvs/srv/SetBol"), 1, "Did you mean std_srvs/srv/SetBool?"),
-        ((*CALL, "/set_power", "std_msgs/msg/String"), 1, "std_msgs/msg/String is no service"),
+        ((*CALL, "/set_power", "std_msgs/msg/String"), 1, "std_msgs/msg/String is not a service type"),
         ((*CALL, "/set_powr", "std_srvs/srv/SetBool", "--timeout", "1"), 1, "within 1 s. Did you mean /set_power?"),
         ((*CALL, "/set_power", "std_srvs/srv/Trigger"), 1, "a service of the type std_srvs/srv/SetBool, not"),
-        ((*CALL, "/set_power", "std_srvs/srv/SetBool", "--timeout", "-1"), 2, "-1 is no number of seconds above 0"),
+        ((*CALL, "/set_power", "std_srvs/srv/SetBool", "--timeout", "-1"), 2, "-1 is not a number of seconds above 0"),
         (("action", "type", "/fibonaci"), 1, "Did you mean /fibonacci?"),
         (("action", "send_goal", "/fibonacci", "test_msgs/action/Fibonacci", "{order: 1.5}"), 1, "'order' is an int32"),
         (
@@ -66,14 +66,18 @@ rclpy.spin(Faulty())
         ),
         (("node", "info", "/robt"), 1, "Unable to find node '/robt'. Did you mean /robot?"),
         (("param", "get", "/robot", "max_velocty"), 1, "Did you mean max_velocity?"),
-        (("param", "set", "/robot", "max_velocity", "@1"), 1, "is no value of a parameter"),
+        (("param", "set", "/robot", "max_velocity", "@1"), 1, "is not a parameter value"),
         (("param", "load", "/robot", "missing.yaml"), 1, "missing.yaml: No such file or directory"),
         (("topic", "info", "/chater"), 1, "Unknown topic '/chater'. Did you mean /chatter?"),
         (("topic", "echo", "/chater", "--timeout", "1"), 1, "Did you mean /chatter?"),
         (("topic", "echo", "/in", "--timeout", "1"), 1, "No message on /in for 1 s; no publishers on it."),
         (("topic", "echo", "/chatter", "--field", "dta"), 1, "no field 'dta' in the message. Did you mean data?"),
         (("topic", "pub", "/chatter", "std_msgs/String", "{dat: 1}"), 1, "Did you mean data?"),
-        (("topic", "pub", "-1", "/nobody", "std_msgs/String", "--timeout", "1"), 1, "0 matching subscription(s)"),
+        (
+            ("topic", "pub", "-1", "/nobody", "std_msgs/String", "--timeout", "1"),
+            1,
+            "Nobody subscribed to /nobody within 1 s (waiting for 1)",
+        ),
         (("interface", "show", "std_srvs/srv/SetBol"), 1, "Did you mean std_srvs/srv/SetBool?"),
         (("interface", "package", "std_srv"), 1, "Did you mean std_srvs?"),
         (("run", "nowhere", "nothing"), 1, "Package 'nowhere' not found"),

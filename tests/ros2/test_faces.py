@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from .commands import Ros2
 
-COMPLETE = "from course_kit.ros2.cli import main; main()"
+COMPLETE = "from course_kit.ros2cli.cli import main; main()"
 STAND_IN = """#!/bin/sh
 # A stand-in for a real ros2, for this test.
 echo "stand-in for the real ros2: $@"
@@ -26,7 +26,7 @@ import rclpy
 from rclpy.node import Node
 from std_srvs.srv import SetBool
 from course_kit import lab
-from course_kit.ros2.magic import ros2_line
+from course_kit.ros2cli.magic import ros2_line
 
 class Server(Node):
     def __init__(self):
@@ -100,7 +100,7 @@ def test_a_real_command_is_run_instead_in_a_clean_environment(ros2: Ros2, tmp_pa
 
 
 def test_another_script_of_the_course_kit_is_no_real_command(ros2: Ros2, tmp_path: Path) -> None:
-    (tmp_path / "ros2").write_text("#!/usr/bin/env python3\nfrom course_kit.ros2.cli import main\nmain()\n")
+    (tmp_path / "ros2").write_text("#!/usr/bin/env python3\nfrom course_kit.ros2cli.cli import main\nmain()\n")
     (tmp_path / "ros2").chmod(0o755)
     done = run_script(ros2, str(tmp_path), "service", "list")
     assert (done.stdout, done.stderr, done.returncode) == ("", "", 0)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.environment import ports
-from course_kit.ros2 import sockets
-from course_kit.ros2.meeting import Meeting
+from course_kit.ros2cli import sockets
+from course_kit.ros2cli.daemon_socket import DaemonSocket
 from tests.waiting import wait_until
 
 from .commands import GOLDEN, Ros2
@@ -88,7 +88,7 @@ def test_without_a_place_for_the_daemon_the_command_looks_itself(ros2: Ros2) -> 
 
 def test_listing_imports_no_rclpy(ros2: Ros2) -> None:
     ros2.start(GOLDEN / "add_server.py", "/add_two_ints_server")
-    code = "import sys; from course_kit.ros2.cli import run; run(['service', 'list']); print('rclpy' in sys.modules)"
+    code = "import sys; from course_kit.ros2cli.cli import run; run(['service', 'list']); print('rclpy' in sys.modules)"
     listing = ros2.begin(sys.executable, "-c", code)
     stdout, _ = listing.communicate(timeout=60)
     assert stdout.splitlines()[-1] == "False"
@@ -122,14 +122,14 @@ def test_a_listing_is_given_up_at_the_timeout(ros2: Ros2) -> None:
 
 ASKS_IN_ANOTHER_NETWORK = """
 import os
-from course_kit.grading import isolation
+from course_kit.grading.sandbox import isolation
 try:
     isolation.enter_network()
     print(os.readlink("/proc/self/ns/net"))
 except OSError:
     print("refused")
-from course_kit.ros2.meeting import Meeting
-print(Meeting.here().name)
+from course_kit.ros2cli.daemon_socket import DaemonSocket
+print(DaemonSocket.here().name)
 """
 
 
@@ -138,4 +138,4 @@ def test_a_daemon_in_another_network_is_not_asked(ros2: Ros2, monkeypatch: pytes
     for name, value in ros2.environ.items():
         monkeypatch.setenv(name, value)
     network, name = ros2.begin(sys.executable, "-c", ASKS_IN_ANOTHER_NETWORK).communicate(timeout=60)[0].split()
-    assert (name == Meeting.here().name) == (network == "refused")
+    assert (name == DaemonSocket.here().name) == (network == "refused")

@@ -113,9 +113,8 @@ def test_children_that_ignore_everything_are_killed_and_so_are_theirs(ros2: Ros2
     (ros2.folder / "stubborn.py").write_text(STUBBORN)
     file = write(ros2.folder, "Node(package='here', executable='stubborn', output='screen')")
     code = (
-        "import signal; from course_kit.launch_shim import service, process; "
-        "service.STEPS = process.STEPS = tuple((number, 0.3) for number, _ in process.STEPS); "
-        f"from course_kit.ros2.cli import run; run(['launch', {file!r}])"
+        "from course_kit.launch import process; process.PATIENCE_S = (0.3, 0.3, 0.3); "
+        f"from course_kit.ros2cli.cli import run; run(['launch', {file!r}])"
     )
     launch = ros2.begin(sys.executable, "-c", code)
     pids = [int(word) for word in lines_until(launch, "pids")[-1].split()[-2:]]
@@ -148,7 +147,7 @@ def test_a_child_does_not_survive_a_launch_that_is_killed(ros2: Ros2) -> None:
         ("DeclareLaunchArgument('speed')", "add speed:=value"),
         ("IncludeLaunchDescription('no.launch.py')", "There is no launch file"),
         ("TimerAction(period='soon', actions=[])", "a period is a number of seconds"),
-        ("'node'", "'node' is no action of the course kit's subset"),
+        ("'node'", "'node' is not part of the course kit's subset"),
         ("1 / 0", "it.launch.py, line 9: ZeroDivisionError: division by zero"),
     ],
 )

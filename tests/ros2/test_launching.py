@@ -7,18 +7,19 @@ from typing import TYPE_CHECKING
 import psutil
 import pytest
 
-from course_kit import lab, trace
-from course_kit.magics import MagicError, ros_launch, ros_script, ros_stop
+from course_kit import lab
+from course_kit.integrations.magics import MagicError, ros_launch, ros_script, ros_stop
+from course_kit.lab.recording import attaching
 from tests.waiting import wait_until
 
-from .commands import SEED, is_alive
+from .commands import PROGRAMS, is_alive
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
-LAUNCH = (SEED / "parameter_node.launch.py").read_text()
+LAUNCH = (PROGRAMS / "parameter_node.launch.py").read_text()
 ARGUMENT = """
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, LogInfo
@@ -30,17 +31,17 @@ def generate_launch_description():
 
 
 @pytest.fixture(autouse=True)
-def folder_of_the_chapter(own_lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The lab's folder of scripts has the chapter's node."""
+def folder_of_the_lessons(own_lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The lab's folder of scripts has the lessons' node."""
     assert own_lab
     monkeypatch.setattr("course_kit.environment.run_dir", lambda: tmp_path)
-    monkeypatch.setenv("COURSE_KIT_PACKAGE_PATH", str(SEED))
+    monkeypatch.setenv("COURSE_KIT_PACKAGE_PATH", str(PROGRAMS))
 
 
-def test_the_chapters_launch_file_runs_in_the_background_until_it_is_stopped(
+def test_the_lessons_launch_file_runs_in_the_background_until_it_is_stopped(
     own_lab: Lab, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    trace.attach(own_lab)
+    attaching.attach(own_lab)
     ros_launch("parameter_node", LAUNCH)
     shown = capfd.readouterr().out.splitlines()
     assert shown[0].startswith("[INFO] [parameter_node-1]: process started with pid [")
@@ -68,7 +69,7 @@ def test_arguments_reach_the_launch_file(capfd: pytest.CaptureFixture[str]) -> N
     ("line", "text", "expected"),
     [
         ("broken", "1 / 0", "broken.launch.py, line 1: ZeroDivisionError: division by zero"),
-        ("hello you", ARGUMENT, "'you' is no argument of a launch file: write name:=value."),
+        ("hello you", ARGUMENT, "'you' is not an argument for a launch file: write name:=value."),
         ("robot", LAUNCH.replace("'parameter_node'", "'parameter_nod'"), "nor a script parameter_nod.py"),
     ],
 )

@@ -10,8 +10,8 @@ from std_msgs.msg import ByteMultiArray, Float32, Header, Int8, String, UInt8, U
 from std_srvs.srv import SetBool
 from test_msgs.msg import Arrays, BoundedSequences
 
-from course_kit.ros2 import values
-from course_kit.ros2.errors import CommandError
+from course_kit.ros2cli import values
+from course_kit.ros2cli.errors import CommandError
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_not_a_number_is_a_float() -> None:
         (UInt8MultiArray(), "{data: 1}", "The field 'data' is a list of uint8; 1 is an integer."),
         (Arrays(), "{int32_values: [1, 2]}", "The field 'int32_values' takes exactly 3 values, not 2."),
         (BoundedSequences(), "{int32_values: [1, 2, 3, 4]}", "The field 'int32_values' takes at most 3 values, not 4."),
-        (String(), "{data: hi", "The values are no valid YAML: expected ',' or '}', but got '<stream end>' in line 1"),
+        (String(), "{data: hi", "The values are not valid YAML: expected ',' or '}', but got '<stream end>' in line 1"),
     ],
 )
 def test_values_that_do_not_fit_are_named(message: object, text: str, wanted: str) -> None:

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import trace
+from course_kit.lab.recording import attaching
 
 if TYPE_CHECKING:
-    from course_kit.lab.core import Lab
+    from course_kit.lab.runtime.core import Lab
 
 
 @pytest.fixture
-def recording(own_lab: Lab) -> trace.Recording:
+def recording(own_lab: Lab) -> attaching.Recording:
     """The recording of a lab of its own."""
-    return trace.attach(own_lab)
+    return attaching.attach(own_lab)

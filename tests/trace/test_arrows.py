@@ -2,9 +2,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from course_kit.lab.events import Event, Taps
-from course_kit.trace.arrows import NOBODY, UNSEEN, Arrow, arrows_of
-from course_kit.trace.recording import DRAWN, KEPT, Recording
+from course_kit.lab.recording.arrows import NOBODY, UNSEEN, arrows_of
+from course_kit.lab.recording.events import Event, Taps
+from course_kit.lab.recording.recording import DRAWN, KEPT, Recording
+from course_kit.ros.arrows import Arrow
 
 
 class Story:
@@ -27,8 +28,8 @@ def test_a_call_is_two_arrows() -> None:
     story = Story()
     call(story, {"a": 1, "b": 2}, {"sum": 3})
     assert arrows_of(story.events) == [
-        Arrow("lab", "/adder", "/add", "request", "a=1, b=2"),
-        Arrow("/adder", "lab", "/add", "response", "sum=3"),
+        Arrow("lab", "/adder", "request", "a=1, b=2", "/add"),
+        Arrow("/adder", "lab", "response", "sum=3", "/add"),
     ]
 
 
@@ -55,9 +56,9 @@ def test_two_servers_of_one_name_both_show() -> None:
 
 def test_no_answer_and_a_failure_show() -> None:
     waiting = Story().add("request_sent", "lab", {}).add("request_received", "/adder", {})
-    assert arrows_of(waiting.events)[1] == Arrow("/adder", "lab", "/add", "failure", "no answer so far")
+    assert arrows_of(waiting.events)[1] == Arrow("/adder", "lab", "failure", "no answer so far", "/add")
     waiting.add("callback_failed", "/adder", "ValueError: no")
-    assert arrows_of(waiting.events)[1] == Arrow("/adder", "lab", "/add", "failure", "no answer: ValueError: no")
+    assert arrows_of(waiting.events)[1] == Arrow("/adder", "lab", "failure", "no answer: ValueError: no", "/add")
 
 
 def test_what_nobody_reported_is_another_program() -> None:
@@ -72,7 +73,7 @@ def test_what_nobody_reported_is_another_program() -> None:
 
 def test_a_message_reaches_each_of_its_listeners() -> None:
     story = Story().add("published", "/talker", {"data": "x"}, 0, "/chatter")
-    assert arrows_of(story.events) == [Arrow("/talker", NOBODY, "/chatter", "message", "data='x'")]
+    assert arrows_of(story.events) == [Arrow("/talker", NOBODY, "message", "data='x'", "/chatter")]
     for listener in ("/b", "/a"):
         story.add("received", listener, {"data": "x"}, 0, "/chatter")
     assert [arrow.receiver for arrow in arrows_of(story.events)] == ["/a", "/b"]

@@ -9,16 +9,16 @@ from hypothesis import strategies as st
 from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
-from course_kit.lab.snapshot import CHARACTERS, ELEMENTS, snapshot
-from course_kit.trace.arrows import Arrow
-from course_kit.trace.diagram import MERMAID, WIDTH, Diagram
-from course_kit.trace.wording import in_words
+from course_kit.lab.recording.diagram import MERMAID, WIDTH, Diagram
+from course_kit.lab.recording.snapshot import CHARACTERS, ELEMENTS, snapshot
+from course_kit.lab.recording.wording import in_words
+from course_kit.ros.arrows import Arrow
 
 CALL = [
-    Arrow("lab", "/adder", "/add", "request", "a=1, b=2"),
-    Arrow("/adder", "lab", "/add", "response", "sum=3"),
-    Arrow("/robot/adder", "lab", "/add", "failure", "no answer: ValueError: no"),
-    Arrow("/talker", "/adder", "/chatter", "message", "data='x'"),
+    Arrow("lab", "/adder", "request", "a=1, b=2", "/add"),
+    Arrow("/adder", "lab", "response", "sum=3", "/add"),
+    Arrow("/robot/adder", "lab", "failure", "no answer: ValueError: no", "/add"),
+    Arrow("/talker", "/adder", "message", "data='x'", "/chatter"),
 ]
 
 
@@ -70,13 +70,13 @@ def test_a_notebook_gets_both_and_an_empty_one_a_sentence() -> None:
     ],
 )
 def test_mermaids_own_signs_are_escaped(text: str, escaped: str) -> None:
-    line = Diagram([Arrow("lab", "/a", "/t", "message", text)]).mermaid().splitlines()[-1]
+    line = Diagram([Arrow("lab", "/a", "message", text, "/t")]).mermaid().splitlines()[-1]
     assert line == f"    n1-)n2: /t {escaped}"
 
 
 @given(st.text())
 def test_no_text_breaks_the_form(text: str) -> None:
-    diagram = Diagram([Arrow("lab", "/a", "/t", "message", text)])
+    diagram = Diagram([Arrow("lab", "/a", "message", text, "/t")])
     lines = diagram.mermaid().splitlines()
     assert len(lines) == 6
     assert re.fullmatch(r"    n1-\)n2: /t[^;{}<>%`]*", re.sub(r"#\d+;", "", lines[-1]))

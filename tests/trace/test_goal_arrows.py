@@ -4,10 +4,11 @@ from typing import Any
 
 import pytest
 
-from course_kit.lab.events import Event
-from course_kit.trace.arrows import UNSEEN, Arrow, arrows_of
-from course_kit.trace.diagram import Diagram
-from course_kit.trace.goal_arrows import RUN
+from course_kit.lab.recording.arrows import UNSEEN, arrows_of
+from course_kit.lab.recording.diagram import Diagram
+from course_kit.lab.recording.events import Event
+from course_kit.lab.recording.goal_arrows import RUN
+from course_kit.ros.arrows import Arrow
 
 Step = tuple[str, Any]
 YES, NO = {"accepted": True}, {"accepted": False}
@@ -49,10 +50,10 @@ WHOLE: list[Step] = [
 
 def test_a_goal_is_drawn_once_although_both_sides_report_it() -> None:
     assert arrows_of(story(*WHOLE)) == [
-        Arrow("lab", "/fib", "/fibonacci", "goal", "order=2"),
-        Arrow("/fib", "lab", "/fibonacci", "goal response", "accepted"),
-        Arrow("/fib", "lab", "/fibonacci", "feedback", "n=1"),
-        Arrow("/fib", "lab", "/fibonacci", "result", "SUCCEEDED, sequence=[0, 1]"),
+        Arrow("lab", "/fib", "goal", "order=2", "/fibonacci"),
+        Arrow("/fib", "lab", "goal response", "accepted", "/fibonacci"),
+        Arrow("/fib", "lab", "feedback", "n=1", "/fibonacci"),
+        Arrow("/fib", "lab", "result", "SUCCEEDED, sequence=[0, 1]", "/fibonacci"),
     ]
 
 
@@ -60,7 +61,7 @@ def test_a_goal_is_drawn_once_although_both_sides_report_it() -> None:
 def test_what_one_side_reports_is_enough(side: str, ends: tuple[str, str]) -> None:
     events = [one for one in story(*WHOLE) if (one.node == "lab") == (side == "client")]
     arrows = arrows_of(events)
-    assert [arrow.style for arrow in arrows] == ["goal", "goal response", "feedback", "result"]
+    assert [arrow.kind for arrow in arrows] == ["goal", "goal response", "feedback", "result"]
     assert (arrows[0].sender, arrows[0].receiver) == ends
     assert {(arrow.sender, arrow.receiver) for arrow in arrows[1:]} == {ends[::-1]}
 
@@ -111,8 +112,8 @@ def test_goals_at_the_same_time_are_numbered_and_others_are_not() -> None:
 def test_two_servers_of_one_name_are_both_drawn() -> None:
     events = story(*WHOLE)
     events += [one._replace(node="/twin", at=one.at + 1) for one in events if one.node == "/fib"]
-    assert [arrow.receiver for arrow in arrows_of(events) if arrow.style == "goal"] == ["/fib", "/twin"]
-    assert [arrow.sender for arrow in arrows_of(events) if arrow.style == "result"] == ["/fib", "/twin"]
+    assert [arrow.receiver for arrow in arrows_of(events) if arrow.kind == "goal"] == ["/fib", "/twin"]
+    assert [arrow.sender for arrow in arrows_of(events) if arrow.kind == "result"] == ["/fib", "/twin"]
 
 
 def test_feedback_that_outlives_the_memory_of_its_goal_is_drawn() -> None:

@@ -15,7 +15,7 @@ from rclpy.node import Node
 from course_kit import lab
 from tests.lab.action_nodes import Fibonaccis, Stubborn, Waiting
 
-SEED = Path(__file__).parent.parent / "seed"
+PROGRAMS = Path(__file__).parent.parent / "lesson_programs"
 
 
 def drawn() -> list[str]:
@@ -96,9 +96,9 @@ def test_a_learners_own_client() -> None:
 
 @pytest.mark.usefixtures("recording")
 def test_the_seeds_programs_as_scripts(capsys: pytest.CaptureFixture[str]) -> None:
-    source = (SEED / "fibonacci_action_server.py").read_text().replace("time.sleep(1)", "time.sleep(0.05)")
+    source = (PROGRAMS / "fibonacci_action_server.py").read_text().replace("time.sleep(1)", "time.sleep(0.05)")
     lab.script("server", source)
-    lab.script("client", (SEED / "fibonacci_action_client.py").read_text(), 3)
+    lab.script("client", (PROGRAMS / "fibonacci_action_client.py").read_text(), 3)
     lab.send_goal_blocking("/fibonacci", Fibonacci, order=2).result_blocking()
     names = "fibonacci_action_client -> fibonacci_action_server", "fibonacci_action_server -> fibonacci_action_client"
     lines = [line.partition(". ")[2] for line in drawn()]

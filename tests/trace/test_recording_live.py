@@ -11,12 +11,13 @@ import rclpy
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
-from course_kit import lab, trace
+from course_kit import lab
+from course_kit.lab.recording import attaching
 from tests.lab.nodes import Faulty, Switch
 
 
-def test_calls_and_failures_are_drawn(recording: trace.Recording, capsys: pytest.CaptureFixture[str]) -> None:
-    assert trace.attach() is recording
+def test_calls_and_failures_are_drawn(recording: attaching.Recording, capsys: pytest.CaptureFixture[str]) -> None:
+    assert attaching.attach() is recording
     lab.start(Switch)
     lab.start(Faulty)
     assert str(lab.diagram()).startswith("Nothing has been recorded yet")
@@ -40,7 +41,7 @@ def test_calls_and_failures_are_drawn(recording: trace.Recording, capsys: pytest
     assert capsys.readouterr().err
 
 
-def test_topics_are_drawn(recording: trace.Recording) -> None:
+def test_topics_are_drawn(recording: attaching.Recording) -> None:
     class Listener(Switch):
         def __init__(self) -> None:
             super().__init__("listener")
@@ -62,7 +63,7 @@ def test_topics_are_drawn(recording: trace.Recording) -> None:
     assert recording.events[0].type_name == "std_msgs/msg/String"
 
 
-def test_the_recording_is_a_copy(recording: trace.Recording) -> None:
+def test_the_recording_is_a_copy(recording: attaching.Recording) -> None:
     lab.start(Switch)
     request = SetBool.Request(data=True)
     lab.call_blocking("/switch", SetBool, request)

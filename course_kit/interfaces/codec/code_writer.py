@@ -47,7 +47,14 @@ class CodeWriter:
         return name
 
     def put(self, code: str, size: int, align: int, argument: str) -> None:
-        """Add a value of fixed size to the present batch."""
+        """Add a value of fixed size to the present batch.
+
+        Args:
+            code: its letter in `struct`.
+            size: in bytes.
+            align: in bytes.
+            argument: the expression whose value it is.
+        """
         align = min(align, self._max_align)
         if self.modulus >= align:
             padding = -self.remainder % align
@@ -87,11 +94,19 @@ class CodeWriter:
             known = leaving
 
     def flush(self) -> None:
-        """Write out the present batch."""
+        """Write out the present batch.
+
+        Raises:
+            NotImplementedError: always; reading and writing do it differently.
+        """
         raise NotImplementedError
 
     def align_at_run_time(self, align: int) -> None:
-        """Write code that aligns a position unknown until then."""
+        """Write code that aligns a position unknown until then.
+
+        Raises:
+            NotImplementedError: always; reading and writing do it differently.
+        """
         raise NotImplementedError
 
     def _advance(self, size: int) -> None:

@@ -13,12 +13,20 @@ PADDING = [bytes(count) for count in range(8)]
 
 
 def too_long(length: int, bound: int) -> NoReturn:
-    """Refuse a sequence beyond its bound."""
+    """Refuse a sequence beyond its bound.
+
+    Raises:
+        ValueError: always.
+    """
     raise ValueError(f"a sequence of {length} elements exceeds its bound of {bound}")
 
 
 def truncated() -> NoReturn:
-    """Refuse a payload that ends too early."""
+    """Refuse a payload that ends too early.
+
+    Raises:
+        ValueError: always.
+    """
     raise ValueError("the serialized message is truncated")
 
 
@@ -29,7 +37,11 @@ def encode_string(value: str) -> bytes:
 
 
 def encode_octets(values: Sequence[bytes], count: int) -> bytes:
-    """A list of one-byte objects as bytes."""
+    """A list of one-byte objects as bytes.
+
+    Raises:
+        ValueError: another number of them, or another kind of element.
+    """
     data = b"".join(values)
     if len(data) != count or len(values) != count:
         raise ValueError(f"expected {count} bytes objects of length 1 each")
@@ -37,7 +49,16 @@ def encode_octets(values: Sequence[bytes], count: int) -> bytes:
 
 
 def encode_fixed(values: Any, dtype: np.dtype[Any], count: int) -> bytes:
-    """A fixed array of numbers."""
+    """A fixed array of numbers.
+
+    Args:
+        values: the array.
+        dtype: the type of its elements on the wire.
+        count: how many there must be.
+
+    Raises:
+        ValueError: there are more or fewer.
+    """
     array = np.asarray(values, dtype)
     if array.size != count:
         raise ValueError(f"the array must have {count} elements, not {array.size}")
@@ -45,7 +66,11 @@ def encode_fixed(values: Any, dtype: np.dtype[Any], count: int) -> bytes:
 
 
 def exactly(values: Sequence[Any], count: int) -> Sequence[Any]:
-    """The values themselves, if there are `count` of them."""
+    """The values themselves, if there are `count` of them.
+
+    Raises:
+        ValueError: there are more or fewer.
+    """
     if len(values) != count:
         raise ValueError(f"the array must have {count} elements, not {len(values)}")
     return values

@@ -76,7 +76,14 @@ class Helper:
         )
 
     def service(self, cls: type[Any], parts: list[int], event: LiveType, make_event: object) -> int:
-        """Make the type support of a service out of those of request, response and event; its address."""
+        """Make the type support of a service out of those of request, response and event; its address.
+
+        Args:
+            cls: the class of the service.
+            parts: addresses of the type supports of request and response.
+            event: that of the event.
+            make_event: address of the function that makes one.
+        """
         package, folder, name = _names(cls)
         keep_object(make_event)
         support: int = event.helper.live_service_support(

@@ -16,7 +16,11 @@ _api.Py_IncRef.argtypes = [ctypes.py_object]
 
 
 def keep(data: bytes) -> int:
-    """Copy bytes into memory that is never freed; the address."""
+    """Copy bytes into memory that is never freed; the address.
+
+    Raises:
+        MemoryError: there is none.
+    """
     address: int | None = _libc.malloc(max(len(data), 1))
     if address is None:
         raise MemoryError

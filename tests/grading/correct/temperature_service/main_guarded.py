@@ -1,4 +1,4 @@
-"""A guarded main(), as in the chapter."""
+"""A guarded main(), as in lesson 1."""
 
 import math
 

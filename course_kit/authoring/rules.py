@@ -1,0 +1,185 @@
+"""What has to hold of an exercise's submissions and their reports, and what is said where it does not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from course_kit.authoring import styles
+from course_kit.grading import exit_code
+from course_kit.grading.diagnosis import catalogue
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from course_kit.authoring.corpus import Corpus, ProofSubmission
+    from course_kit.grading import CheckReport, Report
+
+    Reports = Mapping[ProofSubmission, Report]
+
+FEWEST_VARIANTS = 8
+
+Verdict = tuple[str, float, tuple[tuple[str, str, "str | None"], ...]]
+"""Status, score, and for each check its id, status and diagnosis: what must not differ from one time to the next."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something that does not hold.
+
+    Attributes:
+        exercise: where; empty for what concerns all exercises together.
+        rule: the name of the rule that is broken, a key of `RULES`, or `codes` or `stable`.
+        submission: kind and name of the submission, if it is about one.
+        text: what is the matter.
+    """
+
+    exercise: str
+    rule: str
+    submission: str
+    text: str
+
+    def __str__(self) -> str:
+        where = " ".join(part for part in (self.exercise, self.submission) if part)
+        return f"{where}: {self.text}" if where else self.text
+
+
+def starter(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+    """The starter and its notebook run, do not pass, and are helped on by the first rung of the exercise's ladder."""
+    if not sets.of("starter"):
+        yield "there is no starter."
+    rungs = {hint.text for hint in sets.task.hints}
+    seen = set()
+    for one in sets.of("starter"):
+        report = reports[one]
+        failed = [check for check in report.checks if check.status == "failed"]
+        seen.add(tuple((check.id, check.status, check.diagnosis) for check in report.checks))
+        if exit_code(report) != 1 or not failed:
+            yield one, f"it should be graded and not passed, and is: {outcome(report)}"
+        elif failed[0].hint not in rungs:
+            yield one, f"its first failed check, {failed[0].id}, has no hint from the ladder in exercise.toml."
+    if len(seen) > 1:
+        yield "the starter program and the starter notebook get different verdicts."
+
+
+def solution(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+    """There is a solution, and it gets full marks."""
+    if not sets.of("solution"):
+        yield "there is no solution."
+    yield from _not_full_marks(sets.of("solution"), reports)
+
+
+def variants(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+    """At least eight right programs, in all styles that learners write, get full marks."""
+    right = sets.of("variant")
+    if len(right) < FEWEST_VARIANTS:
+        yield f"there are {len(right)} right programs in other styles; at least {FEWEST_VARIANTS} are wanted."
+    solved = "".join(one.text() for one in sets.of("solution"))
+    shown = {style for one in (*right, *sets.of("solution")) for style in styles.of(one.text())}
+    if sets.task.class_name:
+        yield from (
+            f"no right program shows the style '{style}'." for style in styles.wanted(solved) if style not in shown
+        )
+    yield from _not_full_marks(right, reports)
+
+
+def broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+    """Each broken program gets the diagnosis it is named after and no other, with evidence and a hint."""
+    for one in sets.of("broken"):
+        report = reports[one]
+        if one.name not in catalogue.catalogue():
+            yield one, "it is named after a code that diagnoses.toml does not have."
+            continue
+        failed = [check for check in report.checks if check.status == "failed"]
+        got = {check.diagnosis for check in failed}
+        if got != {one.name}:
+            yield one, f"it should get this code alone, and gets: {outcome(report)}"
+        elif report.score >= report.max_score:
+            yield one, "it gets full marks."
+        yield from ((one, text) for text in _poor_feedback(report))
+
+
+def slips(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+    """Each slip fails the checks it is listed with, with those diagnoses, and no other."""
+    for one in sets.of("slip"):
+        report = reports[one]
+        failed = [check for check in report.checks if check.status in ("failed", "error")]
+        if {(check.id, check.diagnosis) for check in failed} != one.failed:
+            wanted = ", ".join(f"{check} ({code or 'no code'})" for check, code in sorted(one.failed, key=str))
+            yield one, f"it should fail {wanted}, and gets: {outcome(report)}"
+        elif one.says not in " ".join(check.message for check in failed):
+            yield one, f"a message should say '{one.says}', and this is said: {outcome(report)}"
+        yield from ((one, text) for text in _poor_feedback(report))
+
+
+def checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+    """Each check can fail: some submission turns it red."""
+    red = {check.id for report in reports.values() for check in report.checks if check.status == "failed"}
+    known = {check.id: None for one in sets.of("solution") for check in reports[one].checks}
+    yield from (f"no submission makes the check '{check}' fail." for check in known if check not in red)
+
+
+RULES: Mapping[str, Callable[[Corpus, Reports], Iterator[str | tuple[ProofSubmission, str]]]] = {
+    "starter": starter,
+    "solution": solution,
+    "variants": variants,
+    "broken": broken,
+    "slips": slips,
+    "checks": checks,
+}
+
+
+def faults(sets: Corpus, reports: Reports) -> list[Fault]:
+    """All that does not hold of one exercise."""
+    found = []
+    for name, rule in RULES.items():
+        for said in rule(sets, reports):
+            one, text = said if isinstance(said, tuple) else (None, said)
+            where = f"{one.kind} {one.name}" if one is not None else ""
+            found.append(Fault(sets.task.id, name, where, text))
+    return found
+
+
+def codes_without_submission(names: set[str]) -> list[Fault]:
+    """The codes of the catalogue after which no broken program is named."""
+    text = "no submission in tests/broken is named after it, so nothing shows that a learner gets it."
+    return [Fault("", "codes", "", f"{code}: {text}") for code in catalogue.catalogue() if code not in names]
+
+
+def verdict(report: Report) -> Verdict:
+    """What of a report must be the same each time."""
+    return report.status, report.score, tuple((one.id, one.status, one.diagnosis) for one in report.checks)
+
+
+def outcome(report: Report) -> str:
+    """A report in one line: its score, and each check that is neither passed nor skipped."""
+    wrong = [_shown(check) for check in report.checks if check.status not in ("passed", "skipped")]
+    points = f"{report.score:g} of {report.max_score:g} points, {report.status}"
+    return "; ".join([points, *wrong, *([report.problem] if report.problem else [])])
+
+
+def _shown(check: CheckReport) -> str:
+    return f"{check.id} {check.status} ({check.diagnosis or 'no code'}: {check.message[:160]})"
+
+
+def _not_full_marks(right: tuple[ProofSubmission, ...], reports: Reports) -> Iterator[tuple[ProofSubmission, str]]:
+    for one in right:
+        report = reports[one]
+        full = all(check.status == "passed" for check in report.checks) and report.status == "graded"
+        if not (full and report.passed and report.score == report.max_score):
+            yield one, f"it should get full marks, and gets: {outcome(report)}"
+        elif sum(check.max_points for check in report.checks) != report.max_score:
+            yield one, f"the points of its checks do not add up to {report.max_score:g}."
+
+
+def _poor_feedback(report: Report) -> Iterator[str]:
+    for check in report.checks:
+        if check.status == "error":
+            yield f"the grader itself fails in {check.id}: {check.message}"
+        if check.status != "failed":
+            continue
+        for name in ("expected", "got", "hint"):
+            if not getattr(check, name):
+                yield f"the failed check {check.id} says nothing under '{name}'."
+        if check.diagnosis and catalogue.complete("", check.known) not in check.message:
+            yield f"the failed check {check.id} does not explain {check.diagnosis}."

@@ -1,0 +1,157 @@
+"""Gradings take turns: so many side by side as keep the processors busy, and no more.
+
+A submission that is silent, or asleep, or has got into a loop without end holds a worker for seconds, and keeps at most
+one processor busy. While processors idle, its place is lent to another, and more gradings are begun than usual. On a
+busy machine it stays at the usual number.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, TypeVar
+
+from course_kit.grading.machine import processor_times
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from course_kit.grading.report import Report
+    from course_kit.grading.workers.pool import Task
+
+Thing = TypeVar("Thing")
+_LOOK_S = 0.25  # over which it is seen whether processors idle
+_IDLE, _BUSY = 0.2, 0.1  # share of the processors' time that was idle: above, one more; below, one less
+_URGENT_EVERY = 3
+_STARTED_S = 1.0  # after which the workers have started, so that what idles is not waiting for them
+_LENT_AFTER_S = 1.5  # a grading that takes longer mostly waits; its place is lent unless processors are busy
+
+
+def early(things: Iterable[Thing], is_urgent: Callable[[Thing], bool]) -> list[Thing]:
+    """The things with the urgent ones early: every third, as long as there are any; otherwise in their order.
+
+    What may last begins early, so that nothing waits for it at the end. But a class's endless programs are also those
+    that take all the memory they may: these should not run side by side.
+    """
+    all_things = list(things)
+    urgent = deque(thing for thing in all_things if is_urgent(thing))
+    others = deque(thing for thing in all_things if not is_urgent(thing))
+    order: list[Thing] = []
+    while urgent or others:
+        turn = urgent if urgent and (len(order) % _URGENT_EVERY == 0 or not others) else others
+        order.append(turn.popleft())
+    return order
+
+
+class Turns:
+    """Threads that take tasks in the order they come, when it is their turn."""
+
+    def __init__(
+        self, grade: Callable[[Task], Report], usual: int, most: int, idle: Callable[[], float] | None = None
+    ) -> None:
+        """Start the threads.
+
+        Args:
+            grade: does a task.
+            usual: so many are done side by side.
+            most: so many when processors idle.
+            idle: what share of the processors' time was idle since it was asked last, 0 to 1; this machine's if None.
+        """
+        self._grade = grade
+        self._usual, self._most = usual, most
+        self._idle = idle or IdleShare()
+        self._waiting: deque[tuple[Future[Report], Task]] = deque()
+        self._changed = threading.Condition()
+        self._begun: dict[int, float] = {}  # of what is under way, by thread: when it has begun
+        self._allowed = usual
+        self._idle_share = 0.0
+        self._looked: float | None = None  # not at once: workers may still be starting
+        self._ended = False
+        self._threads = [threading.Thread(target=self._work, name=f"grading {place}") for place in range(most)]
+        for thread in self._threads:
+            thread.start()
+
+    def submit(self, task: Task) -> Future[Report]:
+        """Have a task done; its future can be cancelled until its turn comes."""
+        future: Future[Report] = Future()
+        with self._changed:
+            self._waiting.append((future, task))
+            self._changed.notify()
+        return future
+
+    def end(self) -> None:
+        """Begin no more, and cancel what has not begun."""
+        with self._changed:
+            self._ended = True
+            for future, _ in self._waiting:
+                future.cancel()
+            self._changed.notify_all()
+
+    def join(self) -> None:
+        """After `end`: wait for what is under way."""
+        for thread in self._threads:
+            thread.join()
+
+    def _work(self) -> None:
+        while (following := self._next()) is not None:
+            future, task = following
+            if future.set_running_or_notify_cancel():
+                try:
+                    report = self._grade(task)
+                except BaseException as problem:  # noqa: BLE001 - whoever asks for the result meets it
+                    future.set_exception(problem)
+                else:
+                    future.set_result(report)
+            self._done()
+
+    def _next(self) -> tuple[Future[Report], Task] | None:
+        with self._changed:
+            while not self._ended:
+                if self._waiting and len(self._begun) < self._limit():
+                    self._begun[threading.get_ident()] = time.monotonic()
+                    return self._waiting.popleft()
+                self._changed.wait(_LOOK_S if self._waiting else None)
+            return None
+
+    def _done(self) -> None:
+        with self._changed:
+            del self._begun[threading.get_ident()]
+            if self._looked is None:
+                self._look()
+            self._changed.notify()
+
+    def _limit(self) -> int:
+        """How many may run now."""
+        now = time.monotonic()
+        if self._looked is None and self._begun and now - min(self._begun.values()) > _STARTED_S:
+            self._look()
+        if self._looked is not None and now - self._looked > _LOOK_S:
+            self._look()
+            if self._idle_share > _IDLE and len(self._begun) >= self._allowed:
+                self._allowed = min(self._allowed + 1, self._most)
+            elif self._idle_share < _BUSY:
+                self._allowed = max(self._allowed - 1, self._usual)
+        if self._idle_share < _BUSY:
+            return self._allowed
+        lent = sum(now - begun > _LENT_AFTER_S for begun in self._begun.values())
+        return min(self._allowed + lent, self._most)
+
+    def _look(self) -> None:
+        self._looked = time.monotonic()
+        self._idle_share = self._idle()
+
+
+class IdleShare:
+    """The share of time in which the processors of this process had nothing to do."""
+
+    def __init__(self) -> None:
+        self._before = processor_times()
+
+    def __call__(self) -> float:
+        """Of the time since it was asked last, 0 to 1; 0 where the kernel does not tell."""
+        now = processor_times()
+        idle, busy = now.idle - self._before.idle, now.busy - self._before.busy
+        self._before = now
+        return idle / (idle + busy) if idle + busy > 0.0 else 0.0

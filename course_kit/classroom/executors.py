@@ -1,0 +1,130 @@
+"""Where the gradings of a class are done: on this machine, or on a Dask cluster; for `run` both are the same.
+
+An executor has `slots`, takes a `Task` by `submit` and returns a future of its `Report`, as those of
+`concurrent.futures` do.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any, Protocol
+
+from course_kit.classroom.concurrency import Turns
+from course_kit.grading.errors import GradingError
+from course_kit.grading.workers.pool import Pool, Task
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from concurrent.futures import Future
+
+    from course_kit.grading.report import Report
+
+_WORKERS_PER_CORE = 2  # a grading waits for answers about as long as it computes
+_MORE_WHEN_IDLE = 3  # times as many, while submissions that are silent hold workers and leave processors idle
+_PLUGIN = "course-kit"
+_CONNECT_S = 10
+_RETRIES = 3  # a task whose machine died is done again elsewhere, so often
+
+
+class Executor(Protocol):
+    """Where tasks go."""
+
+    @property
+    def slots(self) -> int:
+        """How many tasks are done side by side."""
+
+    def submit(self, task: Task) -> Future[Report]:
+        """Have a task done some time."""
+
+    def close(self) -> None:
+        """Stop; what is under way is given up."""
+
+
+class Local:
+    """Workers on this machine, started ahead of time."""
+
+    def __init__(self, workers: int | None = None, graders: Sequence[str] = ()) -> None:
+        """Start the workers.
+
+        Args:
+            workers: how many at work; when None as many as fit this machine. While processors idle there are more.
+            graders: modules of checks that they will need, as far as that is known: loaded once for all of them.
+        """
+        usual = workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0))
+        self.slots = _MORE_WHEN_IDLE * usual
+        self._pool = Pool(self.slots, graders)
+        self._turns = Turns(self._pool.grade, usual, self.slots)
+
+    def submit(self, task: Task) -> Future[Report]:
+        """See `Executor`."""
+        return self._turns.submit(task)
+
+    def close(self) -> None:
+        """See `Executor`."""
+        self._turns.end()
+        self._pool.close()
+        self._turns.join()
+
+
+class Cluster:
+    """Workers on the machines of a Dask cluster; each of them needs the course kit of this version."""
+
+    def __init__(self, address: str) -> None:
+        """Connect to a scheduler such as `tcp://10.0.0.1:8786`.
+
+        Raises:
+            GradingError: there is none, it has no workers, or Dask is not installed.
+        """
+        try:
+            import distributed
+        except ImportError as problem:
+            raise GradingError(
+                'Grading on a cluster needs Dask. Install it with: .venv/bin/python -m pip install -e ".[cluster]"'
+            ) from problem
+        try:
+            self._client = distributed.Client(address, timeout=_CONNECT_S, set_as_default=False)
+        except (OSError, ValueError, TypeError) as problem:
+            raise GradingError(f"There is no Dask scheduler at {address}: {problem}.") from problem
+        self.slots = sum(self._client.nthreads().values())
+        if not self.slots:
+            self._client.close()
+            raise GradingError(f"The Dask scheduler at {address} has no workers yet. Start some, then run this again.")
+        self._client.register_plugin(_plugin())
+        self._futures: Any = self._client.get_executor(retries=_RETRIES, pure=False)
+
+    def submit(self, task: Task) -> Future[Report]:
+        """See `Executor`."""
+        future: Future[Report] = self._futures.submit(grade_on_cluster, task)
+        return future
+
+    def close(self) -> None:
+        """See `Executor`."""
+        self._futures.shutdown(wait=False)  # cancels what has not come back
+        self._client.close()
+
+
+def grade_on_cluster(task: Task) -> Report:
+    """What a Dask worker does with a task: grade it with a warm worker that its process keeps."""
+    import distributed
+
+    pool: Pool = distributed.get_worker().plugins[_PLUGIN].pool
+    return pool.grade(task)
+
+
+def _plugin() -> Any:
+    import distributed
+
+    class Grading(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no types
+        """Gives each Dask worker process a pool of warm graders, and ends them with it."""
+
+        name = _PLUGIN
+        idempotent = True
+
+        def setup(self, worker: Any) -> None:
+            self.pool = Pool(warm=worker.state.nthreads)
+
+        def teardown(self, worker: Any) -> None:
+            del worker
+            self.pool.close()
+
+    return Grading()

@@ -1,0 +1,42 @@
+"""Canvas: a file for "Import" in the gradebook.
+
+What Canvas's importer asks for: the columns Student, ID, SIS User ID, SIS Login ID, Section in this order, then one for
+each assignment, called like it; a row whose first cell holds "Points Possible"; then the students. It finds a student
+by ID, else by SIS ID or login, else by name; an empty grade changes nothing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from course_kit.classroom.exports.results import by_student, name_of, platform_of, score
+from course_kit.classroom.exports.texts import Identifier, csv_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from course_kit.classroom.gradebook import Gradebook
+
+FILE = "exports/canvas.csv"
+HEADER = ("Student", "ID", "SIS User ID", "SIS Login ID", "Section")
+POINTS_ROW = "Points Possible"
+
+
+def files(book: Gradebook) -> Iterator[tuple[str, str]]:
+    """The one table."""
+    yield FILE, csv_text(_rows(book))
+
+
+def _rows(book: Gradebook) -> Iterator[list[str | float | None]]:
+    yield [*HEADER, *(exercise.title for exercise in book.exercises)]
+    yield [POINTS_ROW, *[""] * (len(HEADER) - 1), *(exercise.points for exercise in book.exercises)]
+    for student, records in by_student(book).items():
+        if records and all(score(record) is None for record in records.values()):
+            continue  # the grader itself failed, so that there is nothing to import
+        user = platform_of(records, "canvas_user") or (student if book.layout == "canvas" else "")
+        name = name_of(records, student)
+        if POINTS_ROW in name:  # a student of this name would be taken for the row of points
+            name = name.replace(POINTS_ROW, POINTS_ROW.replace(" ", "\u00a0"))
+        # Canvas finds the student by ID or login, which have to stand there exactly; the name is for people then.
+        login = Identifier("" if user else student)
+        yield [name, Identifier(user), "", login, "", *(score(records.get(one.id)) for one in book.exercises)]

@@ -1,0 +1,72 @@
+"""A class's results as a whole: what exports and the class page are made from."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.classroom.records import Record
+    from course_kit.grading.exercise import Exercise
+
+
+@dataclass(frozen=True)
+class Gradebook:
+    """The results of a class run.
+
+    Attributes:
+        exercises: the exercises that were set, in the order of the course.
+        records: one for each student and exercise that was handed in, by student and exercise.
+        missing: student and exercise of those who handed in something else only.
+        left: path and reason of each file that is no submission.
+        layout: the layout the submissions were in.
+        seed: what the checks drew from.
+        complete: whether every submission has its record; False after Ctrl-C.
+        root: the folder the entries' sources are relative to; None where they are not at hand.
+        odd: student and reason of those whose entry does not fit the layout.
+        dropped: student and reason of those who handed in something of which nothing could be graded, or not all.
+    """
+
+    exercises: tuple[Exercise, ...]
+    records: tuple[Record, ...]
+    missing: tuple[tuple[str, str], ...] = ()
+    left: tuple[tuple[str, str], ...] = ()
+    layout: str = ""
+    seed: int = 0
+    complete: bool = True
+    root: Path | None = None
+    odd: tuple[tuple[str, str], ...] = ()
+    dropped: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def students(self) -> list[str]:
+        """Everybody who handed in anything, sorted."""
+        return sorted({record.entry.student for record in self.records} | {student for student, _ in self.missing})
+
+    def graded(self, exercise_id: str | None = None) -> list[Record]:
+        """The records that hold a grade, of one exercise or of all: not those where the grader itself failed."""
+        of = self.records if exercise_id is None else self.of(exercise_id)
+        return [record for record in of if record.status != "error"]
+
+    @property
+    def not_graded(self) -> list[Record]:
+        """The records of submissions that have to be graded again, as the grader itself failed."""
+        return [record for record in self.records if record.status == "error"]
+
+    def of(self, exercise_id: str) -> list[Record]:
+        """The records of one exercise, by student."""
+        return [record for record in self.records if record.entry.exercise == exercise_id]
+
+    def tally(self) -> Counter[str]:
+        """How many passed, did not pass, crashed, were unreadable, or met an error of the grader."""
+        return Counter(outcome(record) for record in self.records)
+
+
+def outcome(record: Record) -> str:
+    """A record in a word or two: passed, not passed, crashed, unreadable or error."""
+    if record.status == "graded" or record.report["passed"]:
+        return "passed" if record.report["passed"] else "not passed"
+    return record.status

@@ -1,0 +1,174 @@
+"""How learning platforms lay out what was handed in: who an entry of the folder is from, by the entry's name alone.
+
+Platforms and instructors name these entries; what is inside of one is named by its student, and tells nothing about
+anybody else. So a layout is what most entries look like, and one that looks otherwise is a student of its own.
+
+- **canvas** ("Download Submissions"): `doejane_LATE_12345_67890_answer.py`. The student is Canvas's user number, 12345.
+- **moodle** ("Download all submissions"): `Jane Doe_4711_assignsubmission_file_/answer.py`, or the same without the
+  folder. The student is the participant's number, 4711.
+- **nbgrader** (the `submitted` folder): `submitted/jane/assignment/answer.ipynb`. The student is `jane`.
+- **github** (`gh classroom clone student-repos`): `assignment-submissions/assignment-jane/answer.py`. The student is
+  the login, `jane`; a clone in a folder of another name gives its whole name.
+- **folders**: `jane/answer.py`. The student is the folder.
+- **files**: `jane.py`, or `jane_<exercise>.py`. The student is the file's name without that ending.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from course_kit.classroom.listing import FILE, FOLDER, Item
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+LAYOUTS = ("canvas", "moodle", "nbgrader", "github", "folders", "files")
+CLONES = "-submissions"  # how the folder of all repositories of an assignment ends
+_CANVAS = re.compile(
+    r"(?P<name>.+?)_(?P<late>LATE_)?(?P<user>\d{1,18})_(?P<submission>\d{1,18})_(?P<file>.+)", re.DOTALL | re.ASCII
+)
+_CANVAS_ATTEMPT = re.compile(r"-(\d{1,9})(?=\.\w+\Z)", re.ASCII)
+_MOODLE = re.compile(r"_(?P<number>\d{1,18})_assignsubmission_(?:file|onlinetext)", re.ASCII)
+_MOST_NUMBERS = 3  # in a sentence
+_ARCHIVES = (".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".7z", ".rar")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """What one student has control of: a file or folder among those of the others.
+
+    Attributes:
+        item: where.
+        student: their identifier, as it stands in the name.
+        name: their own name, where it can be told.
+        file: what they called it, of a file whose name the platform has lengthened.
+        late: marked as late by the platform.
+        attempt: of several under one name, the higher number is the newer one.
+        platform: identifiers for the way back, see `Entry.platform`.
+        has_assignments: whether the folders in it are one for each assignment.
+        odd: how it does not fit the layout; empty when it does.
+    """
+
+    item: Item
+    student: str
+    name: str = ""
+    file: str = ""
+    late: bool = False
+    attempt: int = 0
+    platform: dict[str, str] = field(default_factory=dict)
+    has_assignments: bool = False
+    odd: str = ""
+
+
+def read_canvas(item: Item, _: str = "") -> Unit | None:
+    """An entry of Canvas's archive.
+
+    The first two numbers are Canvas's; what comes after them is the student's name for the file.
+    """
+    match = _CANVAS.fullmatch(item.name)
+    if match is None:
+        return None
+    attempt = _CANVAS_ATTEMPT.search(match["file"])
+    return Unit(
+        item,
+        student=match["user"],
+        name=match["name"],
+        file=_CANVAS_ATTEMPT.sub("", match["file"]),
+        late=bool(match["late"]),
+        attempt=int(attempt[1]) if attempt else 0,
+        platform={"canvas_user": match["user"], "canvas_submission": match["submission"]},
+    )
+
+
+def read_moodle(item: Item, _: str = "") -> Unit | None:
+    """An entry of Moodle's archive.
+
+    A folder's name ends with what Moodle has added; in a file's name the student's name for the file follows. Where
+    Moodle's addition seems to stand there twice, one of the two is a student's, and nobody can tell which.
+    """
+    found = list(_MOODLE.finditer(item.name))
+    if not found or not found[0].start():
+        return None
+    mark = found[0]
+    rest = item.name[mark.end() :]
+    if len(found) > 1:
+        numbers = " or ".join(one["number"] for one in found[:_MOST_NUMBERS])
+        return Unit(item, item.name, odd=f"its name can also be read as that of participant {numbers}")
+    if item.kind == FOLDER and rest not in ("", "_"):
+        return None
+    number = mark["number"]
+    name, file = item.name[: mark.start()], rest.removeprefix("_")
+    return Unit(item, number, name, file, platform={"moodle_participant": number})
+
+
+def read_nbgrader(item: Item, _: str = "") -> Unit | None:
+    """A student's folder of nbgrader, with a folder for each assignment."""
+    return Unit(item, item.name, has_assignments=True) if item.kind == FOLDER else None
+
+
+def read_folders(item: Item, _: str = "") -> Unit | None:
+    """A folder that is named after the student."""
+    return Unit(item, item.name) if item.kind == FOLDER else None
+
+
+def read_github(item: Item, slug: str = "") -> Unit | None:
+    """A repository that GitHub Classroom's command has cloned, of the assignment `slug` where it is known."""
+    if item.kind != FOLDER:
+        return None
+    login = item.name.removeprefix(f"{slug}-") if slug else item.name
+    odd = f"its name does not begin with {slug}-" if slug and login == item.name else ""
+    return Unit(item, login, platform={"login": login}, odd=odd)
+
+
+def read_files(item: Item, _: str = "") -> Unit | None:
+    """A file that is named after the student; the exercise's name at its end is taken off by `students`."""
+    return Unit(item, _stem(item)) if item.kind != FOLDER else None
+
+
+def _stem(item: Item) -> str:
+    stem, _, _ending = item.name.rpartition(".")
+    return stem or item.name
+
+
+_READERS: dict[str, Callable[[Item, str], Unit | None]] = {
+    "canvas": read_canvas,
+    "moodle": read_moodle,
+    "nbgrader": read_nbgrader,
+    "github": read_github,
+    "folders": read_folders,
+    "files": read_files,
+}
+
+
+def read(layout: str, item: Item, slug: str = "") -> Unit | None:
+    """Who an entry is from.
+
+    Args:
+        layout: one of `LAYOUTS`.
+        item: the entry.
+        slug: of GitHub's assignment.
+
+    Returns:
+        the unit; None where the entry's name does not follow the layout.
+    """
+    return _READERS[layout](item, slug)
+
+
+def read_stray(layout: str, item: Item) -> Unit | None:
+    """Who an entry is from that does not follow the layout of the others; None where it is nobody's work."""
+    if item.kind == FILE and not may_be_handed_in(item):
+        return None
+    student = item.name if item.kind == FOLDER else _stem(item)
+    return Unit(item, student, odd=f"its name does not follow the layout '{layout}'")
+
+
+def may_be_handed_in(item: Item) -> bool:
+    """Whether a file between the students' entries looks like somebody's work, not like the instructor's notes."""
+    return item.is_program or item.name.lower().endswith(_ARCHIVES)
+
+
+def most(items: Sequence[Item], fits: Callable[[Item], object]) -> bool:
+    """Whether more than half of some entries are of a kind; of none at all there is no most."""
+    return 2 * sum(bool(fits(item)) for item in items) > len(items)

@@ -1,0 +1,163 @@
+"""What is known of one submission of a class, and the folder that keeps it: one file each, written atomically.
+
+The folder is the journal of a run. Whatever ends the run, a record is either there as a whole or not at all.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from course_kit.environment import write_atomically
+from course_kit.text.sanitize import encodable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+FORMAT_VERSION = 1
+STUDENTS = "students"  # folder in the output folder: students/<student>/<exercise>.json and .html
+_UNSAFE = re.compile(r"[^\w.@+-]+")
+_LONGEST_NAME = 120  # bytes; a file system takes 255
+_LONGEST_PLAIN = 80  # characters
+_MARK = 16  # hexadecimal digits
+_MARKED = re.compile(rf"-[0-9a-f]{{{_MARK}}}\Z")
+_DEVICES = frozenset(
+    {"con", "prn", "aux", "nul", *(f"{port}{number}" for port in ("com", "lpt") for number in range(10))}
+)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A submission as it was handed in.
+
+    Attributes:
+        student: who, as the learning platform names them: a login, a number; with Moodle the full name.
+        exercise: the exercise's id.
+        source: path in the folder or archive that was handed over, with forward slashes.
+        name: the person's name where the layout tells it.
+        late: whether the platform marked it as late.
+        platform: what else the layout tells: `canvas_user`, `canvas_submission`, `moodle_participant`, `login`.
+    """
+
+    student: str
+    exercise: str
+    source: str
+    name: str = ""
+    late: bool = False
+    platform: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Record:
+    """The result of one submission.
+
+    Attributes:
+        entry: what was handed in.
+        digest: SHA-256 of the submission's bytes, hexadecimal; empty where they could not be read.
+        size: of the submission, in bytes.
+        seed: what the checks drew from.
+        report: the report as `Report.to_mapping` gives it.
+        title: the exercise's title.
+        isolation: what kept the submission apart from the machine, in one line.
+        wall_s: how long the grading took, in seconds.
+        same_as: the student whose identical submission was graded in its place; empty when this one was graded.
+    """
+
+    entry: Entry
+    digest: str
+    size: int
+    seed: int | None
+    report: dict[str, Any]
+    title: str = ""
+    isolation: str = ""
+    wall_s: float = 0.0
+    same_as: str = ""
+
+    @property
+    def score(self) -> float:
+        """Points reached."""
+        return float(self.report["score"])
+
+    @property
+    def max_score(self) -> float:
+        """Full marks."""
+        return float(self.report["max_score"])
+
+    @property
+    def status(self) -> str:
+        """The report's status: graded, unreadable, crashed or error."""
+        return str(self.report["status"])
+
+    @property
+    def diagnoses(self) -> list[str]:
+        """Codes of the failed checks, each once, in the order of the checks."""
+        codes = (check["diagnosis"] for check in self.report["checks"] if check["status"] == "failed")
+        return list(dict.fromkeys(code for code in codes if code))
+
+    def to_json(self) -> str:
+        """The record as one JSON document."""
+        return encodable(json.dumps({"format_version": FORMAT_VERSION, **asdict(self)}, indent=1, ensure_ascii=False))
+
+    @classmethod
+    def from_json(cls, text: str) -> Record:
+        """The inverse of `to_json`.
+
+        Raises:
+            ValueError: the text is no record, or one of another format.
+        """
+        try:
+            values = json.loads(text)
+            if values.pop("format_version") != FORMAT_VERSION:
+                raise ValueError("it was written by another version of the course kit")
+            return cls(entry=Entry(**values.pop("entry")), **values)
+        except (KeyError, TypeError, AttributeError) as problem:
+            raise ValueError(f"it is not a valid record: {problem}") from problem
+
+
+class Records:
+    """The records in an output folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder / STUDENTS
+
+    def path(self, entry: Entry, suffix: str = ".json") -> Path:
+        """Where a submission's record or report (`.html`) stands."""
+        return self.folder / safe_name(entry.student) / f"{entry.exercise}{suffix}"
+
+    def keep(self, record: Record, page: str | None = None) -> None:
+        """Write a record and its report page; the page first, so that a record that is there is complete.
+
+        Raises:
+            OSError: the disk is full, or the folder cannot be written.
+        """
+        if page is not None:
+            write_atomically(self.path(record.entry, ".html"), page)
+        write_atomically(self.path(record.entry), record.to_json() + "\n")
+
+    def find(self, entry: Entry) -> Record | None:
+        """The record of a submission if there is one that can be read."""
+        try:
+            return Record.from_json(self.path(entry).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+
+    def __iter__(self) -> Iterator[Record]:
+        for path in sorted(self.folder.glob("*/*.json")):
+            with suppress(OSError, ValueError):
+                yield Record.from_json(path.read_text(encoding="utf-8"))
+
+
+def safe_name(student: str) -> str:
+    """A folder's name for a student: readable, legal everywhere, and different for different students."""
+    plain = _UNSAFE.sub("_", student).strip("._")[:_LONGEST_PLAIN]
+    plain = plain.encode(errors="replace")[:_LONGEST_NAME].decode(errors="ignore")
+    # Nobody may be called like somebody else's name with its mark; nor like a device, where Windows reads the results.
+    legal = not _MARKED.search(plain) and plain.partition(".")[0] not in _DEVICES
+    if plain == student and plain.lower() == plain and legal:
+        return plain
+    return f"{plain}-{hashlib.sha256(student.encode(errors='surrogatepass')).hexdigest()[:_MARK]}"

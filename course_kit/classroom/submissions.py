@@ -1,0 +1,124 @@
+"""Submissions of a class as they were read: the text of each, or why it has none, and which are the same."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from course_kit.classroom.records import Record
+from course_kit.grading import engine
+from course_kit.grading.errors import GradingError
+from course_kit.grading.submission import Copy, UnreadableError
+from course_kit.grading.workers.pool import Task
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.classroom.records import Entry
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.reading import Reader
+    from course_kit.grading.report import Report
+    from course_kit.grading.submission import Submission
+
+
+@dataclass(frozen=True)
+class Handed:
+    """A submission that has been read.
+
+    Attributes:
+        entry: who handed it in, and where it lies.
+        exercise: what it is for.
+        seed: what its checks draw from.
+        digest: SHA-256 of kind and bytes; empty when it could not be read.
+        size: in bytes.
+        text: its text; None when there is none, and `problem` says why.
+        problem: why it cannot be graded.
+        status: of the report of one that cannot be graded: "unreadable", or "error" where that is not its own fault.
+    """
+
+    entry: Entry
+    exercise: Exercise
+    seed: int
+    digest: str = ""
+    size: int = 0
+    text: Submission | None = None
+    problem: str = ""
+    status: str = "unreadable"
+
+    @property
+    def key(self) -> tuple[str, str, int]:
+        """Equal for submissions that get the same report; what could not be read is equal to nothing else."""
+        return (self.exercise.id, self.digest or self.entry.source, self.seed)
+
+    @property
+    def may_last(self) -> bool:
+        """Whether its program has a loop that may be endless; a guess, good enough to begin with such programs."""
+        return self.text is not None and self.text.facts.loops
+
+    def task(self, hidden: tuple[str, ...]) -> Task | None:
+        """What an executor is asked to do, with the folders it must hide; None when there is nothing to run."""
+        return Task(self.exercise, self.text, self.entry.source, self.seed, hidden) if self.text else None
+
+    def unreadable(self) -> Report:
+        """The report of one that has no text."""
+        return engine.unreadable(self.exercise, self.entry.source, self.problem, self.status)
+
+    def record(self, report: Report) -> Record:
+        """Its result."""
+        return Record(
+            entry=self.entry,
+            digest=self.digest,
+            size=self.size,
+            seed=self.seed,
+            report=report.to_mapping(),
+            title=report.title,
+            isolation=report.isolation,
+            wall_s=round(report.duration_s, 3),
+        )
+
+    def same_record(self, other: Record) -> Record:
+        """Its result where an identical submission was graded."""
+        report = {**other.report, "submission": self.entry.source}
+        return replace(other, entry=self.entry, report=report, same_as=other.entry.student)
+
+    def has_result(self, record: Record | None) -> bool:
+        """Whether a record is of this submission as it is now; an error of the grader is worth another try."""
+        return (
+            record is not None
+            and (record.digest, record.seed, record.entry.source) == (self.digest, self.seed, self.entry.source)
+            and record.status != "error"
+        )
+
+
+def read(  # noqa: PLR0913 - what a submission is read for
+    entry: Entry, root: Path, exercise: Exercise, seed: int, reader: Reader, *, known: Record | None = None
+) -> Handed:
+    """Read a submission; never fails, as there is a report for whatever was handed in.
+
+    Args:
+        entry: the submission.
+        root: the folder its source is relative to.
+        exercise: its exercise.
+        seed: what its checks will draw from.
+        reader: who reads it.
+        known: the result of an earlier run; what it is of is not read again.
+
+    Raises:
+        ReadingStoppedError: somebody has asked to stop.
+    """
+    path = root / entry.source
+    try:
+        with Copy(path) as copy:
+            one = Handed(entry, exercise, seed, copy.digest, copy.size)
+            return one if one.has_result(known) else replace(one, text=reader.read(copy, exercise))
+    except UnreadableError as problem:
+        return Handed(entry, exercise, seed, problem=str(problem), size=_size(path))
+    except GradingError as problem:
+        return Handed(entry, exercise, seed, problem=str(problem), size=_size(path), status="error")
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.lstat().st_size
+    except OSError:
+        return 0

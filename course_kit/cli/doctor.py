@@ -1,0 +1,272 @@
+"""`course-kit doctor`: what was found on this machine, a verdict on each, and what to do about it."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import textwrap
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.cli import discovery_trial
+from course_kit.learner import workspace
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+VERDICTS = {"ok": "ok  ", "note": "note", "bad": "BAD "}
+_ONLY_THE_PACKAGE = (
+    "Live nodes, panels, message types and ros2 work; lab, list, grade, hint, watch and reset do not. Clone the course "
+    "and run ./course lab in its folder, or install that folder with pip install -e."
+)
+_PLENTY_OF_SHM = 64 * 2**20  # bytes
+_OTHER_RMW = f"Set RMW_IMPLEMENTATION={environment.middleware.SUPPORTED} and start again."
+_TRIED = "rclpy 7.1.6 to 7.1.11, with which the course was tried"
+_SHARED_MEMORY = "/dev/shm"  # noqa: S108 - only its free space is read
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line of the doctor's report. `verdict` is "ok", "note" (works, worth knowing) or "bad"."""
+
+    subject: str
+    found: str
+    verdict: str = "ok"
+    advice: str = ""
+
+
+def run() -> int:
+    """Print the findings as they come; return 0 when nothing is bad, else 1."""
+    bad = 0
+    for finding in findings():
+        bad += finding.verdict == "bad"
+        print(render(finding), flush=True)
+    print()
+    print("Everything the course needs is here." if not bad else _to_fix(bad))
+    return 1 if bad else 0
+
+
+def _to_fix(bad: int) -> str:
+    return f"{bad} problem{'s' * (bad > 1)} must be fixed before the course works."
+
+
+def render(finding: Finding) -> str:
+    """A finding as text of at most 80 columns: verdict, subject, what was found, then the advice."""
+    head = f"{VERDICTS[finding.verdict]}  {finding.subject:<17} "
+    body = textwrap.wrap(finding.found, 80 - len(head)) or [""]
+    lines = [head + body[0], *(" " * len(head) + line for line in body[1:])]
+    lines += textwrap.wrap(finding.advice, 80, initial_indent="      -> ", subsequent_indent="         ")
+    return "\n".join(lines)
+
+
+def findings() -> Iterator[Finding]:
+    """All findings, the quick ones first; whatever goes wrong in one is a finding of its own."""
+    for check in (python, packages, course_folder, own_files):
+        yield guarded(check)
+    graph = guarded(settings)
+    yield graph
+    for check in (jupyter, shared_memory, isolation):
+        yield guarded(check)
+    ros = guarded(rclpy_itself)
+    yield ros
+    if "bad" not in (graph.verdict, ros.verdict):  # the rest would only fail after it
+        for check in (rclpy_names, middleware, interfaces, discovery):
+            yield guarded(check)
+
+
+def guarded(check: Callable[[], Finding]) -> Finding:
+    """The finding of `check`, or a bad one that tells what went wrong."""
+    try:
+        return check()
+    except Exception as problem:  # noqa: BLE001 - a doctor must not fall ill
+        subject = check.__name__.replace("_", " ")
+        return Finding(
+            subject,
+            f"{type(problem).__name__}: {problem}",
+            "bad",
+            "Set the course up again: delete .venv and run ./course lab. Then run ./course doctor again.",
+        )
+
+
+def python() -> Finding:
+    """The interpreter."""
+    found = f"{platform.python_version()} in {sys.prefix}"
+    if (3, 10) <= sys.version_info[:2] < (3, 15):
+        return Finding("Python", found)
+    return Finding(
+        "Python", found, "bad", "The course needs Python 3.10 to 3.14; set COURSE_PYTHON to one and run ./course again."
+    )
+
+
+def packages() -> Finding:
+    """Whether packages have lost files to others."""
+    from course_kit.environment import packages as installed
+
+    damaged = installed.damaged()
+    if not damaged:
+        return Finding("packages", "no package has overwritten the files of another")
+    requirement, other = next(iter(damaged.items()))
+    return Finding(
+        "packages",
+        f"{other} has overwritten files of {requirement}, which JupyterLab uses",
+        "bad",
+        f"Install {requirement} again: {installed.remedy(requirement)}",
+    )
+
+
+def course_folder() -> Finding:
+    """The lessons and exercises, and whether this user can work on them where they are."""
+    root = environment.checkout()
+    if root is None or not (root / "exercises").is_dir():
+        missing = "lessons and exercises" if root is None else "exercises"
+        found = f"the {missing} are missing; there is only the package in {environment.PACKAGE}"
+        return Finding("course folder", found, "bad", _ONLY_THE_PACKAGE)
+    if workspace.is_shared(root):
+        advice = f"{environment.command()} lab opens a copy of your own: {workspace.copy_folder()}"
+        return Finding("course folder", f"{root}, read-only for you", "note", advice)
+    return Finding("course folder", str(root))
+
+
+def own_files() -> Finding:
+    """Where progress, logs and the like are kept."""
+    folder = environment.state_dir()
+    if folder == environment.usual_state_dir():
+        return Finding("your files", f"progress and logs are kept in {folder}")
+    found = f"progress and logs are kept in {folder}, because your home directory cannot be written"
+    advice = "They may be gone after a restart. Set XDG_STATE_HOME to a folder that you can write to and that is kept."
+    return Finding("your files", found, "note", advice)
+
+
+def settings() -> Finding:
+    """The private graph."""
+    try:
+        chosen = environment.apply()
+    except environment.DomainError as problem:
+        return Finding("ROS graph", str(problem), "bad", "The course's nodes cannot run until this is fixed.")
+    reach = "this machine only" if chosen.only_this_machine else "other machines can see it"
+    found = f"domain {chosen.domain_id}, chosen by {chosen.domain_chosen_by}; {reach}"
+    if chosen.only_this_machine:
+        return Finding("ROS graph", found)
+    advice = "Unset ROS_AUTOMATIC_DISCOVERY_RANGE (or your own Fast DDS profile) to keep the course's nodes private."
+    return Finding("ROS graph", found, "note", advice)
+
+
+def rclpy_itself() -> Finding:
+    """Whether rclpy loads, asked in a process of its own: a wrong RMW ends the process that imports it."""
+    done = subprocess.run(
+        [sys.executable, "-c", "import rclpy; print(rclpy.__file__)"],
+        env=environment.child_environment(ROS_DOMAIN_ID="0"),  # nothing joins it
+        capture_output=True,
+        text=True,
+        errors="replace",
+        timeout=60,
+        check=False,
+    )
+    if done.returncode:
+        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        advice = "Run ./course lab, which installs it; or source a ROS 2 Jazzy first and delete .venv."
+        if os.environ.get("RMW_IMPLEMENTATION"):
+            advice = f"RMW_IMPLEMENTATION is {os.environ['RMW_IMPLEMENTATION']}: unset RMW_IMPLEMENTATION."
+        return Finding("rclpy", f"cannot be imported: {last}", "bad", advice)
+    try:
+        return Finding("rclpy", f"{importlib.metadata.version('ros-rclpy')} from PyPI wheels")
+    except importlib.metadata.PackageNotFoundError:
+        return Finding("rclpy", f"from the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {done.stdout.strip()}")
+
+
+def rclpy_names() -> Finding:
+    """Whether the names that the course needs of other packages are there, beyond what these document."""
+    from course_kit.ros import compat
+
+    off = compat.check_all().sentences()
+    if not off:
+        return Finding("inside rclpy", "everything that the course uses is there")
+    advice = f"Nothing has to be done. Nothing is off with {_TRIED}."
+    return Finding("inside rclpy", " ".join(off), "note", advice)
+
+
+def middleware() -> Finding:
+    """The RMW that is loaded, and whether the live interfaces can work on it."""
+    from rclpy.utilities import get_rmw_implementation_identifier
+
+    name = get_rmw_implementation_identifier()
+    if name != environment.middleware.SUPPORTED:
+        return Finding("RMW", name, "bad", environment.middleware.unsupported() or _OTHER_RMW)
+    if not (replaced := environment.middleware.replaced()):
+        return Finding("RMW", name)
+    advice = f"Nothing has to be done. Unset {replaced.partition('=')[0]} to be rid of this note."
+    return Finding("RMW", f"{name}, because {replaced} is not installed here", "note", advice)
+
+
+def jupyter() -> Finding:
+    """JupyterLab and the kernel."""
+    names = ("jupyterlab", "ipykernel", "ipywidgets")
+    return Finding("Jupyter", ", ".join(f"{name} {importlib.metadata.version(name)}" for name in names))
+
+
+def interfaces() -> Finding:
+    """The course's own message types, in a Python that never imports the kit."""
+    program = (
+        "from example_interfaces.srv import AddTwoInts as T; T.__class__.__import_type_support__(); print(T.__module__)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env=environment.child_environment(),
+        capture_output=True,
+        text=True,
+        errors="replace",
+        timeout=60,
+        check=False,
+    )
+    if done.returncode == 0:
+        return Finding("message types", "example_interfaces and course_interfaces can be imported in any program")
+    last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+    return Finding(
+        "message types", last, "bad", "Delete .venv and run ./course lab: it builds the small library they need."
+    )
+
+
+def shared_memory() -> Finding:
+    """Free space in /dev/shm."""
+    profile = os.environ.get("FASTRTPS_DEFAULT_PROFILES_FILE")  # `settings` has seen to it
+    used = profile != str(environment.LOOPBACK_PROFILE)
+    try:
+        free = shutil.disk_usage(_SHARED_MEMORY).free
+    except OSError:
+        free = 0
+    need = "may use it" if used else "talk over UDP and do not need it"
+    found = f"{free / 2**20:,.0f} MB free in {_SHARED_MEMORY}; the course's nodes {need}"
+    if used and free < _PLENTY_OF_SHM:
+        return Finding(
+            "shared memory", found, "note", "Use the course's own settings (see ROS graph), or give /dev/shm more room."
+        )
+    return Finding("shared memory", found)
+
+
+def discovery() -> Finding:
+    """Time until a client has found and asked a server in another process, on a domain of its own."""
+    try:
+        seconds = discovery_trial.seconds()
+    except environment.NoDomainError as problem:
+        advice = "Run ./course doctor again when fewer courses and graders are at work."
+        return Finding("discovery", f"not tried: no ROS domain is free to try it on. {problem}", "note", advice)
+    if seconds is None:
+        advice = "A firewall on the loopback interface, or your own Fast DDS profile, keeps the nodes apart."
+        return Finding(
+            "discovery", f"no answer from another process within {discovery_trial.DEADLINE_S:.0f} s", "bad", advice
+        )
+    return Finding("discovery", f"a server in another process answered {seconds:.2f} s after it was started")
+
+
+def isolation() -> Finding:
+    """What isolates a submission when it is graded."""
+    from course_kit.grading.sandbox import isolation as sandbox
+
+    found = sandbox.status()
+    advice = "What it stops and what it does not: course_kit/grading/LIMITS.md"
+    return Finding("grader isolation", found.describe(), "note" if found.reason else "ok", advice)

@@ -1,0 +1,283 @@
+"""The `course-kit` command: parses, calls one function, and renders."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.cli import class_command, streams
+from course_kit.integrations import otter
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+_ON_LIMITS = (
+    "A submission runs sandboxed; --exec relaxes two restrictions, and --attach has no sandbox. What holds and what "
+    "does not: course_kit/grading/LIMITS.md"
+)
+_FOUND = "when left out, it is looked for here, then in the course's folder, or in your copy where that is read-only"
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The command line as argparse sees it."""
+    parser = argparse.ArgumentParser(
+        prog="course-kit", description="A live course on ROS 2 services, actions and parameters."
+    )
+    verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
+
+    lab = verbs.add_parser("lab", help="open the course in JupyterLab", epilog="Other options go to `jupyter lab`.")
+    lab.set_defaults(run=_lab, others=[])
+
+    grade = verbs.add_parser("grade", help="grade a solution of an exercise", epilog=_ON_LIMITS)
+    grade.add_argument("exercise", help="the exercise's id, e.g. temperature_service")
+    grade.add_argument("path", nargs="?", help="your .py or .ipynb file")
+    grade.add_argument("--format", choices=("text", "json"), default="text")
+    grade.add_argument("--seed", type=int, help="draw the same random values again")
+    grade.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
+    running = grade.add_mutually_exclusive_group()
+    running.add_argument("--attach", action="store_true", help="grade the node that is running on the ROS graph")
+    running.add_argument("--exec", dest="exec_command", metavar="CMD", help="start CMD and grade its node")
+    grade.set_defaults(run=_grade)
+
+    _add_exercise_verbs(verbs)
+
+    quiz = verbs.add_parser("quiz", help="print the answer sheet of exercise 4, a file to fill in")
+    quiz.add_argument("--seed", type=int, help="the number your instructor gave you")
+    quiz.set_defaults(run=_quiz)
+
+    release = verbs.add_parser("release", help="make the student edition: the course without its answers")
+    release.add_argument("target", help="a new folder, or a file that ends in .zip")
+    release.set_defaults(run=_release)
+
+    class_command.add_to(verbs)
+    otter.add_to(verbs)
+
+    present = verbs.add_parser(
+        "present",
+        help="open the demos for a class: enlarged, answers folded, fresh",
+        epilog="Other options go to `jupyter lab`.",
+    )
+    present.set_defaults(run=_present, others=[])
+
+    doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
+    doctor.set_defaults(run=_doctor)
+
+    dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
+    dev.add_argument("tool", choices=("check", "matrix", "notebooks", "otter"))
+    dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
+    dev.set_defaults(run=_dev)
+    return parser
+
+
+def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """What a learner does beside grading."""
+    watch = verbs.add_parser("watch", help="grade a file again each time you save it")
+    watch.add_argument("exercise", help="the exercise's id")
+    watch.add_argument("path", nargs="?", type=Path, help=f"your file; {_FOUND}")
+    watch.set_defaults(run=_watch)
+
+    listing = verbs.add_parser("list", help="show the exercises and your results")
+    listing.add_argument("--format", choices=("text", "json"), default="text")
+    listing.set_defaults(run=_list)
+
+    hint = verbs.add_parser("hint", help="give one more hint for what failed last")
+    hint.add_argument("exercise", help="the exercise's id")
+    hint.add_argument("--again", action="store_true", help="repeat the hints you have already seen")
+    hint.set_defaults(run=_hint)
+
+    reset = verbs.add_parser("reset", help="restore an exercise's starter, or create it; your files are kept beside it")
+    reset.add_argument("exercise", help="the exercise's id")
+    reset.add_argument("path", nargs="?", type=Path, help=f"your file, or a folder (it may be new); {_FOUND}")
+    reset.add_argument("--yes", action="store_true", help="do not ask")
+    reset.add_argument("--progress", action="store_true", help="also forget its best score, tries and hints")
+    reset.set_defaults(run=_reset)
+
+    copy = verbs.add_parser("copy", help="make your own copy of the lessons and exercises, where the course is shared")
+    copy.add_argument("path", nargs="?", type=Path, help="the folder; ros2-course in your home directory if left out")
+    copy.set_defaults(run=_copy)
+
+    solution = verbs.add_parser("solution", help="show the solution of an exercise you have passed")
+    solution.add_argument("exercise", help="the exercise's id")
+    solution.add_argument("--copy", type=Path, metavar="PATH", help="write it to a new file instead")
+    solution.add_argument("--show", action="store_true", help="for instructors: without a pass")
+    solution.set_defaults(run=_solution)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Returns:
+        0 when it went well or the grade is a pass, 1 for a grade below the pass mark or a failing check of
+        `doctor`, 2 when it could not be done; 130 after Ctrl-C.
+    """
+    environment.heed_interrupts()
+    if arguments is None:
+        streams.read_names_as_utf_8()
+    parser = build_parser()
+    options, others = parser.parse_known_args(arguments)
+    if others and "others" not in options:
+        parser.error(f"unrecognized arguments: {' '.join(others)}")
+    options.others = others
+    streams.speak_to_any_terminal()
+    try:
+        code = int(options.run(options))
+        sys.stdout.flush()
+        return code  # noqa: TRY300 - no more can go wrong
+    except environment.DomainError as problem:
+        return _cannot(problem)
+    except KeyboardInterrupt:
+        print("\ncourse-kit: stopped.", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader of our output has gone, as in `course-kit doctor | head`
+        sys.stderr.close()
+        return 0
+
+
+def _lab(options: argparse.Namespace) -> int:
+    from course_kit.integrations import jupyter
+
+    return jupyter.run_lab(options.others)
+
+
+def _doctor(options: argparse.Namespace) -> int:
+    del options
+    from course_kit.cli import doctor
+
+    return doctor.run()
+
+
+def _dev(options: argparse.Namespace) -> int:
+    from course_kit.authoring import check
+    from course_kit.dev import matrix, notebooks, otter
+
+    main_of = {"check": check.main, "matrix": matrix.main, "notebooks": notebooks.main, "otter": otter.main}
+    return main_of[options.tool](options.rest)
+
+
+def _present(options: argparse.Namespace) -> int:
+    from course_kit.cli import present
+
+    return present.run(options.others)
+
+
+def _release(options: argparse.Namespace) -> int:
+    from course_kit.authoring import release
+
+    return release.run(options.target)
+
+
+def _quiz(options: argparse.Namespace) -> int:
+    from course_kit import quiz
+
+    print(quiz.show(quiz.DEFAULT_SEED if options.seed is None else options.seed).sheet(), end="")
+    return 0
+
+
+def _grade(options: argparse.Namespace) -> int:
+    from course_kit import grading
+    from course_kit.learner import progress
+
+    try:
+        report = grading.grade(
+            options.exercise,
+            options.path,
+            seed=options.seed,
+            attach=options.attach,
+            exec_command=options.exec_command,
+            require_isolation=options.require_isolation,
+        )
+    except grading.GradingError as problem:
+        return _cannot(problem)
+    if options.format == "json":
+        streams.print_json(report.to_json())
+    else:
+        print(grading.render_text(report))
+        _tell(grading.advice_for_root())
+    _tell(progress.record(report))
+    return grading.exit_code(report)
+
+
+def _watch(options: argparse.Namespace) -> int:
+    try:
+        from course_kit.grading import GradingError
+        from course_kit.learner import watch
+    except KeyboardInterrupt:  # it has hardly begun
+        return 0
+    try:
+        return watch.watch(options.exercise, options.path)
+    except GradingError as problem:
+        return _cannot(problem)
+
+
+def _list(options: argparse.Namespace) -> int:
+    from course_kit.grading import GradingError
+    from course_kit.learner import course_list
+
+    try:
+        rows, told = course_list.rows()
+    except GradingError as problem:
+        return _cannot(problem)
+    if options.format == "json":
+        streams.print_json(course_list.to_json(rows))
+    else:
+        print(course_list.to_text(rows, sys.stdout.encoding))
+    for sentence in told:
+        _tell(sentence)
+    return 0
+
+
+def _hint(options: argparse.Namespace) -> int:
+    from course_kit.grading import GradingError
+    from course_kit.learner import hints
+
+    try:
+        text, trouble = hints.hint(options.exercise, f"{environment.command()} hint", again=options.again)
+    except GradingError as problem:
+        return _cannot(problem)
+    print(text, end="")
+    _tell(trouble)
+    return 0
+
+
+def _reset(options: argparse.Namespace) -> int:
+    from course_kit.grading import GradingError
+    from course_kit.learner import starters
+
+    try:
+        return starters.reset(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
+    except GradingError as problem:
+        return _cannot(problem)
+
+
+def _copy(options: argparse.Namespace) -> int:
+    from course_kit.learner import workspace
+
+    return workspace.copy(options.path)
+
+
+def _solution(options: argparse.Namespace) -> int:
+    from course_kit.grading import GradingError
+    from course_kit.learner import starters
+
+    try:
+        return starters.solution(options.exercise, show=options.show, copy=options.copy)
+    except GradingError as problem:
+        return _cannot(problem)
+
+
+def _cannot(problem: Exception) -> int:
+    _tell(str(problem))
+    return 2
+
+
+def _tell(sentence: str) -> None:
+    if sentence:
+        print(f"course-kit: {sentence}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,103 @@
+"""Where things are kept: the checkout, what it generates, and what belongs to the user."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from functools import lru_cache
+from pathlib import Path
+
+import platformdirs
+
+PACKAGE = Path(__file__).resolve().parent.parent
+_APPLICATION = "ros2-course-kit"
+
+
+def checkout() -> Path | None:
+    """The course folder this package runs from, or None where only the package is installed."""
+    root = PACKAGE.parent
+    return root if (root / "notebooks").is_dir() and (root / "pyproject.toml").is_file() else None
+
+
+def lesson(notebook: str, base: Path | None = None) -> Path | None:
+    """A notebook of the course, None where it is not here.
+
+    Args:
+        notebook: its path below the course's folder.
+        base: look from this folder upwards first: a learner may have a copy, and no way to the course's folder.
+    """
+    root = checkout()
+    folders = [*([base, *base.parents] if base else []), *([root] if root else [])]
+    return next((folder / notebook for folder in folders if (folder / notebook).is_file()), None)
+
+
+def command() -> str:
+    """How the user calls the course from where they are: `./course` where that stands, `course-kit` elsewhere."""
+    root = checkout()
+    try:
+        return "./course" if root is not None and (root / "course").samefile("course") else "course-kit"
+    except OSError:  # none stands here, or the working directory was removed
+        return "course-kit"
+
+
+def home() -> Path | None:
+    """The user's home directory, None where there is none that can be written."""
+    try:
+        found = Path.home()
+    except RuntimeError:  # HOME is not set, and the system does not know this user, as in some containers
+        return None
+    return found if found.is_absolute() and is_writable(found, make=False) else None
+
+
+def state_dir() -> Path:
+    """The user's state directory for the course (XDG_STATE_HOME), created on first use.
+
+    A home directory that is missing or read-only is replaced by a private folder among the temporary files,
+    so that a course on a locked-down machine works and only forgets between reboots.
+    """
+    return _state_dir(os.environ.get("XDG_STATE_HOME"), os.environ.get("HOME"))
+
+
+def usual_state_dir() -> Path | None:
+    """Where that directory is when it can be made; None where nobody knows the user's home directory."""
+    try:
+        found = platformdirs.user_state_path(_APPLICATION, appauthor=False)
+    except RuntimeError:
+        return None
+    return found if found.is_absolute() else None  # in older versions of platformdirs it begins with a ~
+
+
+@lru_cache(maxsize=8)
+def _state_dir(xdg: str | None, home: str | None) -> Path:  # noqa: ARG001 - the cache is keyed by both
+    wanted = usual_state_dir()
+    if wanted is not None and is_writable(wanted):
+        return wanted
+    spare = Path(tempfile.gettempdir()) / f"{_APPLICATION}-{os.getuid()}"
+    if is_writable(spare) and spare.stat().st_uid == os.getuid():
+        return spare
+    return Path(tempfile.mkdtemp(prefix=f"{_APPLICATION}-"))
+
+
+def run_dir() -> Path:
+    """This checkout's folder for generated things; beside the course when that is writable."""
+    root = checkout()
+    if root is not None and is_writable(root / ".course"):
+        return root / ".course"
+    elsewhere = state_dir() / "run"
+    elsewhere.mkdir(parents=True, exist_ok=True)
+    return elsewhere
+
+
+def is_writable(folder: Path, *, make: bool = True) -> bool:
+    """Whether this user can make files in a folder.
+
+    Args:
+        folder: which.
+        make: make it, with those above it, where it is missing.
+    """
+    try:
+        if make:
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK | os.X_OK, effective_ids=True)

@@ -1,0 +1,1 @@
+"""What a grader is written in: the context of a check, services, goals, topics, parameters and load."""

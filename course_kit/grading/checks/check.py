@@ -1,0 +1,191 @@
+"""Checks: how a grader declares them, and how they are run one after another.
+
+A check is a function that talks to the submission over the wire and either returns `Evidence` or raises
+`Failed`. Its name is the check's id, the first line of its docstring the title.
+"""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.exchange_log import GRADER
+from course_kit.ros.arrows import Arrow
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from course_kit.grading.checks.context import CheckContext
+
+DEFAULT_DEADLINE_S = 6.0
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What was seen on the wire: what we sent, what should come back, and what came."""
+
+    sent: str = ""
+    expected: str = ""
+    got: str = ""
+
+
+class Failed(Exception):  # noqa: N818 - it is a verdict, not an error
+    """A check was not passed.
+
+    Attributes:
+        evidence: what was seen.
+        diagnosis: a code of the catalogue when the cause is established, else None.
+        message: what happened in this case, in one or two sentences for the learner.
+    """
+
+    def __init__(self, evidence: Evidence, message: str, diagnosis: str | None = None) -> None:
+        super().__init__(message)
+        self.evidence = evidence
+        self.message = message
+        self.diagnosis = diagnosis
+
+
+class NotRun(Exception):  # noqa: N818 - it is a verdict, not an error
+    """A check that makes no sense in this grading; the text tells the learner why."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One thing a submission must do.
+
+    Attributes:
+        id: its name in reports.
+        title: one line for the learner.
+        points: what it is worth.
+        depends_on: ids of checks without which it makes no sense; it is skipped unless they passed.
+        deadline_s: seconds for all its waiting together.
+        run: the function.
+    """
+
+    id: str
+    title: str
+    points: float
+    depends_on: tuple[str, ...]
+    deadline_s: float
+    run: Callable[[CheckContext], Evidence]
+
+
+def check(
+    *, points: float, depends_on: Sequence[str] = (), deadline_s: float = DEFAULT_DEADLINE_S
+) -> Callable[[Callable[[CheckContext], Evidence]], Check]:
+    """Decorator that makes a function a `Check`.
+
+    Args:
+        points: what it is worth.
+        depends_on: checks without which it cannot pass.
+        deadline_s: seconds for all its waiting together.
+
+    Raises:
+        ValueError: the function has no docstring, or is worth nothing.
+    """
+
+    def declare(function: Callable[[CheckContext], Evidence]) -> Check:
+        title = (inspect.getdoc(function) or "").partition("\n")[0].rstrip(".")
+        if not title:
+            raise ValueError(f"the check {function.__name__} needs a docstring: its first line is shown as the title")
+        if points <= 0:
+            raise ValueError(f"the check {function.__name__} needs points above 0")
+        return Check(function.__name__, title, float(points), tuple(depends_on), deadline_s, function)
+
+    return declare
+
+
+def in_order(checks: Sequence[Check]) -> list[Check]:
+    """The checks such that each comes after those it depends on, otherwise as declared.
+
+    Raises:
+        ValueError: two have the same id, a dependency is missing, or they depend on each other in a circle.
+    """
+    names = [one.id for one in checks]
+    if doubles := sorted({name for name in names if names.count(name) > 1}):
+        raise ValueError(f"two checks are called {doubles[0]}")
+    ordered: list[Check] = []
+    waiting = list(checks)
+    while waiting:
+        done = {one.id for one in ordered}
+        following = next((one for one in waiting if set(one.depends_on) <= done), None)
+        if following is None:
+            unmet = sorted({name for one in waiting for name in one.depends_on} - done)
+            raise ValueError(f"these checks are never run because they wait for {', '.join(unmet)}")
+        waiting.remove(following)
+        ordered.append(following)
+    return ordered
+
+
+@dataclass(frozen=True)
+class Result:
+    """How a check went: `status` is passed, failed, skipped or error; `steps` what crossed the wire if it failed."""
+
+    id: str
+    title: str
+    status: str
+    max_points: float
+    sent: str = ""
+    expected: str = ""
+    got: str = ""
+    diagnosis: str | None = None
+    message: str = ""
+    steps: tuple[Arrow, ...] = ()
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The result as plain data."""
+        return asdict(self)
+
+
+def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[Result]:
+    """Run the checks in order of dependence, yielding each result as soon as it is known.
+
+    A check that fails or times out leaves the others to be graded. After one that breaks there is no grade, and nothing
+    more is run.
+    """
+    passed: set[str] = set()
+    titles = {one.id: one.title for one in checks}
+    broken = ""
+    for one in in_order(checks):
+        if broken:
+            yield Result(one.id, one.title, "skipped", one.points, message=f'Not run: the grader failed in "{broken}".')
+            continue
+        missing = [name for name in one.depends_on if name not in passed]
+        if missing:
+            needed = ", ".join(f'"{titles[name]}"' for name in missing)
+            yield Result(one.id, one.title, "skipped", one.points, message=f"Not run: {needed} has to pass first.")
+            continue
+        result = _run(one, context)
+        if result.status == "passed":
+            passed.add(one.id)
+        elif result.status == "error":
+            broken = one.title
+        yield result
+
+
+def _run(one: Check, context: CheckContext) -> Result:
+    try:
+        context.begin(one.deadline_s)
+        seen = one.run(context)
+    except Failed as verdict:
+        seen = verdict.evidence
+        status, diagnosis, message = "failed", verdict.diagnosis, verdict.message
+        steps = _exchange(context, seen)
+    except NotRun as reason:
+        return Result(one.id, one.title, "skipped", one.points, message=f"Not run: {reason}")
+    except Exception as problem:  # noqa: BLE001 - whatever it is, it is our fault and must not cost any points
+        text = f"The grader itself failed here ({type(problem).__name__}: {problem}). This is not your fault."
+        return Result(one.id, one.title, "error", one.points, message=text)
+    else:
+        status, diagnosis, message, steps = "passed", None, "", ()
+    told = (seen.sent, seen.expected, seen.got, diagnosis, message, steps)
+    return Result(one.id, one.title, status, one.points, *told)
+
+
+def _exchange(context: CheckContext, seen: Evidence) -> tuple[Arrow, ...]:
+    """The steps that led to a verdict; whatever goes wrong in telling them leaves the verdict as it is."""
+    try:
+        return context.record.steps(seen)
+    except Exception as problem:  # noqa: BLE001 - as above
+        return (Arrow(GRADER, GRADER, "note", f"The grader could not tell the exchange ({problem!r})."),)

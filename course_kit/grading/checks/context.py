@@ -1,0 +1,282 @@
+"""The check context of one grading: the grader's own node, and the verbs a check speaks in.
+
+Every wait has a deadline and ends early when the submission has. Runs in the grader process, a process apart from the
+submission and from the one that writes the report.
+"""
+
+from __future__ import annotations
+
+import random
+import time
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading import limits, machine
+from course_kit.grading.checks.check import Evidence, Failed, NotRun
+from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, Start, State, Used
+from course_kit.grading.checks.grader_node import GraderNode
+from course_kit.grading.checks.process_status import ProcessStatus
+from course_kit.grading.diagnosis import exits
+from course_kit.grading.exchange_log import ExchangeLog
+from course_kit.grading.sandbox import scheduling
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from course_kit.grading.job import Job
+    from course_kit.grading.workers.ipc import Channel
+
+_STEP_S = 0.02  # how often a condition is looked at beside each message: looking costs computing, which others need
+GRAPH_STEP_S = 0.01  # the same for what a change of the graph makes true: rclpy has no event for that
+_WATCH_S = 0.02  # how often it is asked whether the submission lives, while an answer is waited for
+PHASES = ("start", "discovery")  # where time goes beside checking: the program's making, and its way onto the graph
+_MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a very busy machine, twelve times as long
+_FINISH_S = 0.25  # how often it is asked whether the time is up, while a program's end is waited for
+_RPC_S = 30.0  # the supervisor answers in milliseconds; without it there is no grading
+
+
+class SubmissionEndedError(Failed):
+    """The submission's process has ended while something was expected of it; by itself explained as during a call."""
+
+    def __init__(self, process: ProcessStatus, job: Job) -> None:
+        diagnosis, message = exits.of_call(process, job)
+        super().__init__(Evidence(got="the program has ended"), message, diagnosis)
+        self.process = process
+
+
+class CheckContext:
+    """What a check works with."""
+
+    def __init__(self, supervisor: Channel, job: Job, variables: Mapping[str, str] | None = None) -> None:
+        """Make a context on which nothing runs yet.
+
+        Args:
+            supervisor: who starts and ends the submission.
+            job: what is graded.
+            variables: environment variables the submission is started with, unless `launch` says otherwise.
+        """
+        self.job = job
+        self.memory: dict[str, Any] = {}  # what the checks know of the running submission; empty after each launch
+        self.record = ExchangeLog()  # what the present check and the submission have sent each other
+        self._variables = dict(variables or {})
+        self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
+        self._supervisor = supervisor
+        self._grader_node: GraderNode | None = None
+        self._started = self._spoiled = False
+        self.deadline_s = 0.0
+        self.spent = dict.fromkeys(PHASES, 0.0)  # seconds
+        self._clock: FairClock | None = None
+        self._queued_s = 0.0  # for a ROS domain, which is not the submission's fault
+        self._used = self._used_before = Used()  # by the submission, in all and until it was started last
+        self._state = Recent(self._look)
+
+    @property
+    def grader_node(self) -> GraderNode:
+        """The grader's node on the graph of the submission.
+
+        Raises:
+            RuntimeError: nothing was launched yet; the grader module's fault.
+        """
+        if self._grader_node is None:
+            raise RuntimeError("the check uses the graph before `launch`")
+        return self._grader_node
+
+    def launch(
+        self,
+        arguments: Sequence[str] = (),
+        files: Mapping[str, str] | None = None,
+        variables: Mapping[str, str] | None = None,
+    ) -> None:
+        """Start the submission on an empty graph of its own; one that runs is ended first.
+
+        With `--attach` the graph is the one that is there.
+
+        Args:
+            arguments: what follows the program's name on its command line.
+            files: texts to lay beside it, by file name; an argument that is such a name becomes the file's path.
+            variables: environment variables that differ from the exercise's own; without effect with `--attach`.
+
+        Raises:
+            NotRun: arguments for a program that somebody else has started.
+        """
+        if arguments and self.job.mode == "attach":
+            raise NotRun("it starts your program again, but with --attach your program is already running.")
+        began = time.monotonic()
+        self.close()
+        self._spoiled = False
+        self._used_before = self._used
+        self.memory.clear()
+        if arguments:
+            self.record.sent(f"start with {' '.join(arguments)}", "message")
+        domain = None if self.job.mode == "attach" else self._start(arguments, files or {}, variables or {})
+        self._grader_node = GraderNode(domain)
+        self.spent["start"] += time.monotonic() - began
+
+    def run_to_end(self) -> ProcessStatus:
+        """Start the submission and wait until it has ended; for exercises that ask for a value, not for a node.
+
+        It is ended when the check's time is up. What it has put into the job's variable is in the notes of the result,
+        as `values.describe` puts it.
+        """
+        self._start((), {}, {})
+        while (process := ProcessStatus.from_mapping(self._ask("finish", seconds=_FINISH_S))).running:
+            if self.time_is_up():
+                return ProcessStatus.from_mapping(self._ask("time is up"))
+        return process
+
+    def _start(self, arguments: Sequence[str], files: Mapping[str, str], variables: Mapping[str, str]) -> int:
+        """Have the submission started; returns its ROS domain."""
+        program = {"arguments": list(arguments), "files": dict(files), "variables": {**self._variables, **variables}}
+        answer = self._ask("launch", patience_s=limits.QUEUE_S, **program)
+        self._started = True
+        self._queued_s += float(answer["queued_s"])
+        return int(answer["domain"])
+
+    def close(self) -> None:
+        """Take the grader's node off the graph."""
+        self._started = False
+        if self._grader_node is not None:
+            self._grader_node.close()
+            self._grader_node = None
+
+    def begin(self, deadline_s: float) -> None:
+        """Start the deadline of a check.
+
+        Raises:
+            Failed: there is nothing to check, because the program is not Python.
+        """
+        self.record.clear()
+        if self.job.fault:
+            raise Failed(Evidence("", "a Python program", "a syntax error"), self.job.fault, "start.syntax")
+        self.deadline_s = deadline_s
+        self._queued_s = 0.0
+        self._clock = self.clock()
+
+    def time_is_up(self) -> bool:
+        """Whether the check has used up its time, fairly counted; every wait is over then."""
+        return self._clock is not None and self._clock.past(self.deadline_s + self._queued_s)
+
+    def require_time(self, evidence: Evidence) -> None:
+        """See that there is time left to ask something more.
+
+        Args:
+            evidence: what is to be asked.
+
+        Raises:
+            Failed: the check has used up its time; with service.blocks.
+        """
+        if self.time_is_up():
+            message = f"Every answer came, but so slowly that the {self.deadline_s:g} s for this check ran out."
+            raise Failed(replace(evidence, got="too late to ask"), message, "service.blocks")
+
+    @contextmanager
+    def after_the_verdict(self) -> Iterator[None]:
+        """Let waits go beyond the check's deadline: for a look at why it failed, and to tidy up. Both are short."""
+        clock, self._clock = self._clock, None
+        try:
+            yield
+        finally:
+            self._clock = clock
+
+    def spoil(self) -> None:
+        """Remember that the running submission is dead or stuck: the next check needs a fresh one."""
+        self._spoiled = True
+
+    @property
+    def spoiled(self) -> bool:
+        """Whether the running submission can be asked nothing more."""
+        return self._spoiled
+
+    def clock(self, own_waiting: Callable[[], float] | None = None) -> FairClock:
+        """A fair clock that starts now.
+
+        Args:
+            own_waiting: seconds the grader has waited for a processor, for whoever knows better than the kernel, which
+                counts that of a grader too that only looks whether something has come yet.
+        """
+        if own_waiting is None:
+            return self._clock_of(self._state)
+        return self._clock_of(Recent(lambda: self._look(own_waiting)))
+
+    def process(self, *, fresh: bool = False) -> ProcessStatus:
+        """What is known of the submission; `fresh` has it counted now instead of up to 50 ms ago."""
+        if self.job.mode == "attach":
+            return ProcessStatus(running=True)
+        return ProcessStatus.from_mapping(self._ask("facts" if fresh else "state"))
+
+    def computed(self) -> float:
+        """Seconds for which the program that was started last has computed, as of now or a moment ago."""
+        return self._state.lately().submission.cpu_s - self._used_before.cpu_s
+
+    def stacks(self) -> str:
+        """What each thread of the submission is executing, by faulthandler; empty for other than Python source."""
+        return str(self._ask("stacks")["stacks"]) if self.job.mode == "run" else ""
+
+    def wait_until(
+        self,
+        condition: Callable[[], bool],
+        seconds: float,
+        *,
+        most: float = MOST,
+        step_s: float = _STEP_S,
+        of_the_living: bool = True,
+    ) -> bool:
+        """Wait until `condition` holds; False when it does not within `seconds`, or before the check's time is up.
+
+        Args:
+            condition: asked again and again.
+            seconds: the patience, fairly counted, as the check's deadline is.
+            most: the largest part of the time that a busy machine may take away.
+            step_s: how late it may be noticed that something else than a message has made it hold. Always the same
+                within a wait: with another one rclpy forgets which clients it has not served yet.
+            of_the_living: whether only a submission that runs can make it hold.
+
+        Raises:
+            SubmissionEndedError: the submission has ended meanwhile, and it is `of_the_living`.
+        """
+        clock = self._clock_of(self._state, most)
+        watched = 0.0
+        while not condition():
+            if clock.wall() - watched >= _WATCH_S:
+                watched = clock.wall()
+                if of_the_living:
+                    self.require_running()
+                if clock.past(seconds) or self.time_is_up():
+                    return False
+            self.grader_node.spin_once(step_s)
+        return True
+
+    def wait_for_start(self, condition: Callable[[], bool]) -> bool:
+        """Wait until `condition` holds of a program just started; False when it does not within its time to start.
+
+        Raises:
+            SubmissionEndedError: the submission has ended meanwhile.
+        """
+        began, job = time.monotonic(), self.job
+        start = Start(condition, job.start_cpu_s, self.computed, self.grader_node.nodes)
+        try:
+            came = self.wait_until(start.over, job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
+            return came and not start.endless
+        finally:
+            self.spent["discovery"] += time.monotonic() - began
+
+    def require_running(self) -> None:
+        """Raise SubmissionEndedError if the submission has ended."""
+        if self.job.mode != "attach" and not self._ask("running")["running"]:
+            self._spoiled = True
+            raise SubmissionEndedError(self.process(), self.job)
+
+    def _look(self, own_waiting: Callable[[], float] = scheduling.own_waiting) -> State:
+        if self._started:
+            process = self.process(fresh=True)
+            self._used = self._used_before.plus(process.cpu_s, process.waited_s)
+        busy_s = machine.processor_times().busy
+        return State(self._used, Used(time.process_time(), own_waiting()), busy_s or None)
+
+    def _clock_of(self, state: Recent, most: float = MOST) -> FairClock:
+        return FairClock(state, most, machine.processor_share())
+
+    def _ask(self, what: str, *, patience_s: float = 0.0, **more: Any) -> dict[str, Any]:
+        self._supervisor.send({"do": what, **more})
+        return self._supervisor.receive(patience_s + _RPC_S)

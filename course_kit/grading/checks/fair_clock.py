@@ -1,0 +1,169 @@
+"""A clock that does not count the time a loaded machine has taken away."""
+
+from __future__ import annotations
+
+import os
+import time
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+_RECENT_S = 0.1
+MOST = 0.8  # however busy the machine: after five times the patience a wait is over
+
+
+class Used(NamedTuple):
+    """What some threads have had of the machine's processors so far.
+
+    Attributes:
+        cpu_s: seconds of computing, all of them together.
+        waited_s: seconds the one that suffered most was ready to run and others had the processors.
+    """
+
+    cpu_s: float = 0.0
+    waited_s: float = 0.0
+
+    def plus(self, cpu_s: float, waited_s: float) -> Used:
+        """The same and more."""
+        return Used(self.cpu_s + cpu_s, self.waited_s + waited_s)
+
+    def since(self, before: Used) -> Used:
+        """What has come to it since then."""
+        return Used(self.cpu_s - before.cpu_s, self.waited_s - before.waited_s)
+
+
+class State(NamedTuple):
+    """How things stand at one moment.
+
+    Attributes:
+        submission: what the submission has used.
+        grader: what the grader has used.
+        busy_s: seconds the machine's processors have worked for anybody; None where that is not known.
+    """
+
+    submission: Used
+    grader: Used
+    busy_s: float | None = None
+
+
+class Recent:
+    """A state that may be some moments old, where asking anew costs more than most waits last."""
+
+    def __init__(self, look: Callable[[], State]) -> None:
+        self._look = look
+        self._value: State | None = None
+        self._at = 0.0
+
+    def __call__(self) -> State:
+        """The state of now."""
+        self._value, self._at = self._look(), time.monotonic()
+        return self._value
+
+    def lately(self) -> State:
+        """The state of now or of a moment ago."""
+        if self._value is None or time.monotonic() - self._at >= _RECENT_S:
+            return self()
+        return self._value
+
+
+class Start:
+    """The start of a program, which is over when what is waited for is there, or when it computes without end.
+
+    Looking how much it has computed costs computing, too. So that is done only when it can have used up its seconds,
+    on all processors.
+
+    Attributes:
+        endless: whether it was given up.
+    """
+
+    def __init__(
+        self,
+        condition: Callable[[], bool],
+        seconds: float,
+        computed: Callable[[], float],
+        nodes: Callable[[], Sequence[str]],
+    ) -> None:
+        """Begin with a program that has just been started.
+
+        Args:
+            condition: what is waited for.
+            seconds: for which it may compute before one of its nodes appears.
+            computed: the seconds for which it has computed.
+            nodes: those that have appeared.
+        """
+        self.endless = False
+        self._condition, self._seconds, self._computed, self._nodes = condition, seconds, computed, nodes
+        self._processors = len(os.sched_getaffinity(0))
+        self._next = time.monotonic() + seconds / self._processors
+
+    def over(self) -> bool:
+        """Whether it is over; to be asked again and again."""
+        if self._condition():
+            return True
+        if time.monotonic() >= self._next:
+            left = self._seconds - self._computed()
+            self.endless = left <= 0.0 and not self._nodes()
+            self._next = time.monotonic() + max(left / self._processors, _RECENT_S)
+        return self.endless
+
+
+class FairClock:
+    """Seconds since its making, minus those in which others kept the submission or the grader from running.
+
+    The kernel counts per thread for how long it was ready to run and was not let (schedstat, see
+    Documentation/scheduler/sched-stats.rst of Linux). A correct submission on a machine with many other programs thus
+    gets the same patience as on an idle one. Waiting that a submission causes itself is not taken off:
+
+    - Others can have taken no more than they have used of the processors.
+    - What a submission has computed would have taken its time on an idle machine, too. So however long it has waited,
+      at least as much time has gone by as it has computed. For one with a single thread at work that changes nothing,
+      as such a thread either computes or waits. One whose threads stand in each other's way has computed all the time.
+    """
+
+    def __init__(self, state: Recent, most: float = MOST, share: float = 1.0) -> None:
+        """Start the clock.
+
+        Args:
+            state: how things stand; as rarely asked as possible.
+            most: the largest part of the time that is taken for lost.
+            share: how much of one processor a single thread gets on this machine when nobody else wants any.
+        """
+        self._most, self._share = most, share
+        self._state = state
+        self._began = time.monotonic()
+        self._before = state.lately()
+        self._counted = (0.0, 0.0)  # seconds on the wall and fair ones, when it was counted last
+
+    def wall(self) -> float:
+        """Seconds on the wall."""
+        return time.monotonic() - self._began
+
+    def past(self, seconds: float) -> bool:
+        """Whether `seconds` have gone by, fairly counted.
+
+        Counting takes a look at every thread, so it is done only when they can have gone by: since the last count no
+        more fair seconds have passed than seconds on the wall.
+        """
+        wall, fair = self._counted
+        return fair + self.wall() - wall >= seconds and self.fair() >= seconds
+
+    def fair(self) -> float:
+        """Seconds, fairly counted."""
+        wall = self.wall()
+        fair = wall - self._lost(wall, lambda now: max(now.submission.waited_s, now.grader.waited_s))
+        self._counted = (wall, fair)
+        return fair
+
+    def grader_lost(self) -> float:
+        """Seconds in which others have kept the grader from running: as late it may have noticed something."""
+        return self._lost(self.wall(), lambda now: now.grader.waited_s)
+
+    def _lost(self, wall: float, waited: Callable[[State], float]) -> float:
+        """How much of the seconds on the wall others have taken away."""
+        now, before = self._state(), self._before
+        since = State(now.submission.since(before.submission), now.grader.since(before.grader))
+        lost = min(waited(since), wall - since.submission.cpu_s / self._share, self._most * wall)
+        if now.busy_s is not None and before.busy_s is not None:
+            lost = min(lost, now.busy_s - before.busy_s - since.submission.cpu_s - since.grader.cpu_s)
+        return max(lost, 0.0)

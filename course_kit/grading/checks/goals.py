@@ -1,0 +1,223 @@
+"""One goal of an action, followed from its sending to its end by what crosses the wire."""
+
+from __future__ import annotations
+
+import itertools
+import uuid
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from action_msgs.msg import GoalInfo, GoalStatus
+from unique_identifier_msgs.msg import UUID
+
+from course_kit.grading.bounds import bounded
+from course_kit.grading.checks.actions import ActionChannels, ensure_ready
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.retry import RESEND_AFTER_S
+from course_kit.grading.diagnosis import goals, hangs
+from course_kit.grading.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
+from course_kit.ros.arrows import Arrow
+from course_kit.ros.goal import status_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.grading.checks.actions import ReceivedFeedback, WantedAction
+    from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.process_status import ProcessStatus
+
+SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
+_QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
+_REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's next heartbeat, each 3 s in Fast DDS
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a goal ended: its status (see action_msgs/msg/GoalStatus) and its result, as the client gets them."""
+
+    status: int
+    result: Any
+
+    @property
+    def name(self) -> str:
+        """The status in words, `SUCCEEDED`."""
+        return status_name(self.status)
+
+
+class CheckedGoal:
+    """A goal; made, it is sent."""
+
+    def __init__(self, context: CheckContext, action: WantedAction, message: Any, shown: str) -> None:
+        """Send a goal; a submission that has died or hangs is started again before.
+
+        Args:
+            context: the context of the check.
+            action: to whom.
+            message: the goal.
+            shown: the goal as the learner is shown it.
+        """
+        ensure_ready(context, action)
+        context.require_time(Evidence(shown, "an answer to the goal"))
+        self.shown = shown
+        self._context, self._parts, self._line = context, action.interface.Impl, ActionChannels(context, action)
+        self._stderr = context.process().stderr
+        self._id = uuid.uuid4().bytes
+        self._results: list[Any] = []
+        self.clock = context.clock()
+        request = self._parts.SendGoalService.Request(goal_id=self._uuid(), goal=message)
+        self._turn = context.record.sent(f"goal for {action.name}: {in_one_line(message)}")
+        self._cancelling = Exchange()
+        context.record.follow(self._feedback_steps)
+        self._follow()
+        self._answer = self._line.goals.call_async(request)
+
+    @property
+    def answered(self) -> bool:
+        """Whether the server has said yes or no."""
+        return bool(self._answer.done())
+
+    @property
+    def accepted(self) -> bool:
+        """Whether it has said yes."""
+        return self.answered and bool(self._answer.result().accepted)
+
+    @property
+    def feedback(self) -> list[ReceivedFeedback]:
+        """The feedback about this goal so far, oldest first."""
+        return self._line.feedback.of(self._id)
+
+    @property
+    def statuses(self) -> list[tuple[float, int]]:
+        """The statuses received for this goal so far, each with its time on the system's clock."""
+        return self._line.statuses.of(self._id)
+
+    @property
+    def over_at(self) -> float | None:
+        """When the grader learned that it had ended, on the system's clock; None as long as it runs."""
+        return next((when for when, status in self.statuses if status >= SUCCEEDED), None)
+
+    @property
+    def began_at(self) -> float:
+        """When the grader first heard of it, on the system's clock; 0 if it never has."""
+        return next((when for when, _ in self.statuses), 0.0)
+
+    def wait_for_answer(self, expected: str, seconds: float = hangs.ANSWER_S) -> None:
+        """Wait until the server has said yes or no.
+
+        Raises:
+            Failed: it has not; with the reason if it can be established.
+        """
+        nudged = False
+
+        def decided() -> bool:
+            nonlocal nudged
+            if not nudged and self.clock.wall() > RESEND_AFTER_S:
+                nudged = True
+                self._line.results.call_async(self._parts.GetResultService.Request())
+            return self.answered
+
+        try:
+            found = self._context.wait_until(decided, seconds)
+        except SubmissionEndedError as ended:
+            evidence = Evidence(self.shown, expected, "no answer: the program ended")
+            raise Failed(evidence, ended.message, ended.diagnosis) from None
+        if not found:
+            raise hangs.unanswered(self._context, self.shown, expected, self.clock.fair())
+        self._turn.came("accepted" if self.accepted else "rejected")
+
+    def wait_for_end(self, seconds: float, expected: str) -> Ended:
+        """Wait for the result.
+
+        Args:
+            seconds: the patience, fairly counted.
+            expected: what a right end is, in words.
+
+        Raises:
+            Failed: none came; with the reason if it can be established.
+        """
+        self._ask_for_result()
+        clock = self._context.clock()
+        try:
+            self._context.wait_until(self._result_came, seconds)
+        except SubmissionEndedError as ended:
+            diagnosis, message = goals.of_program(ended.process, self._context.job)
+            evidence = Evidence(self.shown, expected, "no result: the program ended")
+            self._turn.missed(evidence.got)
+            raise Failed(evidence, message, diagnosis) from None
+        for future in self._results:
+            if future.done():
+                response = bounded(future.result())
+                end = Ended(response.status, response.result)
+                self._turn.came(f"result: {end.name}, {in_one_line(end.result)}")
+                return end
+        self._context.spoil()
+        seconds = min(seconds, clock.fair())
+        over = next((status_name(status) for _, status in self.statuses if status >= SUCCEEDED), "")
+        diagnosis, message = goals.of_silence(self._context, over, seconds, self.process())
+        evidence = Evidence(self.shown, expected, f"no result within {seconds:.1f} s")
+        self._turn.missed(evidence.got)
+        raise Failed(evidence, message, diagnosis)
+
+    def wait_for_last_feedback(self, complete: Callable[[list[ReceivedFeedback]], bool]) -> list[ReceivedFeedback]:
+        """The feedback of a goal that has ended, once no more comes.
+
+        Args:
+            complete: whether it looks complete; if not, it is waited for longer.
+        """
+        count, clock = -1, self._context.clock()
+
+        def quiet() -> bool:
+            nonlocal count, clock
+            if count != self._line.feedback.count:
+                count, clock = self._line.feedback.count, self._context.clock()
+            return clock.past(_QUIET_S) and (clock.past(_REPAIRED_S) or complete(self.feedback))
+
+        self._context.wait_until(quiet, hangs.ANSWER_S)
+        return self.feedback
+
+    def cancel(self) -> Any:
+        """Ask the server to cancel it; a future of the response (action_msgs/srv/CancelGoal)."""
+        request = self._parts.CancelGoalService.Request(goal_info=GoalInfo(goal_id=self._uuid()))
+        self._cancelling = self._context.record.sent("request to cancel the goal")
+        return self._line.cancels.call_async(request)
+
+    def is_cancelled_by(self, response: Any) -> bool:
+        """Whether a response to `cancel` says that the goal will be cancelled."""
+        agreed = any(bytes(info.goal_id.uuid) == self._id for info in response.goals_canceling)
+        self._cancelling.came("cancelling accepted" if agreed else "cancelling refused")
+        return agreed
+
+    def process(self) -> ProcessStatus:
+        """What is known of the program, with only what it has written to stderr since the goal was sent."""
+        process = self._context.process(fresh=True)
+        same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(self._stderr, process.stderr, strict=False))
+        return replace(process, stderr=process.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
+
+    def _result_came(self) -> bool:
+        if len(self._results) == 1 and self.over_at is not None and self.clock.wall() > RESEND_AFTER_S:
+            self._ask_for_result()
+        return any(future.done() for future in self._results)
+
+    def _ask_for_result(self) -> None:
+        request = self._parts.GetResultService.Request(goal_id=self._uuid())
+        self._results.append(self._line.results.call_async(request))
+
+    def _feedback_steps(self) -> list[Followed]:
+        """The first and the last feedback."""
+        all_told = self.feedback
+        begin = self._turn.steps[0][0]
+        steps = []
+        for number in sorted({1, len(all_told)} if all_told else ()):
+            told = all_told[number - 1]
+            text = f"feedback {number} after {told.came_s - begin:.2f} s: {in_one_line(told.feedback)}"
+            steps.append((told.came_s, Arrow(NODE, GRADER, "message", text)))
+        return steps
+
+    def _follow(self) -> None:
+        """Have what comes about this goal kept from now on."""
+        self._line.feedback.of(self._id)
+        self._line.statuses.of(self._id)
+
+    def _uuid(self) -> Any:
+        return UUID(uuid=list(self._id))

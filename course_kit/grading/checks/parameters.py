@@ -1,0 +1,207 @@
+"""What graders ask of a node's parameters, through the services every node has for them.
+
+See rcl_interfaces/srv/ListParameters, GetParameters, SetParameters and SetParametersAtomically.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
+
+from course_kit.grading.bounds import bounded
+from course_kit.grading.checks import graph
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.retry import wait_for_match
+from course_kit.grading.diagnosis import exceptions, hangs
+from course_kit.ros import parameters
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from course_kit.grading.checks.context import CheckContext
+    from course_kit.ros.parameters import Question, Steps
+
+INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
+_VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
+_QUESTIONS = _VERBS[:2]
+_SETTLED_S = 2.0  # a node that is up and spinning for so long has the name it will have
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Value:
+    """A parameter's value and its type, by the name ROS 2 has for it (`double`), or `not set`."""
+
+    type: str
+    value: Any
+
+
+@dataclass(frozen=True)
+class SetResult:
+    """How an attempt to set went: rcl_interfaces/msg/SetParametersResult."""
+
+    successful: bool
+    reason: str
+
+    def shown(self) -> str:
+        """As the learner is shown it."""
+        return "accepted" if self.successful else f"refused, with the reason {self.reason!r}"
+
+
+class Remote:
+    """The parameters of one node, asked from outside. Each verb may raise Failed when no answer comes."""
+
+    def __init__(self, context: CheckContext, node: str) -> None:
+        """Prepare to ask the node with the full name `node`."""
+        self.node = node
+        self.changed = False  # whether it was asked to change something
+        self._context = context
+        self._clients = {
+            verb: context.grader_node.client(interface, f"{node}/{verb}")
+            for verb, interface in reversed(tuple(zip(_VERBS, INTERFACES, strict=True)))
+        }
+
+    def ready(self) -> bool:
+        """Whether all its parameter services can be called."""
+        return all(client.service_is_ready() for client in self._clients.values())
+
+    def names(self) -> list[str]:
+        """The names of all parameters of the node."""
+        return self._ask(parameters.names())
+
+    def values(self, names: Sequence[str]) -> dict[str, Value]:
+        """The values of these parameters; one that is not declared, or has no value yet, counts as not set."""
+        return dict(zip(names, map(_value, self._ask(parameters.values(names))), strict=True))
+
+    def set(self, name: str, value: Any) -> SetResult:
+        """Set one parameter."""
+        self.changed = True
+        results = self._ask(parameters.set_each([parameters.to_message(name, value)]))
+        return _result(results[0]) if results else SetResult(successful=False, reason="")
+
+    def set_together(self, values: Mapping[str, Any]) -> SetResult:
+        """Set several at once, all or none, in this order."""
+        self.changed = True
+        messages = [parameters.to_message(*pair) for pair in values.items()]
+        return _result(self._ask(parameters.set_together(messages)))
+
+    def _ask(self, steps: Steps[T]) -> T:
+        return parameters.driven(steps, self._answer)
+
+    def _answer(self, question: Question) -> Any:
+        context, request = self._context, question.interface.Request(**question.fields)
+        evidence = _evidence(question)
+        context.require_time(evidence)
+        turn = context.record.sent(evidence.sent, minor=question.service in _QUESTIONS)
+        clock = context.clock()
+        with exceptions.explained(context, evidence):
+            future = self._clients[question.service].call_async(request)
+            if context.wait_until(future.done, hangs.ANSWER_S):
+                response = bounded(future.result())
+                turn.came(_told(request, response))
+                return response
+            raise exceptions.unanswered(context, evidence, clock.fair())
+
+
+def shown(values: Mapping[str, Any]) -> str:
+    """`max_velocity=2.5, enabled=False`."""
+    return ", ".join(f"{name}={value!r}" for name, value in values.items())
+
+
+def expect_served(context: CheckContext, node: str) -> Evidence:
+    """A node of this full name is up, and answers when it is asked for its parameters.
+
+    Raises:
+        Failed: it is not; with start.*, name.node, limit.* or parameter.*.
+    """
+    expected = f"a node called {node}"
+    remote = Remote(context, node)
+    clock = context.clock()
+
+    def settled() -> bool:
+        return clock.past(_SETTLED_S) and bool(context.grader_node.nodes()) and hangs.spins(context)
+
+    try:
+        context.wait_for_start(lambda: remote.ready() or settled())
+        if not remote.ready():
+            raise _not_served(context, node, expected)
+        client = context.grader_node.client(
+            ListParameters, f"{node}/list_parameters"
+        )  # the last that `remote` has made
+        clock = context.clock()
+        if not wait_for_match(context, client, ListParameters.Request(), hangs.ANSWER_S):
+            raise exceptions.unanswered(context, Evidence("list_parameters", expected), clock.fair())
+    except SubmissionEndedError as ended:
+        diagnosis, message = exceptions.of_start(ended.process, context.job)
+        raise Failed(Evidence("", expected, "a program that has ended"), message, diagnosis) from None
+    return Evidence("", expected, expected)
+
+
+def ensure_served(context: CheckContext, node: str) -> Remote:
+    """The parameters of a running submission: one that has died or hangs is started again.
+
+    Raises:
+        Failed: it does not come up a second time.
+    """
+    if context.spoiled:
+        context.launch()
+        try:
+            expect_served(context, node)
+        except Failed as failed:
+            context.spoil()
+            message = (
+                "Your program ended in an earlier check and did not come up when it was started again. "
+                f"{failed.message}"
+            )
+            raise Failed(failed.evidence, message, failed.diagnosis) from None
+    return Remote(context, node)
+
+
+def _not_served(context: CheckContext, node: str, expected: str) -> Failed:
+    nodes = context.grader_node.nodes()
+    context.spoil()
+    evidence = Evidence("", expected, f"on the graph: {graph.listed(nodes, 'node')}")
+    if node in nodes:
+        message = (
+            f"The node {node} is running but has no parameter services (was it made with "
+            "start_parameter_services=False?)."
+        )
+        return Failed(evidence, message)
+    if nodes:
+        message = f"The graph has {graph.listed(nodes, 'node')}, but none is called {node}.{graph.closest(node, nodes)}"
+        return Failed(evidence, message, "name.node")
+    return Failed(evidence, *graph.why_empty(context, node)[::-1])
+
+
+def _evidence(question: Question) -> Evidence:
+    """What is asked and expected, as the learner is shown it."""
+    if question.service == "list_parameters":
+        return Evidence(question.service, "the names of all parameters")
+    if question.service == "get_parameters":
+        return Evidence(f"get_parameters: {', '.join(question.fields['names'])}", "their values")
+    values = {one.name: parameters.from_message(one.value) for one in question.fields["parameters"]}
+    return Evidence(f"{question.service}: {shown(values)}", "an answer: accepted, or refused and why")
+
+
+def _told(request: Any, response: Any) -> str:
+    """A response of one of the services as the learner is shown it."""
+    if isinstance(response, ListParameters.Response):
+        return f"names: {', '.join(response.result.names)}"
+    if isinstance(response, GetParameters.Response):
+        values = [_value(value).value for value in response.values]
+        if len(values) != len(request.names):
+            return "no values: one of these parameters is not declared, or has no value"
+        return shown(dict(zip(request.names, values, strict=True)))
+    results = response.results if isinstance(response, SetParameters.Response) else [response.result]
+    return "; ".join(_result(one).shown() for one in results)
+
+
+def _result(message: Any) -> SetResult:
+    return SetResult(message.successful, message.reason)
+
+
+def _value(message: Any) -> Value:
+    return Value(parameters.type_of(message), parameters.from_message(message))

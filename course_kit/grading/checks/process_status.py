@@ -1,0 +1,31 @@
+"""What is known of a submission's process while a check runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+@dataclass(frozen=True)
+class ProcessStatus:
+    """What the supervisor knows of the submission; hints for the diagnosis, see `sandbox.output_collector`."""
+
+    running: bool
+    exit_code: int | None = None
+    signal: int | None = None
+    limit: str | None = None
+    cpu_s: float = 0.0
+    waited_s: float = 0.0
+    tasks: int = 0
+    memory: int = 0
+    stdout: str = ""
+    stderr: str = ""
+    notes: dict[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def from_mapping(cls, facts: Mapping[str, Any]) -> ProcessStatus:
+        """Out of what the supervisor answers, which tells more."""
+        return cls(**{one.name: facts[one.name] for one in fields(cls) if one.name in facts})

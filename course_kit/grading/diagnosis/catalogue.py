@@ -1,0 +1,90 @@
+"""The catalogue of diagnoses: for each code what happened, why, how to go on, and where the course teaches it."""
+
+from __future__ import annotations
+
+import difflib
+import sys
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+from course_kit import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_FILE = Path(__file__).with_name("diagnoses.toml")
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """One entry.
+
+    Attributes:
+        code: its name in reports, `service.no_return`.
+        title: what is the matter, in a few words.
+        explanation: why that happens.
+        hint: names the fix without giving it away.
+        notebook: the notebook that teaches it, relative to the course's folder.
+        section: the heading there.
+    """
+
+    code: str
+    title: str
+    explanation: str
+    hint: str
+    notebook: str
+    section: str
+
+    @property
+    def link(self) -> str:
+        """Where to read on; JupyterLab opens it at the heading."""
+        return f"{self.notebook}#{self.section.replace(' ', '-')}"
+
+
+REPLACEABLE = ("title", "explanation", "notebook", "section")
+"""What an exercise may word in its own way; hints it has in its ladder."""
+
+
+@lru_cache(maxsize=1)
+def catalogue() -> dict[str, Diagnosis]:
+    """All diagnoses by code."""
+    entries = tomllib.loads(_FILE.read_text(encoding="utf-8"))
+    return {code: Diagnosis(code, **fields) for code, fields in entries.items()}
+
+
+def reworded(code: str, fields: Mapping[str, Any]) -> Diagnosis:
+    """The entry of a code as an exercise words it.
+
+    Args:
+        code: the code.
+        fields: what the exercise says instead, some of `REPLACEABLE`.
+
+    Raises:
+        ValueError: there is no such code or field, a text is missing, or a notebook comes without its section.
+    """
+    if code not in catalogue():
+        near = difflib.get_close_matches(code, catalogue(), 1)
+        raise ValueError(f"there is no diagnosis '{code}'{f'; did you mean {near[0]}?' if near else ''}")
+    for name, text in fields.items():
+        if name not in REPLACEABLE:
+            raise ValueError(f"the diagnosis {code} has no '{name}' to set; known are {', '.join(REPLACEABLE)}")
+        if not isinstance(text, str) or not text.strip():
+            raise ValueError(f"'{name}' of the diagnosis {code} is not a text")
+    if "notebook" in fields and "section" not in fields:
+        raise ValueError(f"the diagnosis {code} names a notebook without a 'section' of it")
+    return replace(catalogue()[code], **fields)
+
+
+def complete(message: str, found: Diagnosis | None) -> str:
+    """What happened in this case, followed by why and by where to read, when the cause is known."""
+    if found is None:
+        return message
+    read_on = f" Read on: {found.link}" if environment.lesson(found.notebook) else ""
+    return f"{message} {found.explanation}{read_on}"

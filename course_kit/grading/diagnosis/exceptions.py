@@ -1,0 +1,115 @@
+"""What went wrong in a callback that no client waits for: of a topic or a timer, or the one that checks parameters.
+
+An exception in one of these ends a spinning rclpy program just as in a service callback, but what it means for the
+others on the graph is different, and so is what the learner is told.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from course_kit.grading.checks.check import Failed
+from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.diagnosis import exits, hangs
+from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from course_kit.grading.checks.check import Evidence
+    from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.process_status import ProcessStatus
+    from course_kit.grading.job import Job
+
+# Where rclpy (Node in node.py) calls the callbacks of add_on_set_parameters_callback, on declaration as well.
+_JUDGES = "_set_parameters_atomically_common"
+# What rclpy says for a callback that returns something else than a SetParametersResult.
+INVALID_RESULT = "Callback returned an invalid type"
+_ENDED = "the program ended"
+
+
+@contextmanager
+def explained(context: CheckContext, evidence: Evidence) -> Iterator[None]:
+    """Turn the end of the submission, while something is waited for, into a verdict that says why it ended.
+
+    Raises:
+        Failed: it has ended; with parameter.*, field.type or limit.* where that is established.
+    """
+    try:
+        yield
+    except SubmissionEndedError as ended:
+        diagnosis, message = of_end(ended.process, context.job)
+        raise Failed(replace(evidence, got=_ENDED), message, diagnosis) from None
+
+
+def of_start(process: ProcessStatus, job: Job) -> exits.Cause:
+    """Why a submission ended before it was up, mistakes with its parameters told apart."""
+    if exits.of_limit(process, job) is None:
+        if INVALID_RESULT in process.stderr:  # rclpy warns of it, whoever catches the exception that follows
+            message = (
+                "Your set-parameters callback also runs on each declaration, and it did not return a "
+                "SetParametersResult."
+            )
+            return "parameter.bad_callback", message
+        raised = last_exception(process.stderr, job.name)
+        if raised is not None and (cause := _of_parameters(raised, job)):
+            return cause
+    return exits.of_start(process, job)
+
+
+def of_end(process: ProcessStatus, job: Job) -> exits.Cause:
+    """Why a submission ended that was up."""
+    if cause := exits.of_limit(process, job):
+        return cause
+    if process.notes.get("exit_in_callback"):
+        return None, "One of your callbacks ended the whole program (SystemExit)."
+    return of_logged(process.stderr, job) or exits.exited(process)
+
+
+def of_logged(stderr: str, job: Job) -> exits.Cause | None:
+    """What the last exception in a program's output means, None without one."""
+    raised = last_exception(stderr, job.name)
+    if raised is None:
+        return None
+    cause = exits.of_second_spin(raised, job) or _of_parameters(raised, job) or exits.of_field(raised, job)
+    return cause or (None, f"Your program raised {raised.describe()}{_where(raised, job)}, and nothing caught it.")
+
+
+def unanswered(context: CheckContext, evidence: Evidence, waited_s: float) -> Failed:
+    """Establish why a program that lives on has not answered a request about its parameters for so many seconds.
+
+    Args:
+        context: the check's.
+        evidence: what the check has so far.
+        waited_s: for how many seconds.
+    """
+    logged = of_logged(context.process(fresh=True).stderr, context.job)
+    if logged is None:
+        return hangs.unanswered(context, evidence.sent, evidence.expected, waited_s)
+    context.spoil()
+    return Failed(replace(evidence, got=f"no answer within {hangs.told(waited_s)} s"), logged[1], logged[0])
+
+
+def _of_parameters(raised: Raised, job: Job) -> exits.Cause | None:
+    where = _where(raised, job)
+    if raised.type == "ParameterNotDeclaredException":
+        return "parameter.undeclared", f"{raised.text}{where}."
+    functions = [frame.function for frame in raised.frames]
+    judging = _JUDGES in functions and any(
+        frame.file == job.name for frame in raised.frames[functions.index(_JUDGES) + 1 :]
+    )
+    if judging:
+        message = (
+            f"Your set-parameters callback raised {raised.describe()}{where}: the caller who set the "
+            "value gets no answer."
+        )
+        return "parameter.bad_callback", message
+    if raised.type == "InvalidParameterTypeException":
+        return "parameter.type", f"{raised.text}{where}."
+    return None
+
+
+def _where(raised: Raised, job: Job) -> str:
+    return f" in {exits.source_line(job, raised.own.line)}" if raised.own else ""

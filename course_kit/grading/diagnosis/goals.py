@@ -1,0 +1,113 @@
+"""Why a goal ended in another way than it should: from its status, the program's log and output to a code."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from course_kit.grading.diagnosis import exits, hangs
+from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
+
+if TYPE_CHECKING:
+    from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.process_status import ProcessStatus
+    from course_kit.grading.diagnosis.exits import Cause
+    from course_kit.grading.job import Job
+
+_EXECUTE = "_execute_goal"  # rclpy's function around the execute callback
+_NOT_A_RESULT = re.compile(r"'result' field must be a sub message")
+_TRANSITION = re.compile(r"from state (?P<state>\w+) with event (?P<event>\w+)")
+_NOT_ENDED = "Goal state not set, assuming aborted"  # rclpy's warning
+_LOOKS = 3  # at what the program does: on a loaded machine one may come out incomplete
+_VERBS = {"SUCCEED": "succeed()", "ABORT": "abort()", "CANCELED": "canceled()"}
+
+
+def of_program(process: ProcessStatus, job: Job) -> Cause:
+    """Why a submission ended while a goal was under way."""
+    if cause := exits.of_limit(process, job):
+        return cause
+    raised = last_exception(process.stderr, job.name)
+    if raised is not None and _in_execute(raised):
+        if _NOT_A_RESULT.search(raised.text):
+            what = process.notes.get("result") or "something else"
+            text = (
+                f"Your execute callback returned {what}; rclpy could not send that as the result, and your node ended."
+            )
+            return "action.no_result", text
+        return _of_exception(raised, job)
+    return exits.of_call(process, job)
+
+
+def of_exception(process: ProcessStatus, job: Job) -> Cause | None:
+    """What a program that lives on has told about an exception in its execute callback.
+
+    Args:
+        process: the program, with what it has written to stderr since the goal was sent.
+        job: the grading.
+    """
+    raised = last_exception(process.stderr, job.name)
+    if raised is None or not _in_execute(raised):
+        return None
+    return exits.of_limit(process, job) or _of_exception(raised, job)
+
+
+def of_status(name: str, process: ProcessStatus, job: Job) -> Cause:
+    """Why a goal that should have ended in another way ended as ABORTED, SUCCEEDED or CANCELED.
+
+    Args:
+        name: the status, in words.
+        process: the program, with what it has written to stderr since the goal was sent.
+        job: the grading.
+    """
+    if cause := of_exception(process, job):
+        return cause
+    if _NOT_ENDED in process.stderr:
+        text = f"Your execute callback returned without saying how the goal ended, so rclpy made it {name}."
+        return "action.no_terminal", text
+    if name == "ABORTED" and job.mode != "run":  # the log, which would tell these two apart, may be another's
+        return None, "The goal was ABORTED: your server called abort(), or never said how the goal ended."
+    return "action.wrong_terminal", f"Your server itself ended the goal as {name}."
+
+
+def of_silence(context: CheckContext, over: str, seconds: float, process: ProcessStatus) -> Cause:
+    """Why no result came from a program that lives on.
+
+    Args:
+        context: the context of the check.
+        over: the status the goal has ended with, in words; empty when it has not ended.
+        seconds: how long it was waited for.
+        process: the program, with what it has written to stderr since the goal was sent.
+    """
+    if over:
+        cause = of_exception(process, context.job)
+        return cause or (None, f"The goal ended as {over}, but its result was never sent.")
+    looks = [hangs.doing(context) for _ in range(_LOOKS)]
+    at_work = [seen.callback for seen in looks if seen.callback is not None]
+    if not at_work:
+        return None, f"The goal was accepted but had not ended {seconds:.1f} s later, and no callback is working on it."
+    where = exits.source_line(context.job, at_work[0].line)
+    if all(seen.waits_for_ros for seen in looks if seen.callback is not None):
+        return (
+            "service.deadlock",
+            f"Your execute callback is stuck in {where}: it waits for ROS, but blocks the executor it waits for.",
+        )
+    return "limit.time", f"After {seconds:.1f} s your execute callback was still running, in {where}."
+
+
+def _in_execute(raised: Raised) -> bool:
+    return any(frame.function == _EXECUTE for frame in raised.frames)
+
+
+def _of_exception(raised: Raised, job: Job) -> Cause:
+    if fault := exits.of_second_spin(raised, job) or exits.of_field(raised, job):
+        return fault
+    where = f" in {exits.source_line(job, raised.own.line)}" if raised.own else ""
+    if match := _TRANSITION.search(raised.text):
+        verb = _VERBS.get(match["event"], match["event"])
+        text = (
+            f"Your execute callback called {verb}{where}, when the goal was already {match['state']}. "
+            "rclpy refused that."
+        )
+        return "action.wrong_terminal", text
+    text = f"Your execute callback raised {raised.describe()}{where}. rclpy then ends the goal with an empty result."
+    return None, text

@@ -1,0 +1,159 @@
+"""What crossed the wire during one check, kept as a short list of steps for the learner.
+
+Only collected here; `sequence` draws it. Who is who is told from the learner's side: the grader, and their node.
+"""
+
+from __future__ import annotations
+
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from course_kit.ros.arrows import Arrow
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from course_kit.grading.checks.check import Evidence
+    from course_kit.ros.arrows import Kind
+
+GRADER, NODE = "grader", "your node"
+_MOST = 8  # steps; what happened before them is left out, and that is said
+_LONGEST = 110  # characters of a step's text
+_LONGEST_TEXT = 40  # of a text in a message
+_FEW = 4  # fields; of larger messages only those are told that are not zero
+_DIGITS, _FEWER_DIGITS = 10, 4  # of numbers, in small and in large messages
+
+
+@dataclass
+class Exchange:
+    """Something the grader has sent, and what came back for it."""
+
+    about: str = ""
+    minor: bool = False
+    steps: list[tuple[float, Arrow]] = field(default_factory=list)
+
+    def came(self, text: str, kind: Kind = "response") -> None:
+        """Keep what the node has sent."""
+        self._keep(Arrow(NODE, GRADER, kind, _cut(text)))
+
+    def missed(self, text: str) -> None:
+        """Keep what should have come and has not."""
+        self._keep(Arrow(NODE, GRADER, "failure", _cut(text)))
+
+    def like(self, other: Exchange) -> bool:
+        """Whether the same was sent and came: the grader tried again."""
+        return [step for _, step in self.steps] == [step for _, step in other.steps]
+
+    def _keep(self, step: Arrow) -> None:
+        self.steps.append((time.time(), step))
+
+
+Followed = tuple[float, Arrow]
+"""A step and when it happened, in seconds of the system's clock."""
+
+
+class ExchangeLog:
+    """All turns of one check, in the order in which they began."""
+
+    def __init__(self) -> None:
+        self._turns: list[Exchange] = []
+        self._followed: list[Callable[[], Iterable[Followed]]] = []
+        self._looking = True
+
+    def clear(self) -> None:
+        """Forget everything: another check begins. What still comes for an old turn is not seen any more."""
+        self._turns, self._followed = [], []
+
+    def sent(self, text: str, kind: Kind = "request", *, about: str = "", minor: bool = False) -> Exchange:
+        """Keep what the grader sends.
+
+        Args:
+            text: what it is, in words.
+            kind: of the step.
+            about: `Evidence.sent` of a verdict on just this turn.
+            minor: only worth telling when nothing else follows, as the question for the present values.
+        """
+        turn = self._turn(about, minor=minor)
+        turn.steps.append((time.time(), Arrow(GRADER, NODE, kind, _cut(text))))
+        return turn
+
+    def came(self, text: str, kind: Kind = "message") -> None:
+        """Keep what the node has sent by itself."""
+        self._turn().came(text, kind)
+
+    def follow(self, told: Callable[[], Iterable[Followed]]) -> None:
+        """Have `told` asked for further steps when the check has failed."""
+        if self._looking:
+            self._followed.append(told)
+
+    @contextmanager
+    def looking_away(self) -> Iterator[None]:
+        """Keep nothing meanwhile: for what the grader does to tidy up."""
+        before, self._looking = self._looking, False
+        try:
+            yield
+        finally:
+            self._looking = before
+
+    def steps(self, evidence: Evidence) -> tuple[Arrow, ...]:
+        """The steps that led to a verdict: the turn it is about, else the last ones, and what was missed or wanted."""
+        turns = [turn for turn in self._turns if turn.about and turn.about == evidence.sent][-1:]
+        if not turns:
+            turns = [turn for turn in self._turns if not turn.minor or turn is self._turns[-1]]
+            turns = [turn for turn, after in zip(turns, [*turns[1:], Exchange()], strict=False) if not turn.like(after)]
+        followed = (step for told in self._followed for step in told())
+        pairs = sorted((*(pair for turn in turns for pair in turn.steps), *followed), key=lambda pair: pair[0])
+        found = [step for _, step in pairs]
+        if not found:
+            return ()
+        if (before := len(found) - _MOST) > 0:
+            found = [Arrow(GRADER, GRADER, "note", f"({before} earlier steps left out)"), *found[before:]]
+        return (*found, *_end(found[-1], evidence))
+
+    def _turn(self, about: str = "", *, minor: bool = False) -> Exchange:
+        turn = Exchange(about, minor)
+        if self._looking:
+            self._turns.append(turn)
+        return turn
+
+
+def _end(last: Arrow, evidence: Evidence) -> Iterator[Arrow]:
+    if last.sender == GRADER and evidence.got:
+        yield Arrow(NODE, GRADER, "failure", _cut(evidence.got))
+    if evidence.expected:
+        yield Arrow(GRADER, GRADER, "note", _cut(f"expected: {evidence.expected}"))
+
+
+def in_one_line(message: Any) -> str:
+    """A ROS message in one line, `value=21.5, from_unit='celsius'`; nested fields with a dot."""
+    fields = list(_fields(message))
+    told = fields if len(fields) <= _FEW else [(name, value) for name, value in fields if value]
+    digits = _DIGITS if len(fields) <= _FEW else _FEWER_DIGITS
+    words = [f"{name}={_value(value, digits)}" for name, value in told]
+    if len(told) < len(fields):
+        words.append("the rest 0" if told else "all fields 0")
+    return ", ".join(words)
+
+
+def _fields(message: Any, before: str = "") -> Iterator[tuple[str, Any]]:
+    for name in message.get_fields_and_field_types():
+        value = getattr(message, name)
+        if hasattr(value, "get_fields_and_field_types"):
+            yield from _fields(value, f"{before}{name}.")
+        else:
+            yield f"{before}{name}", value
+
+
+def _value(value: Any, digits: int) -> str:
+    if isinstance(value, float):
+        return repr(value) if value.is_integer() else f"{value:.{digits}g}"
+    if isinstance(value, str):
+        return repr(value if len(value) <= _LONGEST_TEXT else f"{value[:_LONGEST_TEXT]}...")
+    return repr(value)
+
+
+def _cut(text: str) -> str:
+    text = " ".join(text[: 10 * _LONGEST].split())
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."

@@ -1,0 +1,58 @@
+"""A report as HTML: as a card for a notebook, and as a page of its own. Nothing of either is fetched."""
+
+from __future__ import annotations
+
+import os
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+from course_kit import environment
+from course_kit.grading.render.sequence import sequence_svg
+from course_kit.text.templates import render
+
+if TYPE_CHECKING:
+    from course_kit.grading.diagnosis.catalogue import Diagnosis
+    from course_kit.grading.report import Report
+
+_TEMPLATES = Path(__file__).with_name("templates")
+
+
+def render_html(report: Report, base: Path | None = None) -> str:
+    """The report as HTML for a Jupyter output.
+
+    Args:
+        report: what to show.
+        base: the folder of the notebook that shows it, from which links to the lessons lead; the present one when None.
+    """
+    return str(render(_TEMPLATES / "card.html", **_values(report, base or Path.cwd())))
+
+
+def render_page(report: Report, student: str) -> str:
+    """The report for one student as an HTML document, to be opened from a folder or sent by mail.
+
+    Args:
+        report: the report.
+        student: whose it is, for the heading.
+    """
+    return str(render(_TEMPLATES / "page.html", student=student, **_values(report, Path.cwd())))
+
+
+def _values(report: Report, base: Path) -> dict[str, Any]:
+    return {
+        "report": report,
+        "most_points": max((check.max_points for check in report.checks), default=0.0),
+        "first_failed": next((check for check in report.checks if check.status == "failed"), None),
+        "link": partial(_link, base=base),
+        "sequence_svg": sequence_svg,
+    }
+
+
+def _link(found: Diagnosis, base: Path) -> str:
+    """Where the lesson lies, empty where it does not; JupyterLab opens it beside the notebook, at the heading."""
+    lesson = environment.lesson(found.notebook, base)
+    if lesson is None:
+        return ""
+    way = Path(os.path.relpath(lesson, base)).as_posix()
+    return f"{quote(way)}#{quote(found.section.replace(' ', '-'))}"

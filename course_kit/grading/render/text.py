@@ -1,0 +1,94 @@
+"""A report for a terminal: readable at 80 columns, in any colour or none, and by a screen reader."""
+
+from __future__ import annotations
+
+import itertools
+import textwrap
+from typing import TYPE_CHECKING
+
+from course_kit.text.sanitize import printable
+
+if TYPE_CHECKING:
+    from course_kit.grading.report import CheckReport, Report
+
+_MARKS = {"passed": "PASS", "failed": "FAIL", "skipped": "skip", "error": "ERR "}
+_TAIL_LINES = 12
+_ONE_EXCHANGE = 2  # steps: a request and its response
+
+
+def render_text(report: Report, width: int = 80) -> str:
+    """The report as plain text, no line longer than `width` columns but for unbreakable words."""
+    lines = [
+        *_wrap(f"{report.title} ({report.exercise})", width),
+        *_wrap(f"Submission: {report.submission}", width),
+        "",
+    ]
+    for check in report.checks:
+        lines += check_lines(check, width)
+    if report.problem:
+        lines += _wrap(report.problem, width)
+    if any(check.status != "passed" for check in report.checks):
+        lines += _last_output("stdout", report.stdout, width) + _last_output("stderr", report.stderr, width)
+    lines += ["", *_wrap(_verdict(report), width)]
+    if report.isolation:
+        lines += _wrap(f"Isolation: {report.isolation}.", width, hanging=2)
+    return "\n".join(lines) + "\n"
+
+
+def _verdict(report: Report) -> str:
+    if report.status == "unreadable":
+        return "Not graded: the submission could not be read."
+    if report.status == "error":
+        return "Not graded, and that is not your fault. Grade again; if it happens again, please report it."
+    outcome = "passed" if report.passed else "not passed yet"
+    return f"{report.score:g} of {report.max_score:g} points: {outcome}. ({report.duration_s:.1f} s)"
+
+
+def check_lines(check: CheckReport, width: int) -> list[str]:
+    """One check's part of `render_text`."""
+    points = f"{check.points:g}/{check.max_points:g}"
+    head = _wrap(f"{_MARKS[check.status]}  {points:>7}  {check.title}", width, hanging=15)
+    if check.status == "passed":
+        return head
+    if check.status == "skipped":
+        return [*head, *_wrap(check.message, width, indent=15)]
+    rows = [("we sent", check.sent), ("expected", check.expected), ("we got", check.got), *_steps(check)]
+    rows += [("why", check.message), ("diagnosis", check.diagnosis or ""), ("hint", check.hint or "")]
+    body = [line for name, text in rows if text for line in _wrap(f"{name:<9} {text}", width, indent=6, hanging=10)]
+    return [*head, *body, ""]
+
+
+def _steps(check: CheckReport) -> list[tuple[str, str]]:
+    """The exchange in numbered lines, where it is more than the one that the rows above tell."""
+    steps = [step for step in check.steps if not step.text.startswith("expected: ")]
+    if sum(step.kind != "note" for step in steps) <= _ONE_EXCHANGE:
+        return []
+    numbers = itertools.count(1)
+    lines = [str(step) if step.kind == "note" else f"{next(numbers)}. {step}" for step in steps]
+    return [("exchange", lines[0]), *(("", line) for line in lines[1:])]
+
+
+def _last_output(name: str, text: str, width: int) -> list[str]:
+    if not text.strip():
+        return []
+    tail = text.rstrip("\n").split("\n")[-_TAIL_LINES:]
+    return [
+        "",
+        f"The end of your program's {name}:",
+        *(line for part in tail for line in _cut(f"  | {printable(part)}", width)),
+    ]
+
+
+def _cut(line: str, width: int) -> list[str]:
+    return [line[start : start + width] for start in range(0, len(line), width)] or [line]
+
+
+def _wrap(text: str, width: int, indent: int = 0, hanging: int = 0) -> list[str]:
+    """Lines of text; what would steer the terminal, out of a submission's source or messages, is made harmless."""
+    return textwrap.wrap(
+        printable(text),
+        width,
+        initial_indent=" " * indent,
+        subsequent_indent=" " * (indent + hanging),
+        break_on_hyphens=False,
+    ) or [""]

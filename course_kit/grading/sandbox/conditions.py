@@ -1,0 +1,94 @@
+"""Under which conditions the submission of a job runs on this machine."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.grading.sandbox import file_view
+from course_kit.grading.sandbox.runner import Program
+from course_kit.grading.sandbox.sandbox import Conditions
+from course_kit.process import tree
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from course_kit.grading.job import Job
+    from course_kit.grading.sandbox.file_view import FileView
+
+_COUNTS_BY_NAMESPACE = (5, 14)  # Linux
+
+
+def of(job: Job, variables: Mapping[str, str], view: FileView) -> Conditions:
+    """The conditions.
+
+    Args:
+        job: what is graded.
+        variables: the environment variables to set for the program.
+        view: the files that a Python program sees.
+    """
+    user = _user(job)
+    return Conditions(
+        limits=job.limits,
+        isolation=job.isolation,
+        scratch=job.scratch,
+        view=_view(job, view),
+        environment=variables,
+        priority=job.priority,
+        others=0 if user else _others(job),
+        user=user,
+    )
+
+
+def program(job: Job, arguments: tuple[str, ...], files: Mapping[str, str]) -> Program:
+    """The program of a job, for one start with these arguments and files beside it."""
+    return Program(
+        name=job.name,
+        source=job.source,
+        class_name=job.class_name,
+        arguments=arguments,
+        files=files,
+        command=job.command,
+        folder=job.folder,
+        variable=job.variable,
+    )
+
+
+def expect_few_participants() -> dict[str, str]:
+    """Have Fast DDS announce itself to fewer ports than on a graph that a whole machine shares.
+
+    Returns:
+        the variables for that, which are set in this process as well.
+    """
+    name = "FASTRTPS_DEFAULT_PROFILES_FILE"
+    if os.environ.get(name) != str(environment.LOOPBACK_PROFILE):
+        return {}
+    os.environ[name] = str(environment.PRIVATE_NETWORK_PROFILE)
+    return {name: os.environ[name]}
+
+
+def _view(job: Job, view: FileView) -> FileView:
+    """The files that the submission sees."""
+    if job.command:
+        view = file_view.of_a_command(job.command, job.folder)
+    return view.with_more(masked=job.hidden)
+
+
+def _user(job: Job) -> int:
+    """Whom the submission runs as: a command of root's own stays root where others cannot get at what it names."""
+    if job.command:
+        for path in map(Path, (job.folder, *file_view.named(job.command[1:], job.folder))):
+            around = (path, *path.parents) if path.is_dir() else path.parents
+            if not all(place.stat().st_mode & stat.S_IXOTH for place in around):
+                return 0
+    return job.user
+
+
+def _others(job: Job) -> int:
+    """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""
+    version = tuple(int(part) for part in os.uname().release.split(".")[:2])
+    counted_apart = job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
+    return 0 if counted_apart else tree.tasks_of_user(os.getuid())

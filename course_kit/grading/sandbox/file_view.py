@@ -1,0 +1,228 @@
+"""The files a submission sees: an allow-list, laid out as a root file system of its own or kept by Landlock.
+
+It sees Python with its libraries, ROS, the parts of this kit that a program may import, a few devices and its scratch
+directory. There is no home, no checkout, no other submission, and nothing of the grader.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.sandbox import mounts
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+_PACKAGE = Path(__file__).resolve().parents[2]
+ROBOT = str(_PACKAGE / "robot.py")  # the one module that exercises ask a submission to import
+# What a submission, and a Python that it starts, may import of the kit; the rest does not exist for it.
+MODULES_OF_KIT = ("autoload", "robot", "environment", "interfaces", "launch")
+_PARTS_OF_KIT = ("__init__.py", "py.typed", *MODULES_OF_KIT, *(f"{name}.py" for name in MODULES_OF_KIT))
+_SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store")
+_SETTINGS = ("ld.so.cache", "ld.so.conf", "ld.so.conf.d", "alternatives", "localtime", "timezone", "mime.types", "ssl")
+_SEARCH_PATHS = ("LD_LIBRARY_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "COURSE_KIT_INTERFACE_PATH")
+_DEVICES = ("null", "zero", "random", "urandom")
+_DEVICE_LINKS = {"fd": "/proc/self/fd", "stdin": "fd/0", "stdout": "fd/1", "stderr": "fd/2"}
+_ACCOUNTS = {
+    "passwd": "root:x:0:0::/:/bin/sh\nlearner:x:{user}:{group}::{home}:/bin/sh\n",
+    "group": "root:x:0:\nlearner:x:{group}:\n",
+    "hosts": "127.0.0.1 localhost\n::1 localhost\n",
+    "nsswitch.conf": "passwd: files\ngroup: files\nhosts: files\n",
+}
+_ROOT_MB = 1  # of the root itself, which holds nothing but folders and the files above
+
+
+@dataclass(frozen=True)
+class FileView:
+    """What is seen.
+
+    Attributes:
+        shown: files and folders, read-only.
+        masked: folders within these that look empty but for what of `shown` lies in them.
+    """
+
+    shown: tuple[str, ...] = ()
+    masked: tuple[str, ...] = ()
+
+    @classmethod
+    def from_mapping(cls, values: dict[str, Any]) -> FileView:
+        """The inverse of `to_mapping`."""
+        return cls(**{name: tuple(paths) for name, paths in values.items()})
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The view as plain data."""
+        return asdict(self)
+
+    def with_more(self, shown: Iterable[str] = (), masked: Iterable[str] = ()) -> FileView:
+        """The same view and more."""
+        return FileView((*self.shown, *shown), (*self.masked, *masked))
+
+
+def of_a_program() -> FileView:
+    """What a Python program needs on this machine."""
+    return _view(_interpreter())
+
+
+def of_a_command(words: Sequence[str], folder: str) -> FileView:
+    """What a command of the user's own needs: the same, its folder, what it names, and where it looks for programs."""
+    places = [*_interpreter(), folder, *_entries(os.environ.get("PATH", ""))]
+    return _view([*places, *map(os.path.dirname, named(words, folder))], (folder, *named(words, folder)))
+
+
+def named(words: Iterable[str], folder: str) -> list[str]:
+    """The files and folders that the words of a command name, each as it is named and as it really is."""
+    found = [os.path.join(folder, word) for word in words if os.sep in word]  # noqa: PTH118 - as text, like the others
+    return [path for one in found if os.path.exists(one) for path in (one, os.path.realpath(one))]  # noqa: PTH110
+
+
+def _view(places: Iterable[str], wanted: Iterable[str] = ()) -> FileView:
+    root = _PACKAGE.parent
+    checkout = (root,) if (root / "pyproject.toml").is_file() else ()
+    kit = [str(_PACKAGE / part) for part in _PARTS_OF_KIT]
+    shown = {path for path in places if _is_safe(path)} | set(wanted)
+    masked = () if str(root) in shown else (str(_PACKAGE), *map(str, checkout), os.path.expanduser("~"))  # noqa: PTH111
+    return FileView(tuple(sorted({*_system(), *shown, *kit})), masked)
+
+
+def _system() -> list[str]:
+    return [*_SYSTEM, *(f"/etc/{name}" for name in _SETTINGS)]
+
+
+def _interpreter() -> list[str]:
+    """Python, its libraries and ROS, each where it is and where it says it is."""
+    named = [sys.prefix, sys.base_prefix, sys.exec_prefix, *(entry for entry in sys.path if os.path.isabs(entry))]  # noqa: PTH117
+    for variable in _SEARCH_PATHS:
+        named += _entries(os.environ.get(variable, ""))
+    named.append(os.path.dirname(os.path.realpath(sys.executable)))  # noqa: PTH120 - as text, like the others
+    named += [os.path.dirname(path) for path in _mapped()]  # noqa: PTH120
+    named = list(dict.fromkeys(named))
+    return [*named, *(os.path.realpath(path) for path in named)]
+
+
+def _entries(text: str) -> list[str]:
+    return [entry for entry in text.split(os.pathsep) if os.path.isabs(entry)]  # noqa: PTH117
+
+
+def _mapped() -> set[str]:
+    """The files of the libraries that are loaded."""
+    with open("/proc/self/maps", encoding="utf-8", errors="surrogateescape") as file:  # noqa: PTH123 - a file of the kernel
+        names = {line[line.index("/") :].rstrip("\n") for line in file if "/" in line}
+    return {name for name in names if ".so" in name}
+
+
+def _is_safe(path: str) -> bool:
+    """Whether a folder that a variable names may be shown; one around a home, this kit or /tmp would show too much."""
+    guarded = [_PACKAGE.parent, Path(tempfile.gettempdir()), Path(os.path.expanduser("~"))]  # noqa: PTH111 - never fails
+    return path != "/" and not any(path == str(place) or Path(path) in place.parents for place in guarded)
+
+
+def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:
+    """Make the view the file system of this process. Only in a mount namespace and a PID namespace of its own.
+
+    Args:
+        root: an existing folder, which nobody else uses.
+        view: what is shown.
+        scratch: the name of the scratch directory in it.
+        megabytes: what the scratch directory, and /dev/shm, can hold.
+        user: whose these are, when that is another than the caller.
+
+    Raises:
+        OSError: the machine does not allow it.
+    """
+    umask = os.umask(0o022)  # another user has to find the way
+    mounts.detach()
+    mounts.memory(root, _ROOT_MB)
+    for path, is_mask in _in_order(view):
+        _mask(root, path) if is_mask else _show(root, path)
+    _write_accounts(root, scratch, user)
+    for folder in ("/proc", "/dev", "/tmp", scratch):  # noqa: S108 - of the new root, where it is empty
+        os.makedirs(f"{root}{folder}", exist_ok=True)  # noqa: PTH103 - a name within another root
+    _make_devices(f"{root}/dev")
+    mounts.make_read_only(root)
+    _open_devices(f"{root}/dev")
+    mounts.memory(f"{root}/dev/shm", megabytes, mode=0o1777, user=user)  # noqa: S108 - of the new root
+    mounts.memory(f"{root}{scratch}", megabytes, mode=0o700, user=user)
+    try:
+        mounts.processes(f"{root}/proc")
+    except OSError:  # refused in containers that mask parts of /proc: the old one shows more, and allows no more
+        mounts.bind("/proc", f"{root}/proc")
+    mounts.change_root(root)
+    os.umask(umask)
+
+
+def _in_order(view: FileView) -> list[tuple[str, bool]]:
+    """Path, and whether it is a mask; each after the folders it lies in, without what is shown already."""
+    kinds = dict.fromkeys(view.shown, False) | dict.fromkeys(view.masked, True)
+    order: list[tuple[str, bool]] = []
+    for path, is_mask in sorted(kinds.items()):
+        around = next((kind for other, kind in reversed(order) if path.startswith(f"{other}/")), True)
+        if around != is_mask:  # a mask in what is shown, or something shown in what is not
+            order.append((path, is_mask))
+    return order
+
+
+def _show(root: str, path: str) -> None:
+    target = f"{root}{path}"
+    if os.path.islink(path):  # noqa: PTH114 - /bin is one to usr/bin on most systems
+        os.makedirs(os.path.dirname(target), exist_ok=True)  # noqa: PTH103, PTH120
+        with suppress(FileExistsError):
+            os.symlink(os.readlink(path), target)  # noqa: PTH115, PTH211
+    elif os.path.isdir(path):  # noqa: PTH112
+        os.makedirs(target, exist_ok=True)  # noqa: PTH103
+        mounts.bind(path, target)
+    elif os.path.isfile(path):  # noqa: PTH113
+        os.makedirs(os.path.dirname(target), exist_ok=True)  # noqa: PTH103, PTH120
+        Path(target).touch()
+        mounts.bind(path, target)
+
+
+def _mask(root: str, path: str) -> None:
+    if os.path.isdir(path) and os.path.isdir(f"{root}{path}"):  # noqa: PTH112
+        mounts.memory(f"{root}{path}", _ROOT_MB)
+
+
+def _write_accounts(root: str, scratch: str, user: int) -> None:
+    os.makedirs(f"{root}/etc", exist_ok=True)  # noqa: PTH103
+    for name, text in _ACCOUNTS.items():
+        filled = text.format(user=user or os.getuid(), group=user or os.getgid(), home=scratch)
+        Path(f"{root}/etc/{name}").write_text(filled, encoding="utf-8")
+
+
+def _make_devices(folder: str) -> None:
+    for name in _DEVICES:
+        Path(f"{folder}/{name}").touch()
+    for name, target in _DEVICE_LINKS.items():
+        os.symlink(target, f"{folder}/{name}")  # noqa: PTH211
+    os.mkdir(f"{folder}/shm")  # noqa: PTH102
+
+
+def _open_devices(folder: str) -> None:
+    for name in _DEVICES:
+        with suppress(OSError):  # some containers have fewer
+            mounts.bind(f"/dev/{name}", f"{folder}/{name}")
+            mounts.make_read_only(f"{folder}/{name}", devices=True)
+
+
+def readable(view: FileView) -> Iterator[str]:
+    """The view as a list for Landlock, which knows no masks: a folder with a mask in it is listed entry by entry."""
+    for path, is_mask in _in_order(view):
+        if not is_mask:
+            yield from _around(path, [mask for mask in view.masked if mask.startswith(f"{path}/")])
+    yield from (f"/dev/{name}" for name in _DEVICES[1:])
+    yield "/proc"
+
+
+def _around(path: str, masks: list[str]) -> Iterator[str]:
+    if not masks:
+        yield path
+        return
+    with os.scandir(path) as entries:
+        for entry in entries:
+            if entry.path not in masks:
+                yield from _around(entry.path, [mask for mask in masks if mask.startswith(f"{entry.path}/")])

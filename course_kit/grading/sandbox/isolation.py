@@ -1,0 +1,269 @@
+"""What isolates a submission from the rest on this machine, found by trying.
+
+Namespaces may be compiled out, switched off, or allowed in name and useless in fact; so each is set up
+for real in a child process that is thrown away. The grader then uses what worked, and says so.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_kit import environment
+from course_kit.grading.errors import GradingError
+from course_kit.grading.sandbox import file_view, landlock, namespaces, seccomp
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.grading.sandbox.file_view import FileView
+
+_REASONS = {
+    errno.ENOSPC: "this machine allows no more user namespaces (sysctl user.max_user_namespaces): ",
+    errno.EPERM: "this machine forbids user namespaces (AppArmor on Ubuntu, or the container it runs in): ",
+    errno.ENOSYS: "this kernel is too old: ",
+    errno.EINVAL: "this kernel lacks a kind of namespace: ",
+}
+_PATIENCE_S = 20.0  # a hang of the trial is a fault of ours; a noisy machine needs less than one second
+
+
+# Numbers that systemd hands out to services for as long as they run, and that containers have, too.
+_FIRST_GUEST, _GUESTS = 61184, 4336
+
+
+@dataclass(frozen=True)
+class Isolation:
+    """What holds beside resource limits, an own session and an own scratch directory, which always do.
+
+    Attributes:
+        network: own network namespace: only the grader and the submission are on its loopback.
+        processes: own PID namespace: the submission can neither see, signal nor trace anything outside, and
+            the kernel ends all it has started together with it.
+        files: own file system: an allow-list, read-only but for the scratch directory, which lies in memory.
+        landlock: an allow-list of files kept by Landlock; only used where there is no file system of its own.
+        syscalls: system calls that lead out of the sandbox are refused.
+        user: a user of its own, without rights; only for a grader that runs as root.
+        root: whether the grader runs as root.
+        reason: why something of these is missing, for people; empty when all hold.
+    """
+
+    network: bool = False
+    processes: bool = False
+    files: bool = False
+    landlock: bool = False
+    syscalls: bool = False
+    user: bool = False
+    root: bool = False
+    reason: str = ""
+
+    @classmethod
+    def from_mapping(cls, values: dict[str, Any]) -> Isolation:
+        """The inverse of `to_mapping`."""
+        return cls(**values)
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The state as plain data: the booleans and the reason."""
+        return asdict(self)
+
+    @property
+    def full(self) -> bool:
+        """Whether all holds that LIMITS.md promises of a machine which allows namespaces."""
+        return self.network and self.processes and self.files and self.syscalls and (self.user or not self.root)
+
+    def require(self) -> None:
+        """Insist on all of it.
+
+        Raises:
+            GradingError: something is missing; the text says what, why, and what to do.
+        """
+        if not self.full:
+            raise GradingError(
+                "Nothing was graded: --require-isolation asks for full isolation, and this machine "
+                "does not offer it. It "
+                f"offers: {self.describe()}. Grade on another machine, or leave --require-isolation out and read "
+                "course_kit/grading/LIMITS.md."
+            )
+
+    def describe(self) -> str:
+        """One line for people."""
+        kinds = [
+            ("own network (loopback only)", "own network", self.network),
+            ("own processes", "own processes", self.processes),
+            ("own file system", "own file system", self.files),
+            ("system calls filtered", "filter of system calls", self.syscalls),
+        ]
+        if self.landlock and not self.files:
+            kinds.append(("files by allow-list (Landlock)", "", True))
+        if self.root:
+            kinds.append(("own user", "own user (this is root)", self.user))
+        holds = [text for text, _, there in kinds if there]
+        missing = [name for _, name, there in kinds if not there]
+        text = ", ".join([*holds, "resource limits, own session, own ROS domain, scratch directory"])
+        return (
+            f"{text}. Missing: {', '.join(missing)}, because {self.reason or 'of an unknown reason'}"
+            if missing
+            else text
+        )
+
+
+def advice_for_root() -> str:
+    """What to tell somebody who grades as root; empty for everybody else."""
+    if os.geteuid():
+        return ""
+    return (
+        "you are grading as root. Use an ordinary account if you can: submissions are less well isolated from root "
+        "than from an ordinary user. See course_kit/grading/LIMITS.md."
+    )
+
+
+def guest(worker: int) -> int:
+    """The number of a user for the submissions of a worker process, where the grader is root."""
+    return _FIRST_GUEST + worker % _GUESTS
+
+
+def status() -> Isolation:
+    """What holds on this machine, tried out in a fresh process; safe from a kernel or any other thread.
+
+    Never raises: where even the trial fails, nothing holds and the reason tells why.
+    """
+    try:
+        trial = subprocess.run(
+            environment.trusted_python("course_kit.grading.sandbox.isolation", "print_trial"),
+            cwd="/",
+            capture_output=True,
+            text=True,
+            timeout=_PATIENCE_S,
+            check=True,
+        )
+        return Isolation.from_mapping(json.loads(trial.stdout))
+    except (OSError, subprocess.SubprocessError, ValueError, TypeError) as problem:
+        return Isolation(reason=f"trying it out failed ({problem})")
+
+
+def try_out() -> Isolation:
+    """Set up each kind in a child process and report which work. Only for a process with one thread."""
+    root = os.geteuid() == 0
+    told = _told(guest(os.getpid()) if root else 0)
+    if root and "network" not in told:  # as root of a container that may not map a second user
+        alone = _told(0)
+        told = alone if "network" in alone else told
+    reasons = "; ".join(dict.fromkeys(line[1:].strip() for line in told if line.startswith("!")))
+    kinds = {name: name in told for name in ("network", "processes", "files", "landlock", "syscalls", "user")}
+    return Isolation(**kinds, root=root, reason=reasons)
+
+
+def _told(user: int) -> list[str]:
+    """What a child process that tries everything says: a line for each kind that works, and reasons after "!"."""
+    reader, writer = os.pipe()
+    folder = tempfile.mkdtemp(prefix="course-kit-trial-")
+    child = os.fork()
+    if child == 0:
+        try:
+            os.close(reader)
+            _try_each(writer, folder, user)
+        finally:
+            os._exit(0)
+    os.close(writer)
+    with os.fdopen(reader) as lines:
+        told = [line.rstrip("\n") for line in lines]
+    os.waitpid(child, 0)
+    with suppress(OSError):
+        os.rmdir(folder)  # noqa: PTH106 - as plain as it was made
+    return told
+
+
+def enter_network(user: int = 0) -> None:
+    """Put this process and its later children into a network of their own with nothing but loopback."""
+    namespaces.enter(namespaces.CLONE_NEWNET, user)
+    namespaces.raise_loopback()
+
+
+def enter_processes(user: int = 0) -> None:
+    """Give the later children of this process PIDs, mounts, host name and System V memory of their own."""
+    namespaces.enter(
+        namespaces.CLONE_NEWPID | namespaces.CLONE_NEWNS | namespaces.CLONE_NEWIPC | namespaces.CLONE_NEWUTS, user
+    )
+
+
+def arrange_files(view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:
+    """Make the view, with its scratch directory, the file system of this process, the first of its PID namespace.
+
+    Args:
+        view: the files that are seen.
+        scratch: the scratch directory.
+        megabytes: what may be written there.
+        user: whose it is; 0 for the grader's own.
+
+    Raises:
+        OSError: the kernel refuses.
+    """
+    file_view.lay_out(scratch, view, scratch, megabytes, user)
+    with suppress(OSError):  # then only the filter of system calls keeps it from making user namespaces
+        Path("/proc/sys/user/max_user_namespaces").write_text("0", encoding="ascii")
+
+
+def become(user: int) -> None:
+    """Turn this process, which is root, into one of a user without rights."""
+    os.setgroups([])
+    os.setresgid(user, user, user)
+    os.setresuid(user, user, user)
+
+
+def _try_each(writer: int, folder: str, user: int) -> None:
+    if landlock.version():
+        _say(writer, "landlock")
+    entered = _works(writer, "network", lambda: enter_network(user)) and _works(
+        writer, "", lambda: enter_processes(user)
+    )
+    child = os.fork()
+    if child == 0:
+        try:
+            if entered:
+                _say(writer, "processes")
+                _works(writer, "files", lambda: arrange_files(file_view.of_a_program(), folder, 1, user))
+            if user:
+                _works(writer, "user", lambda: _try_user(user))
+            _works(writer, "syscalls", seccomp.install)
+        finally:
+            os._exit(0)
+    os.waitpid(child, 0)
+
+
+def _try_user(user: int) -> None:
+    """Raise OSError if that user could not read what every submission needs."""
+    become(user)
+    for path in (sys.executable, os.__file__, file_view.ROBOT):
+        with open(path, "rb"):  # noqa: PTH123 - only whether it can
+            pass
+
+
+def _works(writer: int, name: str, build: Callable[[], None]) -> bool:
+    try:
+        build()
+    except Exception as problem:  # noqa: BLE001 - a trial that breaks says so, and what was tried counts as missing
+        if not isinstance(problem, OSError):
+            _say(writer, f"! {type(problem).__name__}: {problem}")
+            return False
+        where = f" ({problem.filename})" if problem.filename else ""
+        _say(writer, f"! {_REASONS.get(problem.errno or 0, '')}{problem.strerror or problem}{where}")
+        return False
+    if name:
+        _say(writer, name)
+    return True
+
+
+def _say(writer: int, line: str) -> None:
+    os.write(writer, line.replace("\n", " ").encode() + b"\n")
+
+
+def print_trial() -> None:
+    """Try out and print the outcome as JSON, for `status`."""
+    sys.stdout.write(json.dumps(try_out().to_mapping()))

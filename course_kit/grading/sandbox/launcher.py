@@ -1,0 +1,208 @@
+"""Where submissions are started: a process that has everything loaded and was never told anything.
+
+A submission is a fork of it, so what this process has ever held in memory the submission can read. So it receives
+orders of one word and descriptors; the program to run, and nothing else of the grading, is read by the fork. The
+grader, its checks, the seed and other submissions exist only in processes that are no ancestors of it.
+
+Between it and the program are two processes: one enters the namespaces and waits; the *init process*, process 1 of
+the new PID namespace, arranges the files, counts, and enforces what the kernel does not (see `init_process`). When it
+ends, the kernel ends all the program has started. Where there are no namespaces, this process adopts every orphan and
+kills it.
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import signal
+import socket
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.sandbox import init_process, namespaces
+from course_kit.grading.sandbox.isolation import enter_processes
+from course_kit.grading.sandbox.runner import Program
+from course_kit.grading.sandbox.sandbox import Conditions, Streams
+from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.process import freezing, tree
+from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+_START, _END, _ENDED = b"start", b"end", b"ended"
+_LARGEST_ORDER = 16 * 1024  # bytes
+_MOST_DESCRIPTORS = 16
+_REQUEST, _STREAMS, _NAMESPACES = slice(0, 1), slice(1, 6), slice(6, 8)  # of the descriptors of an order to start
+_REQUEST_S = 20.0  # the fork reads at once; a machine that is stuck for so long grades nothing
+_ENDING_S = 30.0  # killing is quick, also of hundreds of processes
+
+
+class SandboxStartError(RuntimeError):
+    """Submissions cannot be started any more, by a fault of ours or of the machine; the text says why."""
+
+
+class Launcher:
+    """The process, seen from the supervisor of a grading. One submission at a time."""
+
+    def __init__(self, line: socket.socket) -> None:
+        self._line = line
+
+    @classmethod
+    def pair(cls) -> tuple[Launcher, socket.socket]:
+        """A handle, and the end for the process itself."""
+        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        return cls(ours), theirs
+
+    def start(self, program: Program, cell: Conditions, inside: Streams, network: Sequence[int]) -> None:
+        """Start a program; returns when it has been handed over.
+
+        Args:
+            program: what to run.
+            cell: under which conditions.
+            inside: the streams' ends for the sandbox; they can be closed afterwards.
+            network: descriptors of the user and the network namespace to join; empty to stay in the launcher's.
+
+        Raises:
+            LaunchError: the process has ended, or does not take it.
+        """
+        ours, theirs = socket.socketpair()
+        request = Channel(ours)
+        try:
+            ours.settimeout(_REQUEST_S)
+            descriptors = [theirs.fileno(), *inside.descriptors(), *network]
+            socket.send_fds(self._line, [_START], descriptors)
+            theirs.close()
+            request.send({"program": program.to_mapping(), "cell": cell.to_mapping()})
+        except (OSError, ChannelClosedError) as problem:
+            raise SandboxStartError(f"a program cannot be started: {problem}") from problem
+        finally:
+            theirs.close()
+            request.close()
+
+    def end(self) -> None:
+        """Kill all that was started; returns when it is dead.
+
+        Raises:
+            LaunchError: the process has ended, or does not manage it.
+        """
+        try:
+            self._line.settimeout(_ENDING_S)
+            self._line.send(_END)
+            answer = self._line.recv(len(_ENDED))
+        except OSError as problem:
+            raise SandboxStartError(f"a program cannot be ended: {problem}") from problem
+        if answer != _ENDED:
+            raise SandboxStartError("the process that starts programs was killed")
+
+    def close(self) -> None:
+        """Close this end; the process ends, with all it has started, when every copy is closed."""
+        self._line.close()
+
+
+def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
+    """The process: load the interfaces that exercises use, then serve each line in a process of its own.
+
+    Args:
+        names: brings one message, the names of the interfaces' classes, each as module and class.
+        lines: the ends that `Launcher.pair` made.
+    """
+    set_name("grade launchers")
+    die_with_parent()
+    _load(json.loads(names.recv(_LARGEST_ORDER) or b"[]"))
+    names.close()
+    freezing.freeze()
+    if len(lines) == 1:
+        _serve(lines[0])
+        return
+    for line in lines:
+        if os.fork() == 0:
+            try:
+                die_with_parent()
+                for other in lines:
+                    if other is not line:
+                        other.close()
+                _serve(line)
+            finally:
+                os._exit(0)
+    for line in lines:
+        line.close()
+    with suppress(ChildProcessError):
+        while True:
+            os.wait()
+
+
+def _load(names: Sequence[Sequence[str]]) -> None:
+    from importlib import import_module
+
+    from rclpy.type_support import check_for_type_support
+
+    for module, name in names:
+        with suppress(Exception):  # the submission meets it again when it imports it, and is told then
+            check_for_type_support(getattr(import_module(module), name))
+
+
+def _serve(line: socket.socket) -> None:
+    set_name("grade launcher")
+    adopt_orphans()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    while True:
+        order, descriptors, _, _ = socket.recv_fds(line, _LARGEST_ORDER, _MOST_DESCRIPTORS)
+        if order == _START:
+            _fork_gate(line, descriptors)
+        elif order == _END:
+            tree.end_descendants()
+            with suppress(OSError):
+                line.send(_ENDED)
+        elif not order:
+            tree.end_descendants()
+            return
+
+
+def _fork_gate(line: socket.socket, descriptors: Sequence[int]) -> None:
+    child = os.fork()
+    if child == 0:
+        try:
+            line.close()
+            _gate(descriptors)
+        finally:
+            os._exit(init_process.FAILED)
+    for descriptor in descriptors:
+        os.close(descriptor)
+
+
+def _gate(descriptors: Sequence[int]) -> None:
+    gc.disable()  # a collection would copy pages; the program has it again
+    set_name("grade enter")
+    die_with_parent()
+    inside = Streams(*descriptors[_STREAMS])
+    program, cell = _receive(descriptors[_REQUEST][0])
+    namespaces.join_new_keyring()
+    try:
+        if network := descriptors[_NAMESPACES]:
+            namespaces.join(*network)
+            for descriptor in network:
+                os.close(descriptor)
+        if cell.isolation.processes:
+            enter_processes(cell.user)
+    except OSError as problem:  # it worked when it was tried out: the machine has run out of something
+        inside.tell(problem=f"the sandbox cannot be entered: {problem}")
+        return
+    die_with_parent()  # entering a user namespace has cleared it
+    child = os.fork()
+    if child == 0:
+        try:
+            init_process.main(program, cell, inside)
+        finally:
+            os._exit(init_process.FAILED)
+    inside.close()
+    os.waitpid(child, 0)
+    os._exit(0)
+
+
+def _receive(descriptor: int) -> tuple[Program, Conditions]:
+    channel = Channel(socket.socket(fileno=descriptor))
+    request: Mapping[str, Any] = channel.receive(_REQUEST_S)
+    channel.close()
+    return Program.from_mapping(request["program"]), Conditions.from_mapping(request["cell"])

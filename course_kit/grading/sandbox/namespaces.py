@@ -1,0 +1,153 @@
+"""Linux namespaces by system call, for processes without any privilege (namespaces(7), user_namespaces(7)).
+
+Each function works on the calling process, which must have one thread only, and raises OSError when the
+machine does not allow it: user namespaces may be switched off (`user.max_user_namespaces`), restricted by
+AppArmor (Ubuntu 23.10 and later) or by a container's seccomp filter.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import errno
+import fcntl
+import os
+import socket
+import struct
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit.process import libc
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+CLONE_NEWNS = 0x00020000
+CLONE_NEWUTS = 0x04000000
+CLONE_NEWIPC = 0x08000000
+CLONE_NEWUSER = 0x10000000
+CLONE_NEWPID = 0x20000000
+CLONE_NEWNET = 0x40000000
+
+_SIOCGIFFLAGS, _SIOCSIFFLAGS = 0x8913, 0x8914
+_IFF_UP = 0x1
+_INTERFACE_FLAGS = struct.Struct("16sH14x")  # struct ifreq with ifr_flags
+
+_PR_GET_DUMPABLE, _PR_SET_DUMPABLE, _PR_CAPBSET_DROP, _PR_SET_NO_NEW_PRIVS = 3, 4, 24, 38
+_PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL = 47, 4
+_CAPABILITY_VERSION_3 = 0x20080522
+_HIGHEST_CAPABILITY = 63
+_SYS_KEYCTL = {"x86_64": 250, "aarch64": 219}
+_KEYCTL_JOIN_SESSION_KEYRING = 1
+
+
+def enter(kinds: int, guest: int = 0) -> None:
+    """Move into a new user namespace and, in it, the new namespaces `kinds` (CLONE_NEW... or-ed).
+
+    The user and group keep their numbers, everything else is nobody. A new PID namespace holds for the
+    children of the process from then on, not for itself.
+
+    Args:
+        kinds: CLONE_NEW... or-ed.
+        guest: the number of a second user and group that exists in it; 0 for none. Needs the privileges of root.
+    """
+    with _readable_proc():
+        if guest:
+            _unshare_with_guest(kinds, guest)
+            return
+        user, group = os.geteuid(), os.getegid()
+        libc.call("unshare", CLONE_NEWUSER | kinds)
+        Path("/proc/self/setgroups").write_bytes(b"deny")
+        Path("/proc/self/uid_map").write_bytes(b"%d %d 1" % (user, user))
+        Path("/proc/self/gid_map").write_bytes(b"%d %d 1" % (group, group))
+
+
+def _unshare_with_guest(kinds: int, guest: int) -> None:
+    """Only a process that stays outside may map more than one number; it has to be root there."""
+    own = Path("/proc/self").readlink().name
+    told, tell = os.pipe()
+    helper = os.fork()
+    if helper == 0:
+        status = 1
+        try:
+            os.close(tell)
+            if os.read(told, 1):
+                for name, number in (("uid_map", os.geteuid()), ("gid_map", os.getegid())):
+                    Path(f"/proc/{own}/{name}").write_bytes(b"%d %d 1\n%d %d 1" % (number, number, guest, guest))
+                status = 0
+        finally:
+            os._exit(status)
+    os.close(told)
+    try:
+        libc.call("unshare", CLONE_NEWUSER | kinds)
+        os.write(tell, b"!")
+    finally:
+        os.close(tell)
+        _, status = os.waitpid(helper, 0)
+    if status:
+        raise OSError(errno.EPERM, "a second user cannot be mapped into the user namespace")
+
+
+@contextmanager
+def _readable_proc() -> Iterator[None]:
+    """Have /proc/self belong to this process's user, which it does not while tracing is forbidden."""
+    before = libc.prctl(_PR_GET_DUMPABLE, what="DUMPABLE")
+    allow_tracing()
+    try:
+        yield
+    finally:
+        libc.prctl(_PR_SET_DUMPABLE, int(before == 1), what="DUMPABLE")  # 2 is what only the kernel may set
+
+
+def join(user: int, network: int) -> None:
+    """Move into the user and the network namespace of another process of the same user (setns(2)).
+
+    Args:
+        user: a descriptor of /proc/PID/ns/user.
+        network: a descriptor of /proc/PID/ns/net.
+    """
+    for descriptor, kind in ((user, CLONE_NEWUSER), (network, CLONE_NEWNET)):
+        libc.call("setns", descriptor, kind)
+
+
+def raise_loopback() -> None:
+    """Switch on `lo`; a new network namespace begins with it switched off."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as control:
+        answer = fcntl.ioctl(control, _SIOCGIFFLAGS, _INTERFACE_FLAGS.pack(b"lo", 0))
+        _, flags = _INTERFACE_FLAGS.unpack(answer)
+        fcntl.ioctl(control, _SIOCSIFFLAGS, _INTERFACE_FLAGS.pack(b"lo", flags | _IFF_UP))
+
+
+def forbid_tracing() -> None:
+    """Let no process of the same user read this one's memory or trace it (ptrace(2))."""
+    libc.prctl(_PR_SET_DUMPABLE, 0, what="DUMPABLE")
+
+
+def allow_tracing() -> None:
+    """Take `forbid_tracing` back; a change of the user forbids it as well."""
+    libc.prctl(_PR_SET_DUMPABLE, 1, what="DUMPABLE")
+
+
+def join_new_keyring() -> None:
+    """Leave the user's session keyring for an empty one (keyctl(2)); a kernel without keyrings has nothing to leave."""
+    number = _SYS_KEYCTL.get(os.uname().machine)
+    if number is not None:
+        with suppress(OSError):
+            libc.system_call(number, ctypes.c_int(_KEYCTL_JOIN_SESSION_KEYRING), None, what="keyctl")
+
+
+def forbid_new_privileges() -> None:
+    """Let no program that this process starts have more rights than itself, set-uid ones included."""
+    libc.prctl(_PR_SET_NO_NEW_PRIVS, 1, what="NO_NEW_PRIVS")
+
+
+def drop_privileges() -> None:
+    """Give up every capability for good, and the chance to gain one by running a set-uid program."""
+    forbid_new_privileges()
+    with suppress(OSError):  # past the last capability of this kernel, or none of our own to drop
+        for capability in range(_HIGHEST_CAPABILITY + 1):
+            libc.prctl(_PR_CAPBSET_DROP, capability, what="CAPBSET_DROP")
+    with suppress(OSError):  # a kernel without them
+        libc.prctl(_PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL, what="CAP_AMBIENT")
+    header = struct.pack("Ii", _CAPABILITY_VERSION_3, 0)
+    libc.call("capset", header, bytes(24))

@@ -1,0 +1,172 @@
+"""What is known about one running submission: its output, its end, what it uses and what it was doing."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.output import BoundedOutput
+
+if TYPE_CHECKING:
+    from course_kit.grading.sandbox.sandbox import Streams
+
+_CHUNK = 65536
+_LISTS = ("node_classes", "classes", "functions", "set_names")
+_TEXTS = ("returned", "result", "value")
+_FACTS = ("exit_in_callback", "ended_itself", "too_large")
+_NOTE_ITEMS, _NOTE_LENGTH = 20, 80
+_ENDS = {"exit_code", "signal", "limit"}  # one of these facts says how a program has ended
+_LAST_WORDS = 1 << 20  # the most a pipe holds
+_THREAD = re.compile(rb"^(?:Current thread|Thread) 0x(?P<id>[0-9a-f]+)\b.*\n", re.MULTILINE)
+_EVIDENCE_TAKEN = 4 * 1024 * 1024  # bytes of one program; nobody listens any more after that
+_EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
+
+
+class OutputCollector:
+    """Collects what comes out of a sandbox. Only facts for the diagnosis: the inside can forge all of it."""
+
+    def __init__(self, streams: Streams, limit_kb: int, totals: tuple[BoundedOutput, BoundedOutput]) -> None:
+        self.over = False
+        self.samples = 0
+        self.evidence_bytes = 0
+        self._streams = streams
+        self._limit = limit_kb * 1024
+        self._output = {"stdout": BoundedOutput(), "stderr": BoundedOutput()}
+        self._totals = dict(zip(("stdout", "stderr"), totals, strict=True))
+        self._facts: dict[str, Any] = {}
+        self._notes: dict[str, Any] = {}
+        self._status = b""
+        self._evidence = b""
+        self._evidence_taken = 0
+
+    def open_streams(self) -> dict[int, str]:
+        """The descriptors that may still bring something, with their names."""
+        names = ("stdout", "stderr", "status", "evidence")
+        return {getattr(self._streams, name): name for name in names if getattr(self._streams, name) >= 0}
+
+    def take(self, name: str) -> None:
+        """Read what has come on the stream `name`."""
+        descriptor = getattr(self._streams, name)
+        try:
+            data = os.read(descriptor, _CHUNK)
+        except BlockingIOError:
+            return
+        if not data:
+            os.close(descriptor)
+            setattr(self._streams, name, -1)
+            if name == "status":
+                self._drain()
+                self.over = True
+        elif name in self._output:
+            self._output[name].add(data)
+            self._totals[name].add(data)
+        elif name == "status":
+            self._take_status(data)
+        else:
+            self._take_evidence(data)
+
+    def too_much_output(self) -> bool:
+        """Whether it has printed more than it may."""
+        return sum(output.count for output in self._output.values()) > self._limit
+
+    def fault(self) -> str:
+        """What of the sandbox has failed by itself, for people; empty while all is well."""
+        if told := self._facts.get("problem"):
+            return str(told)
+        if self.over and not _ENDS & set(self._facts):
+            return "the process that watches the submission was killed, perhaps because the machine is out of memory"
+        return ""
+
+    def killed(self) -> bool:
+        """Whether it ended by a signal that nothing accounts for: its own, or of a machine without memory."""
+        return self._facts.get("signal") == signal.SIGKILL and "limit" not in self._facts
+
+    def stopped_by_us(self, limit: str) -> None:
+        """Remember that a limit was hit."""
+        self._facts.setdefault("limit", limit)
+
+    def forget_stacks(self) -> None:
+        """Drop older dumps, keeping the program's notes."""
+        self._read_notes()
+        self._evidence = b""
+        self.evidence_bytes = 0
+
+    def has_whole_dump(self) -> bool:
+        """Whether the dump of stacks is complete: another has begun after it."""
+        return self._next_dump() > 0
+
+    def stacks(self) -> str:
+        """The first dump since `forget_stacks` of what every thread was executing, as faulthandler writes it."""
+        return self._evidence[: self._next_dump() or None].decode("utf-8", errors="replace")
+
+    def _next_dump(self) -> int:
+        """Where the second dump begins, which is where a thread comes again; 0 when there is none."""
+        seen = set()
+        for match in _THREAD.finditer(self._evidence):
+            if match["id"] in seen:
+                return match.start()
+            seen.add(match["id"])
+        return 0
+
+    def facts(self) -> dict[str, Any]:
+        """All of it, as plain data."""
+        self._read_notes()
+        return {
+            **self._facts,
+            "running": not self.over,
+            "notes": self._notes,
+            "stdout": self._output["stdout"].text(),
+            "stderr": self._output["stderr"].text(),
+        }
+
+    def _take_evidence(self, data: bytes) -> None:
+        self.evidence_bytes += len(data)
+        self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
+        self._evidence_taken += len(data)
+        if self._evidence_taken > _EVIDENCE_TAKEN:  # written by the submission itself, to keep the grader busy
+            os.close(self._streams.evidence)
+            self._streams.evidence = -1
+
+    def _drain(self) -> None:
+        """Read what the program had still written when it ended: its last words explain the end."""
+        for name in ("stdout", "stderr", "evidence"):
+            with suppress(OSError):
+                data = os.read(getattr(self._streams, name), _LAST_WORDS)
+                if name == "evidence":
+                    self._take_evidence(data)
+                else:
+                    self._output[name].add(data)
+                    self._totals[name].add(data)
+
+    def _take_status(self, data: bytes) -> None:
+        *lines, self._status = (self._status + data).split(b"\n")
+        for line in lines:
+            with suppress(ValueError, TypeError):
+                self._facts.update(json.loads(line))
+                self.samples += 1
+        self._status = self._status[-_CHUNK:]
+
+    def _read_notes(self) -> None:
+        for line in self._evidence.split(b"\n"):
+            if line.startswith(b'{"note"'):
+                with suppress(ValueError, TypeError, KeyError, AttributeError, RecursionError):
+                    self._notes.update(_sound(json.loads(line)["note"]))
+
+
+def _sound(note: dict[str, Any]) -> dict[str, Any]:
+    """What of a note has the shape the runner gives it: the submission can write here, too."""
+    sound: dict[str, Any] = {}
+    for name, value in note.items():
+        if name in _LISTS and isinstance(value, list):
+            sound[name] = [str(item)[:_NOTE_LENGTH] for item in value[:_NOTE_ITEMS]]
+        elif name in _TEXTS and isinstance(value, str):
+            sound[name] = value[:_NOTE_LENGTH]
+        elif name in _FACTS:
+            sound[name] = value is True
+        elif name == "entries" and isinstance(value, list):
+            sound[name] = [(str(key), str(text)) for key, text in value]
+    return sound

@@ -1,0 +1,290 @@
+"""Runs the learner's program, inside the sandbox, the way Python or `ros2 run` would.
+
+A program with `main()`, guarded or not, or one that spins at its top level, is run as the script it is. A
+module that only defines its Node class has that class started on a MultiThreadedExecutor. Everything this
+process tells the grader beyond what stands on the ROS graph is a hint for the diagnosis, and never earns points.
+"""
+
+from __future__ import annotations
+
+import atexit
+import faulthandler
+import fcntl
+import gc
+import io
+import json
+import os
+import signal
+import sys
+import tempfile
+import threading
+import traceback
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading import limits
+from course_kit.grading.sandbox import locking, values
+from course_kit.process.parent import set_name
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from types import TracebackType
+
+    from course_kit.grading.sandbox.sandbox import Conditions, Streams
+
+# Ignored unless handled: harmless to a program that has replaced itself by another (exec).
+STACKS_SIGNAL = signal.SIGURG
+_THREADS = 4
+# Where rclpy holds what a callback has returned: by function, the name of our note and that of its variable.
+_RETURNED = {"send_response": ("returned", "response"), "_execute_goal": ("result", "execute_result")}
+_FIRST_HIGH_DESCRIPTOR = 200
+
+
+@dataclass(frozen=True)
+class Program:
+    """What to run.
+
+    Attributes:
+        name: the file's name, as it is to appear in tracebacks.
+        source: its text; unused with a command.
+        class_name: the Node class the exercise names, for modules that only define classes.
+        arguments: what follows the program's name on its command line; the name of one of `files` stands for its path.
+        files: texts to lay into its scratch directory, by file name.
+        command: an executable with its arguments to start instead of Python source.
+        folder: the working directory of a command; source runs in its scratch directory.
+        variable: what the program is to set, when it is asked for a value and not for a node.
+    """
+
+    name: str
+    source: str = ""
+    class_name: str = ""
+    arguments: tuple[str, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict)
+    command: tuple[str, ...] = ()
+    folder: str = ""
+    variable: str = ""
+
+    @classmethod
+    def from_mapping(cls, values: Mapping[str, Any]) -> Program:
+        """The inverse of `to_mapping`."""
+        program = cls(**values)
+        return replace(program, arguments=tuple(program.arguments), command=tuple(program.command))
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The program as plain data."""
+        return asdict(self)
+
+
+def main(program: Program, cell: Conditions, inside: Streams) -> None:
+    """Turn this process into the submission; never returns but where it cannot be locked in."""
+    set_name("submission")
+    folder = cell.scratch
+    os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it
+    atexit._clear()  # noqa: SLF001 - what the launcher has registered is not the program's
+    os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
+    try:
+        locking.lock_in(cell)
+    except OSError as problem:  # it worked when it was tried out
+        inside.tell(problem=f"the sandbox cannot be closed: {problem}")
+        return
+    evidence = _arrange_streams(inside)
+    variables = {**cell.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}
+    os.environ.update(variables)
+    tempfile.tempdir = None  # the grader's own choice; TMPDIR counts now
+    os.chdir(program.folder or folder)
+    limits.apply_to_this_process(cell.limits, cell.others)
+    program = _with_files(program, Path(folder))
+    if program.command:
+        _execute(program)
+    gc.enable()
+    faulthandler.register(STACKS_SIGNAL, file=evidence, all_threads=True)
+    status = 1
+    try:
+        _run(program, evidence)
+        status = 0
+    except SystemExit as wish:
+        status = _exit_status(wish.code)
+        _note(evidence, exit_in_callback=_in_callback(wish))
+    except BaseException as problem:  # noqa: BLE001 - whatever it is ends the program and is shown, as Python does
+        _show(problem)
+        _note_exception(problem, evidence)
+    _finish(status)
+
+
+def _arrange_streams(inside: Streams) -> int:
+    """Standard streams to the pipes, every other descriptor closed but the one returned."""
+    evidence = fcntl.fcntl(inside.evidence, fcntl.F_DUPFD_CLOEXEC, _FIRST_HIGH_DESCRIPTOR)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    for source, target in ((nothing, 0), (inside.stdout, 1), (inside.stderr, 2)):
+        os.dup2(source, target)
+    os.closerange(3, evidence)
+    os.closerange(evidence + 1, os.sysconf("SC_OPEN_MAX"))
+    sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115 - it stays open
+    for name, descriptor in (("stdout", 1), ("stderr", 2)):
+        stream = _text(descriptor)
+        setattr(sys, name, stream)
+        setattr(sys, f"__{name}__", stream)
+    return evidence
+
+
+def _text(descriptor: int) -> io.TextIOWrapper:
+    raw = open(descriptor, "wb", buffering=8192, closefd=False)  # noqa: SIM115 - it stays open
+    return io.TextIOWrapper(raw, encoding="utf-8", errors="backslashreplace", line_buffering=True)
+
+
+def _with_files(program: Program, folder: Path) -> Program:
+    for name, text in program.files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    named = (str(folder / word) if word in program.files else word for word in program.arguments)
+    return replace(program, arguments=tuple(named))
+
+
+def _execute(program: Program) -> None:
+    try:
+        os.execvpe(program.command[0], [*program.command, *program.arguments], os.environ)
+    except OSError as problem:
+        sys.stderr.write(f"{program.command[0]}: {problem.strerror}\n")
+        sys.stderr.flush()
+        os._exit(127)
+
+
+def _run(program: Program, evidence: int) -> None:
+    path = Path.cwd() / program.name
+    path.write_text(program.source, encoding="utf-8")
+    sys.argv = [program.name, *program.arguments]
+    sys.path.insert(0, str(path.parent))
+    module = ModuleType("__main__")
+    module.__file__ = str(path)
+    sys.modules["__main__"] = module
+    threading.excepthook = lambda problem: _thread_failed(problem, evidence)
+    code = compile(program.source, program.name, "exec", dont_inherit=True)
+    if program.variable:
+        values.run(code, module, program.variable, partial(_note, evidence))
+        return
+    exec(code, module.__dict__)  # noqa: S102
+    if _has_made_nodes():
+        return
+    node_class = _find_class(module, program.class_name, evidence)
+    if node_class is not None:
+        _spin(node_class)
+
+
+def _has_made_nodes() -> bool:
+    """Whether the program has used ROS by itself: a node, or a context that was once initialised."""
+    from rclpy.context import Context
+    from rclpy.node import Node
+
+    for thing in gc.get_objects():
+        kind = type(thing)  # not isinstance(): a proxy among the learner's objects may answer in its own way
+        if issubclass(kind, Node):
+            return True
+        if issubclass(kind, Context) and thing.handle is not None and not thing.ok():
+            return True
+    return False
+
+
+def _find_class(module: ModuleType, wanted: str, evidence: int) -> Any:
+    from rclpy.node import Node
+
+    own = {
+        thing
+        for thing in vars(module).values()
+        if isinstance(thing, type) and issubclass(thing, Node) and thing.__module__ == "__main__"
+    }
+    named = [thing for thing in own if thing.__name__ == wanted]
+    if named or len(own) == 1:
+        return (named or list(own))[0]
+    functions = [name for name, thing in vars(module).items() if callable(thing) and not isinstance(thing, type)]
+    classes = [
+        name for name, thing in vars(module).items() if isinstance(thing, type) and thing.__module__ == "__main__"
+    ]
+    _note(evidence, node_classes=sorted(thing.__name__ for thing in own), classes=classes, functions=functions)
+    return None
+
+
+def _spin(node_class: Any) -> None:
+    import rclpy
+    from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+
+    class Executor(MultiThreadedExecutor):
+        """Ends with a callback's exception at once; the stock one notices it with the next event only."""
+
+        def wait_for_ready_callbacks(self, *args: Any, **kwargs: Any) -> Any:
+            found: tuple[Any, Any, Any] = super().wait_for_ready_callbacks(*args, **kwargs)
+            task, entity, _ = found
+            if entity is not None:  # a callback; what follows is a task itself and must not be followed again
+                task.add_done_callback(lambda _: None)  # its own event: wakes the executor, which then looks
+            return found
+
+    if not rclpy.ok():
+        rclpy.init(args=sys.argv)
+    executor = Executor(num_threads=max(_THREADS, len(os.sched_getaffinity(0))))
+    executor.add_node(node_class())
+    try:
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        return
+
+
+def _exit_status(code: Any) -> int:
+    if code is None:
+        return 0
+    if isinstance(code, int):
+        return code & 0xFF
+    sys.stderr.write(f"{code}\n")
+    return 1
+
+
+def _show(problem: BaseException) -> None:
+    """The traceback as Python prints it, beginning with the learner's own file."""
+    problem.__traceback__ = _own_part(problem.__traceback__)
+    traceback.print_exception(type(problem), problem, problem.__traceback__)
+
+
+def _own_part(trace: TracebackType | None) -> TracebackType | None:
+    kept = trace
+    while kept is not None and kept.tb_frame.f_code.co_filename == __file__:
+        kept = kept.tb_next
+    return kept
+
+
+def _thread_failed(hook: threading.ExceptHookArgs, evidence: int) -> None:
+    if hook.exc_value is not None and hook.exc_type is not SystemExit:
+        traceback.print_exception(hook.exc_type, hook.exc_value, hook.exc_traceback)
+        _note_exception(hook.exc_value, evidence)
+
+
+def _note_exception(problem: BaseException, evidence: int) -> None:
+    """Tell what a callback returned when rclpy refused to send it; its own exception does not say."""
+    for frame, _ in traceback.walk_tb(problem.__traceback__):
+        note, variable = _RETURNED.get(frame.f_code.co_name, ("", ""))
+        if variable in frame.f_locals:
+            _note(evidence, **{note: _type_name(frame.f_locals[variable])})
+
+
+def _in_callback(problem: BaseException) -> bool:
+    return any(frame.f_code.co_name == "await_or_execute" for frame, _ in traceback.walk_tb(problem.__traceback__))
+
+
+def _type_name(value: object) -> str:
+    return "None" if value is None else type(value).__name__
+
+
+def _note(evidence: int, **what: Any) -> None:
+    os.write(evidence, b"\n" + json.dumps({"note": what}).encode() + b"\n")
+
+
+def _finish(status: int) -> None:
+    """End as an interpreter does (other threads first, then atexit), without going back into the grader's code."""
+    try:
+        threading._shutdown()  # type: ignore[attr-defined]  # noqa: SLF001 - what the interpreter calls; nothing public
+        atexit._run_exitfuncs()  # noqa: SLF001
+        sys.stdout.flush()
+        sys.stderr.flush()
+    except BaseException as problem:  # noqa: BLE001 - as above: shown, and the end comes anyway
+        _show(problem)
+    os._exit(status)

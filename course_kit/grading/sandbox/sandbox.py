@@ -1,0 +1,145 @@
+"""A submission's sandbox as the supervisor of a grading sees it: what it is given, its streams, its end.
+
+What is around the program, process by process, is in `launcher`, `init_process` and `runner`. What it is not is said in
+LIMITS.md, the page for users.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.limits import Limits
+from course_kit.grading.sandbox.file_view import FileView
+from course_kit.grading.sandbox.isolation import Isolation
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from course_kit.grading.sandbox.launcher import Launcher
+    from course_kit.grading.sandbox.runner import Program
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Under which conditions a program runs.
+
+    Attributes:
+        limits: what it may use.
+        isolation: what is known to hold on this machine.
+        scratch: the folder in which its scratch directory is made; within the sandbox that directory itself.
+        view: the files it sees.
+        environment: variables to set for the program, beside HOME, TMPDIR and PWD.
+        priority: the nice value to run at.
+        others: the user's other processes and threads where the kernel counts them together with the program's.
+        user: the number of the user and group it runs as; 0 for the grader's own.
+    """
+
+    limits: Limits
+    isolation: Isolation
+    scratch: str
+    view: FileView = field(default_factory=FileView)
+    environment: Mapping[str, str] = field(default_factory=dict)
+    priority: int = 0
+    others: int = 0
+    user: int = 0
+
+    @classmethod
+    def from_mapping(cls, values: Mapping[str, Any]) -> Conditions:
+        """The inverse of `to_mapping`."""
+        made = {
+            "limits": Limits.from_mapping(values["limits"]),
+            "isolation": Isolation.from_mapping(values["isolation"]),
+            "view": FileView.from_mapping(values["view"]),
+        }
+        return cls(**{**values, **made})
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The conditions as plain data."""
+        return asdict(self)
+
+
+@dataclass
+class Streams:
+    """The ends of the pipes of one sandbox: one set for this side, the other for the inside."""
+
+    stdout: int
+    stderr: int
+    status: int
+    evidence: int
+    control: int
+
+    def descriptors(self) -> tuple[int, ...]:
+        """All of them, in the order of the arguments."""
+        return (self.stdout, self.stderr, self.status, self.evidence, self.control)
+
+    def tell(self, **what: Any) -> None:
+        """From the inside: tell the supervisor facts, on the stream for them."""
+        with suppress(OSError):
+            os.write(self.status, json.dumps(what).encode() + b"\n")
+
+    def close(self) -> None:
+        """Close all of them, once."""
+        for name in ("stdout", "stderr", "status", "evidence", "control"):
+            descriptor = getattr(self, name)
+            if descriptor >= 0:
+                os.close(descriptor)
+                setattr(self, name, -1)
+
+
+class Sandbox:
+    """One running submission."""
+
+    def __init__(self, program: Program, cell: Conditions, launcher: Launcher, network: Sequence[int] = ()) -> None:
+        """Start `program`. Returns at once; whether it starts well is seen in what comes out of `streams`.
+
+        Args:
+            program: what to run.
+            cell: under which conditions.
+            launcher: where it is started.
+            network: descriptors of the user and the network namespace it is to join.
+
+        Raises:
+            LaunchError: the launcher has ended.
+            OSError: the scratch directory or the pipes cannot be made.
+        """
+        self._launcher = launcher
+        self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=cell.scratch or None)
+        if cell.user:
+            os.chown(self._folder, cell.user, cell.user)
+        self.streams, inside = _pipes()
+        try:
+            launcher.start(program, replace(cell, scratch=self._folder), inside, network)
+        finally:
+            inside.close()
+
+    def ask(self, what: bytes) -> None:
+        """Ask the init process for `SAMPLE` or `STACKS`; the answer comes on its stream."""
+        with suppress(OSError):  # it has ended; so its stream says
+            os.write(self.streams.control, what)
+
+    def end(self) -> None:
+        """Kill all that was started; returns when it is dead and its scratch directory gone.
+
+        Raises:
+            LaunchError: the launcher has ended.
+        """
+        try:
+            self._launcher.end()
+        finally:
+            shutil.rmtree(self._folder, ignore_errors=True)
+
+
+def _pipes() -> tuple[Streams, Streams]:
+    pipes = [os.pipe() for _ in range(5)]
+    (stdout, stderr, status, evidence, control) = pipes
+    ours = Streams(stdout[0], stderr[0], status[0], evidence[0], control[1])
+    inside = Streams(stdout[1], stderr[1], status[1], evidence[1], control[0])
+    for descriptor in ours.descriptors():
+        os.set_blocking(descriptor, False)
+    return ours, inside

@@ -1,0 +1,298 @@
+"""Runs one grading: the network around it, the grader process and the submission in it, and what passes between them.
+
+A fork of the warm worker, with one thread and one loop. It obeys the grader process, never the submission.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import time
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
+
+from course_kit import environment
+from course_kit.grading import limits
+from course_kit.grading.checks.context import PHASES
+from course_kit.grading.output import BoundedOutput
+from course_kit.grading.sandbox import conditions, file_view, init_process, memory
+from course_kit.grading.sandbox.isolation import enter_network
+from course_kit.grading.sandbox.launcher import SandboxStartError
+from course_kit.grading.sandbox.output_collector import OutputCollector
+from course_kit.grading.sandbox.sandbox import Sandbox
+from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.process import tree
+from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.grading.job import Job
+    from course_kit.grading.sandbox.file_view import FileView
+    from course_kit.grading.sandbox.launcher import Launcher
+
+_ANSWER_S = 5.0  # how long the init process is waited for; it has answered long before, unless the machine is very busy
+_DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
+_QUIET_S = 0.04  # nothing more is coming when nothing came for so long
+_GRADER_GRACE_S = 20.0  # the grader process stops by itself at the wall time; one that hangs is stopped this much later
+_NO_DOMAIN = (
+    "no ROS domain became free within {:g} s, because courses and graders on this machine use all of them. Close some, "
+    "then grade again"
+)
+
+
+class _BrokenOffError(Exception):
+    """The grading cannot go on, by no fault of the submission; the text says why."""
+
+
+class Supervisor:
+    """The master of one grading."""
+
+    def __init__(self, job: Job, launcher: Launcher, view: FileView | None = None) -> None:
+        """Prepare a grading.
+
+        Args:
+            job: what is graded.
+            launcher: where submissions are started.
+            view: the files that a Python program sees, where they are known already: finding them takes a while.
+        """
+        self._job = job
+        self._launcher = launcher
+        self._view = view or file_view.of_a_program()
+        self._profile: dict[str, str] = {}
+        self._network: tuple[int, ...] = ()  # descriptors of the namespaces that the submission is to join
+        self._began = time.monotonic()
+        self._totals = (BoundedOutput(), BoundedOutput())
+        self._sandbox: Sandbox | None = None
+        self._collector: OutputCollector | None = None
+        self._domains = ExitStack()
+        self._queued_s = 0.0
+        self._launches = 0
+        self._arguments: tuple[str, ...] = ()
+        self._results: list[dict[str, Any]] = []
+        self._extra: dict[str, Any] = {}
+        self._fault = ""
+        self._killed_before = memory.oom_kills()
+        self._probe_id = 0
+        self._again = False  # whether this may go better the next time: something was killed that should not be
+
+    def run(self) -> dict[str, Any]:
+        """Grade, and return the outcome as plain data; nothing that was started is alive then."""
+        set_name("grade supervise")
+        die_with_parent()
+        adopt_orphans()
+        if self._job.isolation.network and self._job.mode != "attach":
+            enter_network(self._job.user)
+            die_with_parent()  # entering a user namespace has cleared it
+            self._network = tuple(os.open(f"/proc/self/ns/{kind}", os.O_RDONLY) for kind in ("user", "net"))
+            self._profile = conditions.expect_few_participants()
+        probe_end = self._start_probe()
+        problem = self._serve(probe_end)
+        stopping = time.monotonic()
+        self._stop()
+        tree.end_descendants()
+        return {
+            "results": self._results,
+            "stdout": self._totals[0].text(),
+            "stderr": self._totals[1].text(),
+            "problem": problem or self._fault,
+            "timings": self._timings(stopping),
+            "again": self._again,
+        }
+
+    def _timings(self, stopping: float) -> dict[str, Any]:
+        """Where the time went, in seconds; what came before the grader process ran counts as start."""
+        now = time.monotonic()
+        grader_process = sum(self._extra.get(f"{phase}_s", 0.0) for phase in (*PHASES, "checks"))
+        times = {"teardown_s": now - stopping, "total_s": now - self._began}
+        if "start_s" in self._extra:
+            self._extra["start_s"] += stopping - self._began - grader_process
+        return {**self._extra, **times}
+
+    def _start_probe(self) -> Channel:
+        ours, theirs = Channel.pair()
+        self._probe_id = os.fork()
+        if self._probe_id == 0:
+            from course_kit.grading.workers import grader_process
+
+            ours.close()
+            try:
+                die_with_parent()
+                grader_process.main(theirs, self._job)
+            finally:
+                os._exit(init_process.FAILED)
+        theirs.close()
+        return ours
+
+    def _serve(self, grader_process: Channel) -> str:
+        """Obey the grader's process until it is done; returns why the grading came to no end, or nothing."""
+        try:
+            while True:
+                self._look_after_everything()
+                if not self._pump(0.25, grader_process):
+                    continue
+                message = grader_process.receive(_ANSWER_S)
+                if message["do"] == "done":
+                    self._extra = message["timings"]
+                    return str(message["problem"])
+                answer = self._obey(message)
+                if answer is not None:
+                    grader_process.send(answer)
+        except environment.NoDomainError:
+            return _NO_DOMAIN.format(limits.QUEUE_S)
+        except (environment.DomainError, _BrokenOffError) as problem:
+            self._again = isinstance(problem, _BrokenOffError)
+            return str(problem)
+        except (ChannelClosedError, TimeoutError) as gone:
+            self._again = True
+            return f"the grader's own process ended unexpectedly ({gone})"
+        except (SandboxStartError, OSError) as problem:  # the machine has run out of something
+            self._again = True
+            return f"the submission could not be started: {problem}"
+
+    def _look_after_everything(self) -> None:
+        """End a submission whose time is up.
+
+        Raises:
+            _BrokenOffError: the sandbox has failed, or the grader's process hangs.
+        """
+        deadline, now = self._began + self._job.limits.wall_s, time.monotonic()
+        if self._collector is not None and (fault := self._collector.fault()):
+            raise _BrokenOffError(fault)
+        if now > deadline and self._collector is not None and not self._collector.over:
+            self._end_submission("time")
+        if now > deadline + _GRADER_GRACE_S:
+            raise _BrokenOffError("the grader's own process did not finish in time")
+
+    def _obey(self, message: dict[str, Any]) -> dict[str, Any] | None:
+        what = message["do"]
+        if what == "result":
+            self._results.append(message["result"])
+            return None
+        if what == "launch":
+            return self._launch(tuple(message["arguments"]), message["files"], message["variables"])
+        if what == "time is up":
+            self._end_submission("time")
+        elif what == "running":  # asked fifty times a second
+            return {"running": self._collector is not None and not self._collector.over}
+        elif what == "stacks":
+            return {"stacks": self._stacks()}
+        elif what == "finish":
+            self._finish(message["seconds"])
+        return self._facts(fresh=what == "facts")
+
+    def _launch(self, arguments: tuple[str, ...], files: dict[str, str], variables: dict[str, str]) -> dict[str, Any]:
+        self._stop()
+        self._arguments = arguments
+        self._launches += 1
+        domain, queued_s = self._domain()
+        job = self._job
+        program = conditions.program(job, arguments, files)
+        variables = {**variables, **self._profile, "ROS_DOMAIN_ID": str(domain)}
+        cell = conditions.of(job, variables, self._view)
+        self._sandbox = Sandbox(program, cell, self._launcher, self._network)
+        self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, self._totals)
+        return {"domain": domain, "queued_s": queued_s}
+
+    def _finish(self, seconds: float) -> None:
+        """Wait until the submission has ended, at most for so many seconds, or end it when its time is up."""
+        self._pump_until(
+            lambda collector: collector.over, min(seconds, self._began + self._job.limits.wall_s - time.monotonic())
+        )
+        self._look_after_everything()
+
+    def _domain(self) -> tuple[int, float]:
+        """A ROS domain nobody else uses, and for how many seconds we have queued for it.
+
+        In a network of our own that is any, else one leased on this machine. More gradings side by side than the
+        machine has domains take turns.
+
+        Raises:
+            DomainError: none became free in time.
+        """
+        if self._job.isolation.network:
+            return self._launches, 0.0
+        self._domains.close()
+        asked = time.monotonic()
+        domain = self._domains.enter_context(environment.exclusive_domain(limits.QUEUE_S - self._queued_s))
+        queued_s = time.monotonic() - asked
+        self._queued_s += queued_s
+        self._began += queued_s  # that is not the submission's fault
+        return domain, queued_s
+
+    def _facts(self, *, fresh: bool) -> dict[str, Any]:
+        if self._collector is None or self._sandbox is None:
+            return {"running": False}
+        if fresh and not self._collector.over:
+            before = self._collector.samples
+            self._sandbox.ask(init_process.SAMPLE)
+            self._pump_until(lambda collector: collector.samples > before or collector.over, _ANSWER_S)
+        return self._collector.facts()
+
+    def _stacks(self) -> str:
+        if self._collector is None or self._sandbox is None or self._collector.over:
+            return ""
+        self._collector.forget_stacks()
+        began = time.monotonic()
+        self._sandbox.ask(init_process.STACKS)
+        self._pump_until(lambda collector: collector.evidence_bytes > 0 or collector.over, _DUMP_S)
+        # Nothing marks a dump's end, and a busy machine may halt it half-way. A second one begins when it is whole.
+        self._sandbox.ask(init_process.STACKS)
+        self._pump_until(
+            lambda collector: collector.has_whole_dump() or collector.over, began + _DUMP_S - time.monotonic()
+        )
+        size = -1
+        # The rest of the second, which would be in the next one's way; a submission can go on writing for ever.
+        while size != self._collector.evidence_bytes and time.monotonic() < began + _DUMP_S:
+            size = self._collector.evidence_bytes
+            self._pump(_QUIET_S, None)
+        return self._collector.stacks()
+
+    def _pump_until(self, condition: Callable[[OutputCollector], bool], patience_s: float) -> None:
+        deadline = time.monotonic() + patience_s
+        while self._collector is not None and not condition(self._collector) and time.monotonic() < deadline:
+            self._pump(_QUIET_S, None)
+
+    def _pump(self, timeout: float, grader_process: Channel | None) -> bool:
+        """Take in what the sandbox brings; True when the grader process wants something."""
+        poll = select.poll()
+        streams = self._collector.open_streams() if self._collector else {}
+        for descriptor in streams:
+            poll.register(descriptor, select.POLLIN)
+        if grader_process is not None:
+            poll.register(grader_process.fileno(), select.POLLIN)
+        asked = False
+        for descriptor, _ in poll.poll(timeout * 1000):
+            if descriptor in streams and self._collector is not None:
+                self._collector.take(streams[descriptor])
+            else:
+                asked = True
+        if self._collector is not None and self._collector.too_much_output() and not self._collector.over:
+            self._end_submission("output")
+        return asked
+
+    def _end_submission(self, limit: str) -> None:
+        if self._collector is not None:
+            self._collector.stopped_by_us(limit)
+        self._kill()
+
+    def _kill(self) -> None:
+        if self._sandbox is None or self._collector is None:
+            return
+        self._sandbox.end()
+        # All writers are dead: the streams end, and reading them cannot block.
+        while streams := self._collector.open_streams():
+            for name in streams.values():
+                self._collector.take(name)
+        self._sandbox.streams.close()
+
+    def _stop(self) -> None:
+        if self._collector is not None and self._collector.killed():
+            self._again = True
+            if memory.oom_kills() != self._killed_before:
+                self._fault = "the machine ran out of memory, and Linux killed a process to free some"
+        self._kill()
+        if self._arguments and self._collector is not None and self._collector.facts()["stderr"]:
+            # Without it a learner takes an error that a check has provoked for one of the ordinary run.
+            self._totals[1].add(f"[The lines above are from a start with: {' '.join(self._arguments)}]\n".encode())
+        self._sandbox = self._collector = None

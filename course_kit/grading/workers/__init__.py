@@ -1,0 +1,1 @@
+"""Processes that grade one submission after another, and the messages between them."""

@@ -1,0 +1,87 @@
+"""The grader process: joins the graph, runs the checks of one exercise, reports each as it is known."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import time
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading import bounds, limits, machine
+from course_kit.grading.checks.check import run_all
+from course_kit.grading.checks.context import CheckContext
+from course_kit.grading.workers.ipc import ChannelClosedError
+from course_kit.process.parent import set_name
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.grading.checks.check import Check
+    from course_kit.grading.job import Job
+    from course_kit.grading.workers.ipc import Channel
+
+
+def warm_up() -> None:
+    """Import what every grading needs. Must not initialise ROS: a context does not survive a fork."""
+    import rclpy.action
+    import rclpy.executors
+    import rclpy.node
+    from rclpy.type_support import check_for_type_support
+    from type_description_interfaces.srv import GetTypeDescription  # every node has this service
+
+    import course_kit.grading.checks.grader_node
+
+    machine.processor_share()
+    check_for_type_support(GetTypeDescription)
+    del rclpy, course_kit
+
+
+def load(module: str) -> Any:
+    """A grader's module, its interfaces loaded."""
+    from rclpy.type_support import check_for_type_support
+
+    grader = importlib.import_module(module)
+    for interface in grader.INTERFACES:
+        check_for_type_support(interface)
+    return grader
+
+
+def checks_of(grader: Any, job: Job) -> Sequence[Check]:
+    """The checks of a grader module: its `CHECKS`, or what its `checks_for(job)` makes of the job's seed."""
+    made: Sequence[Check] = grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS
+    return made
+
+
+def main(supervisor: Channel, job: Job) -> None:
+    """Run all checks of the job's exercise; returns when each is told, or why they could not be run."""
+    set_name("grade grader")
+    os.setpriority(os.PRIO_PROCESS, 0, job.priority)
+    limits.bound_reader(job.limits.wall_s)
+    told: dict[str, Any] = {"do": "done", "problem": "", "timings": {}}
+    try:
+        told["timings"] = _run(supervisor, job)
+    except ChannelClosedError:
+        return
+    except Exception as problem:  # noqa: BLE001 - a broken grader or installation; the report says so
+        told["problem"] = bounds.cut(f"{type(problem).__name__}: {problem}")
+    supervisor.send(told)
+
+
+def _run(supervisor: Channel, job: Job) -> dict[str, Any]:
+    began = time.monotonic()
+    grader = load(job.grader)
+    context = CheckContext(supervisor, job, getattr(grader, "VARIABLES", None))
+    times = {}
+    if not job.fault and not job.variable:
+        context.launch()
+    try:
+        for result in run_all(checks_of(grader, job), context):
+            supervisor.send({"do": "result", "result": bounds.results([result.to_mapping()])[0]})
+            times[result.id] = time.monotonic() - began
+    finally:
+        if (
+            not job.isolation.network
+        ):  # a graph of our own ends with us, at once; others wait for those who do not leave
+            context.close()
+    checking = time.monotonic() - began - sum(context.spent.values())
+    return {**{f"{phase}_s": spent for phase, spent in context.spent.items()}, "checks_s": checking, "checks": times}

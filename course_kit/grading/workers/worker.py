@@ -1,0 +1,129 @@
+"""A warm process that grades one submission after another.
+
+Importing rclpy and loading a service type takes ten times as long as checking a submission, so a worker does it
+once and forks. Several workers grade side by side. This is the handle in the trusted parent; the process itself is
+`worker_process`, and how it is started is in `warm_process`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading import limits
+from course_kit.grading.errors import GradingError
+from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.grading.workers.warm_process import WarmProcess, variables_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from types import TracebackType
+
+    from typing_extensions import Self
+
+    from course_kit.grading.job import Job
+
+_START_S = 60.0  # importing everything from a cold disk on a loaded machine
+_GRACE_S = 60.0  # beyond the queue and the wall time; a worker that is later than that hangs, by a fault of ours
+
+
+class Worker:
+    """A worker process. Start many ahead of time; each takes one job at a time, from one thread at a time."""
+
+    def __init__(
+        self,
+        *,
+        whole_environment: bool = False,
+        own_graph: bool = True,
+        at: tuple[WarmProcess, Channel] | None = None,
+    ) -> None:
+        """Start the process; it gets ready while the caller goes on.
+
+        Args:
+            whole_environment: pass on all variables, for commands of the user's own.
+            own_graph: False to grade nodes on the graph this environment belongs to.
+            at: the process started already, and the line to this worker in it; for `side_by_side`.
+        """
+        if at is None:
+            process = WarmProcess(1, variables_of(whole=whole_environment, own_graph=own_graph))
+            at = (process, process.channels[0])
+        self._process, self._channel = at
+        self._closing = False
+        self._greeting: dict[str, Any] | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def process_id(self) -> int:
+        """Of the worker process.
+
+        Raises:
+            GradingError: it did not start.
+        """
+        self.ready()
+        return int((self._greeting or {})["process"])
+
+    def ready(self) -> dict[str, Any]:
+        """Wait until it can take a job; returns the isolation it has found.
+
+        Raises:
+            GradingError: it did not start.
+        """
+        if self._greeting is None:
+            try:
+                self._greeting = self._channel.receive(_START_S)
+            except (ChannelClosedError, TimeoutError) as problem:
+                raise GradingError(f"The grader could not start. {self._last_words()}") from problem
+        if problem_text := self._greeting.get("problem"):
+            raise GradingError(str(problem_text))
+        return dict(self._greeting["isolation"])
+
+    def grade(self, job: Job) -> dict[str, Any]:
+        """Grade one submission; returns the outcome as the supervisor describes it.
+
+        Raises:
+            GradingError: the worker ended or hung; it can take no further job then.
+        """
+        self.ready()
+        try:
+            self._channel.send({"job": job.to_mapping()})
+            outcome = self._channel.receive(limits.QUEUE_S + job.limits.wall_s + _GRACE_S)
+        except (ChannelClosedError, TimeoutError) as problem:
+            raise GradingError(f"The grader ended while it was grading. {self._last_words()}") from problem
+        if "results" not in outcome:  # its last words
+            raise GradingError(str(outcome.get("problem", "The grader ended while it was grading.")))
+        return outcome
+
+    def has_ended(self) -> bool:
+        """Whether its process has gone, for one that is not at work."""
+        return self._process.has_ended() or self._channel.is_closed()
+
+    def close(self) -> None:
+        """End the process and everything it has started; one of several ends with the last of them at the latest."""
+        first, self._closing = not self._closing, True
+        self._channel.hang_up()  # it notices, ends what it has under way, and stops
+        if first:
+            self._process.leave()
+
+    def _last_words(self) -> str:
+        """What the process has printed, when it has ended."""
+        how = self._process.give_up((self._greeting or {}).get("process"))
+        return "It was closed meanwhile." if self._closing else how
+
+
+def side_by_side(number: int, graders: Sequence[str] = ()) -> list[Worker]:
+    """Start several workers that share the cost of getting warm.
+
+    Args:
+        number: how many.
+        graders: modules of checks that they load beforehand.
+    """
+    if number == 0:
+        return []
+    process = WarmProcess(number, variables_of(whole=False, own_graph=True), graders)
+    return [Worker(at=(process, channel)) for channel in process.channels]

@@ -1,0 +1,246 @@
+"""The warm process behind a `Worker` or several: everything imported, nothing initialised, a fork for each submission.
+
+It never calls rclpy.init itself: a process that has cannot be forked any more.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import socket
+import sys
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading import needs
+from course_kit.grading.job import Job
+from course_kit.grading.sandbox import file_view, isolation, namespaces, scratch
+from course_kit.grading.sandbox import launcher as launchers
+from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
+from course_kit.grading.sandbox.supervisor import Supervisor
+from course_kit.grading.workers import grader_process
+from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.process import freezing, tree
+from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Sequence
+
+    from course_kit.grading.sandbox.file_view import FileView
+    from course_kit.grading.sandbox.isolation import Isolation
+
+_TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
+_FIRST_SERVED = -19  # nice value
+
+
+@dataclass(frozen=True)
+class _Common:
+    """What holds for all workers of this process.
+
+    Attributes:
+        isolation: what isolates submissions.
+        priority: the nice value they run at.
+        view: the files they see.
+    """
+
+    isolation: Isolation
+    priority: int
+    view: FileView
+
+
+def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
+    """The process: get warm, then grade job after job until the other ends close.
+
+    Args:
+        channels: the line to each worker. A single worker is this process; of several each is a fork of it.
+        graders: modules of checks that are loaded beforehand.
+    """
+    set_name("grade warm")
+    usual = os.getpriority(os.PRIO_PROCESS, 0)
+    with suppress(OSError):
+        # Root only, whom the kernel's limit on processes does not hold: the init process needs a turn in a fork bomb.
+        os.setpriority(os.PRIO_PROCESS, 0, _FIRST_SERVED)
+    namespaces.forbid_tracing()
+    adopt_orphans()
+    found = isolation.try_out()
+    grader_process.warm_up()
+    pairs = [Launcher.pair() for _ in channels]
+    starter, names = _fork_launchers(pairs, channels)
+    for _, end in pairs:
+        end.close()
+    launchers = [launcher for launcher, _ in pairs]
+    loaded = [grader for module in graders if (grader := _load(module))]
+    names.send(json.dumps(_interfaces(loaded)).encode())
+    names.close()
+    common = _Common(found, usual, file_view.of_a_program())
+    freezing.freeze()
+    if len(channels) == 1:
+        _work(channels[0], launchers[0], common, keep=(starter,))
+        return
+    lines = list(zip(channels, launchers, strict=True))
+    children = [_fork_worker(line, lines, common) for line in lines]
+    for channel, launcher in lines:
+        channel.close()
+        launcher.close()
+    for child in children:  # not reaped: while this process lives, no other one gets the number of a fork
+        os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
+    tree.end_descendants()
+
+
+def _fork_launchers(
+    pairs: Sequence[tuple[Launcher, socket.socket]], channels: Sequence[Channel]
+) -> tuple[int, socket.socket]:
+    """Start the process from which submissions are forked, before anything is loaded that is not for them.
+
+    Returns:
+        its number, and the line on which it waits for the names of the interfaces to load.
+    """
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    freezing.freeze()
+    if child := os.fork():
+        theirs.close()
+        return child, ours
+    try:
+        ours.close()
+        for channel in channels:
+            channel.close()
+        for launcher, _ in pairs:
+            launcher.close()
+        launchers.serve_all(theirs, [end for _, end in pairs])
+    except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the file of last words has it
+        sys.excepthook(*sys.exc_info())
+    finally:
+        os._exit(0)
+
+
+def _interfaces(graders: Sequence[Any]) -> list[tuple[str, str]]:
+    """Module and name of each interface that some graders use, for a process that must not load the graders."""
+    return sorted({(one.__module__, one.__name__) for grader in graders for one in grader.INTERFACES})
+
+
+def _fork_worker(line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], common: _Common) -> int:
+    child = os.fork()
+    if child:
+        return child
+    status = 1
+    try:
+        os.setsid()  # Linux shares a busy machine out among sessions; each worker is to have its part
+        die_with_parent()
+        adopt_orphans()
+        for other in lines:
+            if other is not line:
+                other[0].close()  # else nobody would notice the end of that worker
+                other[1].close()
+        with suppress(ChannelClosedError):
+            _work(*line, common)
+        status = 0
+    except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the file of last words has it
+        sys.excepthook(*sys.exc_info())
+    finally:
+        os._exit(status)
+
+
+def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container[int] = ()) -> None:
+    """One worker: it ends with ChannelClosedError.
+
+    Args:
+        channel: brings jobs, takes outcomes.
+        launcher: where its submissions are started.
+        common: what holds for all workers.
+        keep: children of this process that outlive a grading.
+    """
+    set_name("grade worker")
+    folder = scratch.make()
+    found = common.isolation
+    user = isolation.guest(os.getpid()) if found.user else 0
+    if user:
+        folder.chmod(0o711)  # that user finds its own directory in it, and sees no other
+    os.environ["ROS_LOG_DIR"] = str(folder)  # of the grader process, which logs nothing
+    try:
+        channel.send({"isolation": found.to_mapping(), "process": os.getpid()})
+        while True:
+            job = Job.from_mapping(channel.receive()["job"])
+            job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
+            _load(job.grader)
+            for _ in range(_TRIES):
+                scratch.clear(folder)
+                outcome = _grade(job, channel, launcher, common.view, keep)
+                if not outcome["again"]:
+                    break
+            channel.send(outcome)
+    finally:
+        scratch.remove(folder)
+
+
+def _load(module: str) -> Any:
+    with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
+        return grader_process.load(module)
+    return None
+
+
+def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> dict[str, Any]:
+    ours, theirs = Channel.pair()
+    child = os.fork()
+    if child == 0:
+        status = 1
+        try:
+            ours.close()
+            theirs.send(_run(job, launcher, view))
+            status = 0
+        except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the worker reports it
+            sys.excepthook(*sys.exc_info())
+        finally:
+            os._exit(status)
+    theirs.close()
+    try:
+        return _outcome(ours, channel)
+    finally:
+        ours.close()
+        tree.end_descendants(keep)
+        launcher.end()
+
+
+def _run(job: Job, launcher: Launcher, view: FileView) -> dict[str, Any]:
+    if problem := needs.lacking(job.limits, guest=job.user != 0, disk="" if job.isolation.files else job.scratch):
+        return _broken_off(problem, again=False)
+    try:
+        return Supervisor(job, launcher, view).run()
+    except (SandboxStartError, OSError) as problem:  # the machine has run out of something
+        return _broken_off(f"the submission could not be run: {problem}")
+
+
+def _broken_off(problem: str, *, again: bool = True) -> dict[str, Any]:
+    """The outcome, as `Supervisor.run` gives it, of a grading that came to nothing by no fault of the submission."""
+    return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": again}
+
+
+def _outcome(supervisor: Channel, parent: Channel) -> dict[str, Any]:
+    poll = select.poll()
+    poll.register(supervisor.fileno(), select.POLLIN)
+    poll.register(parent.fileno(), select.POLLIN)
+    ready = [descriptor for descriptor, _ in poll.poll()]
+    if parent.fileno() in ready:
+        raise ChannelClosedError("the parent process has ended, or sent a message out of turn")
+    try:
+        return supervisor.receive()
+    except ChannelClosedError:
+        return _broken_off("the process that supervises it was killed")
+
+
+def main() -> None:
+    """The process; its arguments are the descriptors of its channels, comma-separated, and modules of checks."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channel
+    needs.raise_soft_limits()
+    descriptors, *graders = sys.argv[1:]
+    channels = [Channel(socket.socket(fileno=int(number))) for number in descriptors.split(",")]
+    try:
+        serve(channels, graders)
+    except ChannelClosedError:
+        pass
+    except Exception as problem:  # noqa: BLE001 - the parent tells a person
+        for channel in channels:
+            with suppress(ChannelClosedError):
+                channel.send({"problem": f"The grader could not start: {problem}"})

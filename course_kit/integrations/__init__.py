@@ -1,0 +1,1 @@
+"""Where the course meets others: IPython, JupyterLab, nbgrader and Otter-Grader."""

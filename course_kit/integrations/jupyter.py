@@ -1,0 +1,132 @@
+"""Starts JupyterLab on the course, on this machine as it is: read-only homes, shared installations, root."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.integrations import jupyter_folders, terminals
+from course_kit.learner import workspace
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+FIRST_LESSON = "notebooks/00_welcome.ipynb"
+_ALLOW_ROOT = "--allow-root"
+
+
+class LabStartError(RuntimeError):
+    """JupyterLab cannot be started here; the text is for the user."""
+
+
+def run_lab(arguments: Sequence[str]) -> int:
+    """Replace this process by JupyterLab, opened on the first lesson; return 2 where that cannot be done.
+
+    The settings of the course are in its environment, so kernels and terminals all join the same ROS graph.
+    """
+    root = environment.checkout()
+    if root is None:
+        return _cannot("the notebooks are missing. Run ./course lab in the course's folder.")
+    try:
+        folder = _own_folder(root)
+    except OSError as problem:
+        what = f"{problem.filename or workspace.copy_folder()} could not be written: {problem.strerror or problem}"
+        return _cannot(f"{root} is read-only for you, and your copy could not be made: {what}.")
+    return serve(folder, FIRST_LESSON, arguments)
+
+
+def serve(root: Path, first: str, arguments: Sequence[str], **variables: str) -> int:
+    """Replace this process by JupyterLab; return 2 where it would refuse to start.
+
+    Args:
+        root: the folder it shows.
+        first: the notebook it opens, relative to `root`.
+        arguments: more for `jupyter lab`.
+        variables: more for its environment.
+    """
+    try:
+        as_root = root_arguments(arguments, os.geteuid(), environment.sign_of_container())
+        environ = environment.child_environment(**{**_folders(), **terminals.variables(), **variables})
+    except (LabStartError, environment.DomainError) as problem:
+        return _cannot(str(problem))
+    if told := environment.middleware.unsupported():
+        _tell(told)
+    command = [
+        sys.executable,
+        "-m",
+        "jupyter",
+        "lab",
+        f"--ServerApp.root_dir={root}",
+        f"--LabApp.default_url=/lab/tree/{first}",
+        *_terminals(),
+        *as_root,
+        *arguments,
+    ]
+    sys.stdout.flush()
+    return os.execve(sys.executable, command, environ)
+
+
+def root_arguments(arguments: Sequence[str], user: int, container: str) -> list[str]:
+    """What `jupyter lab` needs beside the user's arguments to start as root, which it refuses by itself.
+
+    Args:
+        arguments: the user's.
+        user: the number of the user, 0 for root.
+        container: what shows that this is a container; empty when nothing does.
+
+    Raises:
+        LabStartError: root, on what seems to be a whole machine.
+    """
+    if user != 0 or any("allow-root" in word or "allow_root" in word for word in arguments):
+        return []
+    if container:
+        _tell(f"you are root in a container ({container}), so JupyterLab is started with {_ALLOW_ROOT}.")
+        return [_ALLOW_ROOT]
+    raise LabStartError(
+        "JupyterLab does not run as root: a program in a notebook could change anything on this machine. Log in as an "
+        f"ordinary user, or add {_ALLOW_ROOT} if you mean it: {environment.command()} lab {_ALLOW_ROOT}"
+    )
+
+
+def _own_folder(root: Path) -> Path:
+    """The course's folder, or the user's copy of it where they cannot write it.
+
+    Raises:
+        OSError: the copy could not be made.
+    """
+    if not workspace.is_shared(root):
+        return root
+    target = workspace.copy_folder()
+    workspace.make_copy(root, target)
+    _tell(f"{root} is read-only for you, so JupyterLab opens your copy: {target}. Your changes there are kept.")
+    return target
+
+
+def _folders() -> dict[str, str]:
+    """The variables of `jupyter_folders`; says so when there are any."""
+    found = jupyter_folders.replacements()
+    if found:
+        spare = environment.state_dir()
+        _tell(f"Jupyter's folders in your home directory cannot be written; it keeps its files below {spare} instead.")
+    return found
+
+
+def _terminals() -> list[str]:
+    """Bash in the terminals, whatever the user's own shell is: it completes `ros2`."""
+    command = terminals.shell_command()
+    if command is None:
+        return []
+    settings = {"shell_command": command}
+    return [f"--ServerApp.terminado_settings={settings}"]
+
+
+def _cannot(sentence: str) -> int:
+    _tell(sentence)
+    return 2
+
+
+def _tell(sentence: str) -> None:
+    print(f"course-kit: {sentence}", file=sys.stderr)

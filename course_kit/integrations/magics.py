@@ -1,0 +1,137 @@
+"""The magics of the course: each parses its line, calls one function, and shows what came of it."""
+
+from __future__ import annotations
+
+import shlex
+from typing import TYPE_CHECKING, Any
+
+from course_kit.lab.errors import LabError
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+_SCRIPT_USAGE = (
+    "Write %%ros_script NAME [arguments] in the first line and the program below it, "
+    "such as: %%ros_script client 1 2. Options before the name: --wait, --background."
+)
+_INTERFACE_USAGE = (
+    "Write %%interface PACKAGE/srv/NAME (or msg, or action) in the first line and the definition below it, "
+    "such as: %%interface my_interfaces/srv/PersonInfo."
+)
+_LAUNCH_USAGE = (
+    "Write %%ros_launch NAME [argument:=value] in the first line and the launch file below it, "
+    "such as: %%ros_launch robot."
+)
+_MODES = {"--wait": "wait", "--background": "background"}
+
+
+class MagicError(LabError):
+    """A magic was used in a way it cannot be; the message says how it is used."""
+
+
+def register(shell: InteractiveShell) -> None:
+    """Make the magics known to an IPython shell."""
+    shell.register_magic_function(interface_magic(shell), "cell", "interface")
+    shell.register_magic_function(ros_script, "line_cell", "ros_script")
+    shell.register_magic_function(ros_launch, "cell", "ros_launch")
+    shell.register_magic_function(ros_stop, "line", "ros_stop")
+
+
+def interface_magic(shell: InteractiveShell) -> Any:
+    """The `%%interface` magic for a shell."""
+
+    def interface(line: str, cell: str) -> None:
+        """Define a ROS interface: `%%interface my_interfaces/srv/PersonInfo`, its text in the cell.
+
+        The class is there at once, under its name in the notebook and for `from my_interfaces.srv import ...` in any
+        program of the course. Running the cell again with other fields defines it anew.
+        """
+        __tracebackhide__ = True
+        from course_kit import interfaces
+
+        words = line.split()
+        if len(words) != 1:
+            raise MagicError(_INTERFACE_USAGE)
+        try:
+            defined = interfaces.define(words[0], cell)
+        except (ValueError, LookupError) as error:
+            raise MagicError(str(error)) from None
+        package, kind, name = words[0].split("/")
+        shell.user_ns[name] = defined  # a name imported before would go on meaning the old one
+        print(f"{words[0]} is defined. In programs: from {package}.{kind} import {name}")
+
+    return interface
+
+
+def ros_script(line: str, cell: str | None = None) -> None:
+    """Run the cell as an unmodified ROS 2 program: `%%ros_script client 1 2`.
+
+    A program that ends is waited for; one that serves goes on in the background until `%ros_stop NAME`. Running
+    the cell again replaces it. `--wait` and `--background`, before the name, decide it yourself. With one percent
+    sign and no program below, `%ros_script client 3 4` runs the program that was saved under the name again.
+
+    Raises:
+        MagicError: the line says something else.
+    """
+    __tracebackhide__ = True
+    from course_kit import lab
+
+    try:
+        words = shlex.split(line)
+    except ValueError as error:
+        raise MagicError(f"A quote in the line is not closed ({error}). {_SCRIPT_USAGE}") from None
+    mode = "auto"
+    while words and words[0].startswith("-"):
+        if words[0] not in _MODES:
+            raise MagicError(f"There is no option {words[0]}. {_SCRIPT_USAGE}")
+        mode = _MODES[words.pop(0)]
+    if not words:
+        raise MagicError(_SCRIPT_USAGE)
+    lab.script(words[0], _saved(words[0]) if cell is None else cell, *words[1:], mode=mode)
+
+
+def _saved(name: str) -> str:
+    """The program that `%%ros_script` has saved under a name."""
+    from course_kit import environment
+
+    folder = environment.run_dir() / "scripts"
+    path = folder / f"{name.removesuffix('.py')}.py"
+    if not path.is_file():
+        known = ", ".join(sorted(one.stem for one in folder.glob("*.py") if ".launch" not in one.name)) or "none"
+        raise MagicError(f"No program is saved as {name!r}: run its %%ros_script cell first. Saved: {known}.")
+    return path.read_text(encoding="utf-8")
+
+
+def ros_launch(line: str, cell: str) -> None:
+    """Run the cell as a launch file: `%%ros_launch robot speed:=2.0`, as `ros2 launch robot.launch.py speed:=2.0`.
+
+    What it starts goes on in the background until `%ros_stop robot.launch`. A program of a `%%ros_script` cell is
+    found by its name, whatever the package.
+
+    Raises:
+        MagicError: the line says something else.
+    """
+    __tracebackhide__ = True
+    from course_kit import lab
+    from course_kit.ros2cli import launching
+
+    words = shlex.split(line)
+    if not words or words[0].startswith("-"):
+        raise MagicError(_LAUNCH_USAGE)
+    name = f"{words[0].removesuffix('.py').removesuffix('.launch')}.launch"
+    lab.current().scripts.run(name, cell, tuple(words[1:]), "background", launching.MODULE)
+
+
+def ros_stop(line: str) -> None:
+    """Stop a script: `%ros_stop server`; without a name, all of them.
+
+    Raises:
+        MagicError: the line says something else.
+    """
+    __tracebackhide__ = True
+    from course_kit import lab
+
+    words = line.split()
+    if len(words) > 1:
+        raise MagicError("Write %ros_stop NAME, or %ros_stop alone to stop all scripts.")
+    lab.stop_script(words[0] if words else None)

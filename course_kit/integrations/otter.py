@@ -1,0 +1,132 @@
+"""For courses that run on Otter-Grader: each check of an exercise as a test case of Otter, with its points.
+
+Otter gives a test case its points when its function returns, and none when it raises, with the error as feedback. So
+the checks that pass are the partial credit. All test cases of a notebook read one grading.
+
+`course-kit otter EXERCISE` prints the test file, in Otter's exception-based format. An instructor may change its points
+and hide cases there.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.errors import GradingError
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Sequence
+
+    from course_kit.grading import Report
+    from course_kit.grading.checks.check import Check
+
+_WIDTH = 80
+_HEAD = """\
+# Made by: course-kit otter {command}
+from course_kit.otter import check
+from otter.test_files import test_case
+
+OK_FORMAT = False
+name = {name!r}
+"""
+_CASE = """
+
+@test_case(name={title!r}, points={points!r})
+def test_{id}():
+    check({arguments})
+"""
+
+
+def check(exercise: str, name: str, *, seed: int | None = None) -> None:
+    """Return when this notebook's submission passes a check of the exercise, and raise when it does not.
+
+    The submission is what the `%%submission` cells hold; it is graded when the first check asks, and again after such a
+    cell was run anew. In a test cell for `otter assign` import this function inside of the test function.
+
+    Args:
+        exercise: the exercise's id.
+        name: the check's id, as in a report of `course-kit grade --format json`.
+        seed: what the checks draw their random values from; by default the exercise's own or drawn anew.
+
+    Raises:
+        AssertionError: the check was not passed; the text is the feedback.
+        GradingError: there is no such exercise or check, or the grader itself could not do its work.
+    """
+    from course_kit.integrations.grade_magics import nothing_from, of_this_notebook
+
+    report = of_this_notebook("otter.check").report(exercise, seed)
+    if report is None:
+        raise AssertionError(nothing_from(exercise))
+    if told := feedback(report, name):
+        raise AssertionError(told)
+
+
+def feedback(report: Report, name: str) -> str:
+    """What to tell about a check; empty when it was passed.
+
+    Raises:
+        GradingError: there is no such check, or the grader itself could not do its work.
+    """
+    from course_kit.grading.render.text import check_lines
+
+    if report.status == "error":
+        raise GradingError(f"{report.problem} This is not the submission's fault: grade it again.")
+    if report.status == "unreadable":
+        return report.problem
+    found = next((one for one in report.checks if one.id == name), None)
+    if found is None:
+        known = ", ".join(one.id for one in report.checks)
+        raise GradingError(f"There is no check '{name}' in {report.exercise}. There are: {known}.")
+    return "" if found.status == "passed" else "\n".join(check_lines(found, _WIDTH))
+
+
+def case_file(exercise: str, seed: int | None = None) -> str:
+    """The text of the test file for an exercise; exercise 4 has other checks with another seed.
+
+    Raises:
+        GradingError: there is no such exercise.
+    """
+    more = {} if seed is None else {"seed": seed}
+    command = " ".join([exercise, *(f"--{option} {value}" for option, value in more.items())])
+    cases = [
+        _CASE.format(
+            title=one.title,
+            points=one.points,
+            id=one.id,
+            arguments=", ".join([repr(exercise), repr(one.id), *(f"{name}={value}" for name, value in more.items())]),
+        )
+        for one in _checks(exercise, seed)
+    ]
+    return "".join([_HEAD.format(command=command, name=exercise), *cases])
+
+
+def _checks(exercise: str, seed: int | None) -> Sequence[Check]:
+    """The checks in the order they are run."""
+    from course_kit.grading.checks.check import in_order
+    from course_kit.grading.exercise import load
+    from course_kit.grading.job import Job
+    from course_kit.grading.workers import grader_process
+
+    task = load(exercise)
+    drawn = seed if seed is not None else task.seed or 0
+    job = Job(task.grader, "attach", "", drawn, limits=task.limits)
+    return in_order(grader_process.checks_of(grader_process.load(task.grader), job))
+
+
+def add_to(verbs: Any) -> None:
+    """Add the verb to the command line's parser."""
+    parser = verbs.add_parser("otter", help="print an exercise's test file for Otter-Grader, one test case a check")
+    parser.add_argument("exercise", help="the exercise's id")
+    parser.add_argument("--seed", type=int, help="draw the random values from it; exercise 4 then asks other questions")
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    try:
+        text = case_file(options.exercise, options.seed)
+    except GradingError as problem:
+        sys.stderr.write(f"course-kit: {problem}\n")
+        return 2
+    sys.stdout.write(text)
+    return 0

@@ -1,0 +1,35 @@
+"""An extension of Jupyter Server: terminals and kernels of any server in this environment find `ros2`.
+
+A hub or an editor starts the server itself, without the course's folder of programs on PATH. Installed with the
+package, and enabled by `jupyter_server_config.d/ros2_course_kit.json`.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Any
+
+from course_kit import environment
+from course_kit.integrations import terminals
+
+
+def _jupyter_server_extension_points() -> list[dict[str, str]]:
+    """Asked by Jupyter Server for what there is to load."""
+    return [{"module": __name__}]
+
+
+def _link_jupyter_server_extension(server: Any) -> None:
+    """Called before any extension is loaded, so before the one that starts terminals reads its settings."""
+    environment.put_scripts_first()
+    os.environ.update(terminals.variables())
+    settings = server.terminado_settings
+    if "shell_command" in settings or not terminals.prefers_bash():
+        return
+    # As Jupyter Server itself decides it: who starts it without a terminal, as a hub does, has not logged in.
+    if command := terminals.shell_command(login=not sys.stdout.isatty()):
+        server.terminado_settings = {**settings, "shell_command": command}
+
+
+def _load_jupyter_server_extension(server: Any) -> None:
+    """Called when it is loaded: all is done already."""

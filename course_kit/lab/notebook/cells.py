@@ -1,0 +1,226 @@
+"""What the lab does in a Jupyter kernel: lines land in the right cell, in order, and interrupts arrive.
+
+ipykernel files output under the cell that runs when it is written, and differs between 6 and 7 for what threads
+write. So only the main thread writes: the lab's thread queues its lines (see `output`), log lines included, which
+are taken where rclpy hands them to C, before they get a timestamp and bypass Python through file descriptor 2.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import threading
+import warnings
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+from course_kit.lab.overrides.patches import Patches
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.lab.notebook.output import Output, Stream
+    from course_kit.ros.compat import Compatibility
+
+_BEAT = 0.1  # seconds
+_STREAMS: tuple[Stream, ...] = ("stdout", "stderr")
+
+
+class Notebook:
+    """The connection to the IPython shell of this process, if there is one.
+
+    Attributes:
+        present: whether there is one.
+    """
+
+    def __init__(self, shell: Any, output: Output) -> None:
+        self._shell = shell
+        self._output = output
+        self._patches = Patches()
+        self._attached = False
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._scheduled = False
+        self._beat: asyncio.TimerHandle | None = None
+
+    @classmethod
+    def of_this_process(cls, output: Output) -> Notebook:
+        """Find the shell without importing IPython where it is not in use."""
+        module = sys.modules.get("IPython")
+        shell = module.get_ipython() if module is not None else None
+        return cls(shell, output)
+
+    @property
+    def present(self) -> bool:
+        """Whether this is a notebook."""
+        return self._shell is not None
+
+    def ros_arguments(self, found: Compatibility) -> list[str]:
+        """What rclpy.init is given: in a plain program its command line, which may have ROS arguments.
+
+        In a notebook none of the kernel's own, and no log lines on file descriptor 2 where they are shown by us.
+        """
+        if not self.present:
+            return sys.argv
+        from course_kit.ros import compat_names
+
+        return ["--ros-args", "--disable-stdout-logs"] if found.has(compat_names.LOG_LINES) else []
+
+    def locate(self, filename: str) -> str | None:
+        """The name of a cell, such as "In[3]", by the file name its code was compiled with."""
+        if self._shell is None:
+            return None
+        with suppress(AttributeError):
+            found = self._shell.compile.format_code_name(filename)
+            return str(found[1]) if found else None
+        return None
+
+    def attach(self, thread_id: int, found: Compatibility) -> None:
+        """Begin: take over what the thread prints and logs, and all further producers of output."""
+        self._output.producers.add(thread_id)
+        if self.present:
+            from course_kit.ros import compat_names
+
+            self.watch_output()
+            self._patches.set(warnings, "showwarning", self._warned(warnings.showwarning))
+            if found.has(compat_names.LOG_LINES):
+                self._capture_logs()
+            self._show_nodes_by_name()
+
+    def watch_output(self) -> None:
+        """Queue what comes from elsewhere, and show it in the notebook's main thread."""
+        if not self.present or self._attached:
+            return
+        self._attached = True
+        self._output.queued = True
+        self._route()
+        self._shell.events.register("pre_run_cell", self._before_cell)
+        self._shell.events.register("post_run_cell", self._after_cell)
+        with suppress(RuntimeError):  # a terminal has no loop; there lines wait for the end of a command
+            self._loop = asyncio.get_running_loop()
+            self._output.on_put = self._drain_soon
+            self._keep_beating()
+
+    def detach(self) -> None:
+        """Give everything back."""
+        if not self._attached:
+            return
+        self._attached = False
+        for name in _STREAMS:  # one that IPython still holds passes everything through from now on
+            vars(getattr(sys, name)).pop("write", None)
+        self._patches.undo()
+        self._output.queued = False
+        self._output.on_put = lambda: None
+        for event, function in (("pre_run_cell", self._before_cell), ("post_run_cell", self._after_cell)):
+            with suppress(ValueError):
+                self._shell.events.unregister(event, function)
+
+    def _route(self) -> None:
+        """Have the lab's thread queue what it prints, and any other show what is queued first.
+
+        On the stream's `write`, because ipykernel insists on its own class. Done again for each cell: IPython 9
+        replaces `write` while a cell runs and puts back what was there when the cell began.
+        """
+        for name in _STREAMS:
+            stream = getattr(sys, name)
+            if getattr(stream.write, "notebook", None) is not self:
+                stream.write = self._routed(name, stream.write)
+
+    def _routed(self, name: Stream, write: Callable[[str], Any]) -> Callable[[str], Any]:
+        def routed(text: str) -> Any:
+            if not self._attached:
+                return write(text)
+            if threading.get_ident() in self._output.producers:
+                self._output.put_part(text, name)
+                return len(text)
+            if threading.current_thread() is threading.main_thread():
+                self._output.drain()
+            return write(text)
+
+        routed.notebook = self  # type: ignore[attr-defined] # the mark `_route` looks for
+        return routed
+
+    def _capture_logs(self) -> None:
+        from rclpy.impl import rcutils_logger
+
+        self._patches.set(rcutils_logger, "_rclpy", _LogTap(rcutils_logger._rclpy, self._output))  # noqa: SLF001
+
+    def _warned(self, show: Callable[..., None]) -> Callable[..., None]:
+        """Warnings of rclpy in a callback, without the place in rclpy, which is not where the learner went wrong."""
+
+        def warned(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+            if threading.get_ident() in self._output.producers:
+                self._output.put(f"{category.__name__}: {message}\n", "stderr")
+            else:
+                show(message, category, *place, **more)
+
+        return warned
+
+    def _show_nodes_by_name(self) -> None:
+        """Let a cell that ends with `lab.start(...)` show the node's name, not its address in memory."""
+        from rclpy.node import Node
+
+        from course_kit.lab.runtime.describe import describe_node, is_alive
+
+        def show(node: Any, printer: Any, cycle: bool) -> None:
+            del cycle
+            printer.text(describe_node(node) if is_alive(node) else f"{type(node).__name__} (stopped)")
+
+        formatter = self._shell.display_formatter.formatters["text/plain"]
+        formatter.for_type(Node, show)
+
+    def _drain_soon(self) -> None:
+        loop = self._loop
+        if loop is None or self._scheduled or threading.current_thread() is threading.main_thread():
+            return
+        self._scheduled = True
+        with suppress(RuntimeError):  # the loop is closed: the kernel is ending
+            loop.call_soon_threadsafe(self._drain_now)
+
+    def _drain_now(self) -> None:
+        self._scheduled = False
+        self._output.drain()
+
+    def _before_cell(self, info: Any) -> None:
+        del info
+        self._route()
+        self._keep_beating()
+
+    def _after_cell(self, result: Any) -> None:
+        del result
+        if self._beat is not None:
+            self._beat.cancel()
+            self._beat = None
+        self._output.end_parts()
+        self._output.drain()
+        if self._loop is not None:
+            self._loop.call_soon(self._route)
+
+    def _keep_beating(self) -> None:
+        """Turn the loop over while a cell runs.
+
+        ipykernel cancels an interrupted await from a signal handler, which does not wake a loop that sleeps.
+        """
+        if self._loop is not None:
+            if self._beat is not None:
+                self._beat.cancel()
+            self._beat = self._loop.call_later(_BEAT, self._keep_beating)
+
+
+class _LogTap:
+    """Stands in for rclpy's C module where log lines are handed over; everything else passes through."""
+
+    def __init__(self, module: Any, output: Output) -> None:
+        self._module = module
+        self._output = output
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._module, name)
+
+    def rclpy_logging_rcutils_log(self, severity: Any, name: str, message: str, *caller: Any) -> None:
+        """Queue the line, and pass it on for /rosout and the log file."""
+        from rclpy.logging import LoggingSeverity
+
+        self._output.put(f"[{LoggingSeverity(severity).name}] [{name}]: {message}\n")
+        if threading.current_thread() is threading.main_thread():
+            self._output.drain()
+        self._module.rclpy_logging_rcutils_log(severity, name, message, *caller)

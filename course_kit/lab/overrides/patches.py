@@ -1,0 +1,60 @@
+"""Replacements inside rclpy that can all be taken back."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import Any
+
+_MISSING = object()
+
+
+class Patches:
+    """A stack of replaced attributes; `undo` restores them, last first."""
+
+    def __init__(self) -> None:
+        self._replaced: list[tuple[Any, str, Any]] = []
+
+    def set(self, owner: Any, name: str, replacement: Any) -> Any:
+        """Replace an attribute of a module, a class or an object.
+
+        Returns:
+            what was there before.
+
+        Args:
+            owner: the module, class or object.
+            name: the attribute.
+            replacement: what it is to be.
+        """
+        before = getattr(owner, name)
+        own = vars(owner).get(name, _MISSING)
+        self._replaced.append((owner, name, own))
+        setattr(owner, name, replacement)
+        return before
+
+    def undo(self) -> None:
+        """Put everything back."""
+        while self._replaced:
+            owner, name, own = self._replaced.pop()
+            if own is _MISSING:
+                delattr(owner, name)
+            else:
+                setattr(owner, name, own)
+
+
+def quieten_finalizers(patches: Patches) -> None:
+    """Keep an executor that is collected from complaining about what is gone already; nobody could do anything then.
+
+    rclpy's finalizer destroys a part of the executor. Python may have collected that part before it: both belong to a
+    circle of objects, which are finalized in any order. And an executor that could not be made does not have the part.
+    """
+    from rclpy.exceptions import InvalidHandle
+    from rclpy.executors import Executor
+
+    finalize = Executor.__del__
+    gone = contextlib.suppress(AttributeError, ValueError, InvalidHandle)  # kept: at the very end modules are empty
+
+    def finalize_quietly(executor: Any) -> None:
+        with gone:
+            finalize(executor)
+
+    patches.set(Executor, "__del__", finalize_quietly)

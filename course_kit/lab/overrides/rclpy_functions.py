@@ -1,0 +1,280 @@
+"""What rclpy's own functions do while the lab runs.
+
+A notebook is not a program: ROS is up already, and the lab's nodes are being spun. So rclpy's functions for
+programs get the meaning a learner expects of them in a cell, and inside a callback those that could only wait for
+the callback's own thread raise DeadlockError instead of hanging.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import TYPE_CHECKING, Any, Protocol
+
+import rclpy
+from rclpy.action import ActionClient
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.client import Client
+from rclpy.executors import Executor, MultiThreadedExecutor, SingleThreadedExecutor
+
+from course_kit.lab.errors import DeadlockError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.lab.overrides.patches import Patches
+    from course_kit.lab.runtime.executor import Turn
+
+_SLICE = 0.1  # seconds a wait inside the middleware lasts before Python may see an interrupt
+
+
+class Guarded(Protocol):
+    """What these functions need of the lab."""
+
+    def in_callback(self) -> bool:
+        """Whether the caller is inside a callback of the lab."""
+
+    def in_execution(self) -> bool:
+        """Whether the caller is inside an execute callback on a thread of its own."""
+
+    def turn(self) -> Turn | None:
+        """The callback that is running."""
+
+    def is_live(self, node: Any) -> bool:
+        """Whether a node is one that the lab spins."""
+
+    def is_own_executor(self, executor: Any) -> bool:
+        """Whether an executor is the lab's."""
+
+    def note(self, text: str) -> None:
+        """Tell the learner something in the notebook."""
+
+    def stop_soon(self, node: Any) -> None:
+        """Stop a node when its callback has ended."""
+
+    def wait_for_turn(self, timeout: float) -> None:
+        """Return when the lab has run a callback, or after `timeout` seconds."""
+
+    def flush_output(self) -> None:
+        """Show what callbacks have printed."""
+
+
+def install(patches: Patches, lab: Guarded) -> None:
+    """Replace rclpy's functions; `patches` takes it back."""
+    _guard_context(patches, lab)
+    _guard_spinning(patches, lab)
+    _guard_executors(patches, lab)
+    _guard_calls(patches, lab)
+
+
+def check_await(lab: Guarded, future: Any) -> None:
+    """Raise DeadlockError for an await in a callback whose answer could only be taken after that callback."""
+    turn = lab.turn()
+    if not lab.in_callback() or turn is None or turn.entity is None or future.done():
+        return
+    group = turn.entity.callback_group
+    if not isinstance(group, MutuallyExclusiveCallbackGroup) or turn.node is None:
+        return
+    for client in turn.node.clients:
+        if client.callback_group is group and any(one is future for one in client._pending_requests.values()):  # noqa: SLF001
+            raise DeadlockError(
+                f"This callback and its client for {client.service_name} share one callback group, so the answer "
+                "would have to wait for the callback, and the callback waits for the answer. Give the client its own: "
+                "create_client(..., callback_group=MutuallyExclusiveCallbackGroup())."
+            )
+
+
+def _guard_context(patches: Patches, lab: Guarded) -> None:
+    init, shutdown, try_shutdown = rclpy.init, rclpy.shutdown, rclpy.try_shutdown
+
+    def init_in_lab(*, context: Any = None, **options: Any) -> None:
+        if context is not None:
+            init(context=context, **options)
+        else:
+            lab.note("rclpy.init(): ROS is already running in this notebook; nothing to do.")
+
+    def end(original: Any, name: str, context: Any, options: dict[str, Any]) -> None:
+        turn = lab.turn()
+        if context is not None:
+            original(context=context, **options)
+        elif (lab.in_callback() or lab.in_execution()) and turn is not None and turn.node is not None:
+            lab.note(f"{turn.node.get_name()} called {name}: in the lab that stops this node only.")
+            lab.stop_soon(turn.node)
+        else:
+            lab.note(f"{name}: ROS stays up in this notebook. lab.stop() stops the lab's nodes.")
+
+    patches.set(rclpy, "init", init_in_lab)
+    patches.set(
+        rclpy, "shutdown", lambda *, context=None, **options: end(shutdown, "rclpy.shutdown()", context, options)
+    )
+    patches.set(rclpy, "try_shutdown", lambda *, context=None: end(try_shutdown, "rclpy.try_shutdown()", context, {}))
+
+
+def _guard_spinning(patches: Patches, lab: Guarded) -> None:
+    def spin(node: Any, executor: Any = None) -> None:
+        _refuse(lab, "rclpy.spin()")
+        if lab.is_live(node):
+            lab.note(f"rclpy.spin(): the lab spins {node.get_name()} in the background already; nothing to do.")
+            return
+        executor = executor or rclpy.get_global_executor()
+        executor.add_node(node)
+        try:
+            while executor.context.ok():
+                executor.spin_once(timeout_sec=_SLICE)
+                lab.flush_output()
+        finally:
+            executor.remove_node(node)
+
+    def spin_once(node: Any, *, executor: Any = None, timeout_sec: float | None = None) -> None:
+        _refuse(lab, "rclpy.spin_once()")
+        at_most = _SLICE if timeout_sec is None or timeout_sec < 0 else timeout_sec
+        if lab.is_live(node):
+            lab.wait_for_turn(min(at_most, _SLICE))
+            lab.flush_output()
+            return
+        _spin_for(node, executor, lambda executor: executor.spin_once(timeout_sec=at_most))
+
+    def spin_until_future_complete(
+        node: Any, future: Any, executor: Any = None, timeout_sec: float | None = None
+    ) -> None:
+        _refuse(lab, "rclpy.spin_until_future_complete()")
+        if lab.is_live(node):
+            _has_come(lab, future, timeout_sec)
+            return
+        _spin_for(node, executor, lambda executor: _spin_until(executor, future, timeout_sec))
+
+    patches.set(rclpy, "spin", spin)
+    patches.set(rclpy, "spin_once", spin_once)
+    patches.set(rclpy, "spin_until_future_complete", spin_until_future_complete)
+
+
+def _guard_executors(patches: Patches, lab: Guarded) -> None:
+    def guard(owner: Any, method: str) -> None:
+        original = getattr(owner, method)
+
+        def guarded(executor: Any, *arguments: Any, **options: Any) -> Any:
+            if not lab.is_own_executor(executor):
+                _refuse(lab, f"{type(executor).__name__}.{method}()")
+            return original(executor, *arguments, **options)
+
+        patches.set(owner, method, guarded)
+
+    guard(Executor, "spin")
+    guard(Executor, "spin_until_future_complete")
+    for owner in (SingleThreadedExecutor, MultiThreadedExecutor):
+        guard(owner, "spin_once")
+        guard(owner, "spin_once_until_future_complete")
+    add_node = Executor.add_node
+
+    def add_node_kept(executor: Any, node: Any) -> bool:
+        if lab.is_live(node) and not lab.is_own_executor(executor):
+            lab.note(
+                f"{type(executor).__name__}.add_node(): the lab spins {node.get_name()} already and keeps it. "
+                f"lab.stop({node.get_name()!r}) frees the name for a node of your own."
+            )
+            return False
+        return bool(add_node(executor, node))
+
+    patches.set(Executor, "add_node", add_node_kept)
+
+
+def _guard_calls(patches: Patches, lab: Guarded) -> None:
+    call = Client.call
+
+    def call_guarded(client: Any, request: Any, timeout_sec: float | None = None) -> Any:
+        _refuse_to_wait(lab, f"call() of {client.service_name}", "call_async()")
+        if not lab.in_execution():
+            return call(client, request, timeout_sec)
+        future = client.call_async(request)
+        if not _has_come(lab, future, timeout_sec):
+            client.remove_pending_request(future)
+        return future.result()
+
+    patches.set(Client, "call", call_guarded)
+
+
+def guard_goals(patches: Patches, lab: Guarded) -> None:
+    """Replace those functions of action clients that wait; `patches` takes it back."""
+
+    def send_goal(client: Any, goal: Any, **options: Any) -> Any:
+        _refuse_to_wait(lab, "send_goal()", "send_goal_async()")
+        sent = client.send_goal_async(goal, **options)
+        _has_come(lab, sent, None)
+        return client._get_result(sent.result())  # noqa: SLF001 - as rclpy's own does
+
+    def cancel_goal(client: Any, goal_handle: Any) -> Any:
+        _refuse_to_wait(lab, "cancel_goal()", "cancel_goal_async()")
+        future = client._cancel_goal_async(goal_handle)  # noqa: SLF001
+        _has_come(lab, future, None)
+        return future.result()
+
+    def get_result(client: Any, goal_handle: Any) -> Any:
+        _refuse_to_wait(lab, "get_result()", "get_result_async()")
+        future = client._get_result_async(goal_handle)  # noqa: SLF001
+        _has_come(lab, future, None)
+        return future.result()
+
+    patches.set(ActionClient, "send_goal", send_goal)
+    patches.set(ActionClient, "_cancel_goal", cancel_goal)
+    patches.set(ActionClient, "_get_result", get_result)
+
+
+def _refuse_to_wait(lab: Guarded, what: str, instead: str) -> None:
+    if lab.in_callback():
+        raise DeadlockError(
+            f"{what} inside a callback would wait for ever: the answer can only be taken by the thread that runs "
+            f"this callback. Use {instead} and add_done_callback() instead."
+        )
+
+
+def _refuse(lab: Guarded, what: str) -> None:
+    """Raise for a function that spins: in a callback it hangs; in an execute callback it takes the node away."""
+    if lab.in_callback():
+        raise DeadlockError(
+            f"{what} inside a callback would wait for ever: the answer can only be taken by the thread that runs "
+            "this callback. Return, and let add_done_callback() run what comes next."
+        )
+    if lab.in_execution():
+        raise DeadlockError(
+            f"{what} inside an execute callback would take the node away from the executor that runs it, for good. "
+            "That executor takes the answer meanwhile: wait for the future with an event that add_done_callback() sets."
+        )
+
+
+def _has_come(lab: Guarded, future: Any, timeout: float | None) -> bool:
+    """Wait for a future; False if it is not done within `timeout` seconds."""
+    done = threading.Event()
+    future.add_done_callback(lambda _: done.set())
+    _wait_in_slices(lab, done, timeout)
+    return done.is_set()
+
+
+def _wait_in_slices(lab: Guarded, done: threading.Event, timeout: float | None) -> None:
+    deadline = None if timeout is None or timeout < 0 else time.monotonic() + timeout
+    while deadline is None or time.monotonic() < deadline:
+        if done.wait(_SLICE if deadline is None else max(0.0, min(_SLICE, deadline - time.monotonic()))):
+            break
+        lab.flush_output()
+    lab.flush_output()
+
+
+def _spin_for(node: Any, executor: Any, work: Callable[[Any], None]) -> None:
+    """Have an executor of rclpy's own do `work` with a node that the lab does not spin."""
+    executor = executor or rclpy.get_global_executor()
+    added = executor.add_node(node)
+    try:
+        work(executor)
+    finally:
+        if added:
+            executor.remove_node(node)
+
+
+def _spin_until(executor: Any, future: Any, timeout: float | None) -> None:
+    """Spin as rclpy would, letting Python see an interrupt now and then."""
+    deadline = None if timeout is None or timeout < 0 else time.monotonic() + timeout
+    future.add_done_callback(lambda _: executor.wake())
+    while executor.context.ok() and not future.done() and not future.cancelled():
+        left = _SLICE if deadline is None else min(_SLICE, deadline - time.monotonic())
+        if left <= 0:
+            return
+        executor.spin_once(timeout_sec=left)

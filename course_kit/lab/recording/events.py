@@ -1,0 +1,106 @@
+"""What the lab reports about messages that cross between nodes, and to whom.
+
+Nothing here imports rclpy: recorders and the processes of scripts share it.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, get_args
+
+from course_kit.lab.recording.snapshot import snapshot
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+Kind = Literal[
+    "request_sent",
+    "request_received",
+    "response_sent",
+    "response_received",
+    "callback_failed",
+    "published",
+    "received",
+    "goal_sent",
+    "goal_received",
+    "goal_answered",
+    "goal_answer_received",
+    "feedback_sent",
+    "feedback_received",
+    "cancel_sent",
+    "cancel_received",
+    "cancel_answered",
+    "cancel_answer_received",
+    "result_sent",
+    "result_received",
+]
+KINDS: frozenset[str] = frozenset(get_args(Kind))
+
+
+class Event(NamedTuple):
+    """One thing seen at the boundary between a node and the middleware.
+
+    Attributes:
+        kind: what happened.
+        node: fully qualified name of the node it happened in, "lab" for the lab's own calls.
+        channel: full name of the service, topic or action.
+        type_name: e.g. "std_srvs/srv/Trigger".
+        value: a plain copy of the message (see `snapshot`), or text for failures; for the answer to a goal and to a
+            cancel request whether it was "accepted", for a result its "status" and the "result".
+        sequence: the client's number of the request; a goal's identifier as a number; 0 for topics.
+        at: CLOCK_MONOTONIC in nanoseconds, comparable between the processes of one machine.
+    """
+
+    kind: Kind
+    node: str
+    channel: str
+    type_name: str
+    value: Any
+    sequence: int
+    at: int
+
+
+class Recorder(Protocol):
+    """Keeps events and draws them. `recording` has the one the course uses."""
+
+    def observe(self, event: Event) -> None:
+        """Take note of an event; called on the thread it happened on, so it must return at once."""
+
+    def restart(self) -> None:
+        """Forget everything recorded so far."""
+
+    def diagram(self, last: int | None = None) -> object:
+        """What was recorded, as something a notebook can display."""
+
+
+class Taps:
+    """Where events are reported; costs one comparison while nobody listens."""
+
+    def __init__(self) -> None:
+        self._observers: tuple[Callable[[Event], None], ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self._observers)
+
+    def listen(self, observer: Callable[[Event], None]) -> None:
+        """Have every further event passed to `observer`; once, however often this is called."""
+        if observer not in self._observers:
+            self._observers = (*self._observers, observer)
+
+    def emit(self, kind: Kind, where: tuple[str, str, str], message: object, sequence: int = 0, at: int = 0) -> None:
+        """Report something that happened now, or at `at`; `where` is node, channel and type name.
+
+        Args:
+            kind: what happened.
+            where: node, channel and type name.
+            message: what crossed.
+            sequence: which request it belongs to.
+            at: when, in seconds of the system's clock; now when None.
+        """
+        if self._observers:
+            self.forward(Event(kind, *where, snapshot(message), sequence, at or time.monotonic_ns()))
+
+    def forward(self, event: Event) -> None:
+        """Report an event as it stands, such as one that comes from another process."""
+        for observer in self._observers:
+            observer(event)

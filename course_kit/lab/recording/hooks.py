@@ -1,0 +1,220 @@
+"""Taps at the boundary of rclpy: what a node sends and what its executor takes for it.
+
+Sending is seen by wrapping `Client.call_async` and `Publisher.publish`, two public methods. Receiving is seen in
+the three methods by which rclpy's Executor takes work from the middleware (`_take_service`, `_take_client` and
+`_take_subscription`): they are the only place that has both the message and the number of its request. The same
+taps serve the lab's own executor and the programs of `%%ros_script`.
+"""
+
+from __future__ import annotations
+
+import inspect
+import time
+from typing import TYPE_CHECKING, Any
+
+from rclpy.exceptions import InvalidHandle
+from rclpy.subscription import Subscription
+
+from course_kit.ros.messages import type_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Coroutine
+
+    from course_kit.lab.overrides.patches import Patches
+    from course_kit.lab.recording.events import Taps
+
+    Work = Callable[[], Coroutine[Any, Any, None]]
+    Where = tuple[str, str, str]
+
+_WHERE = "_course_kit_where"  # on a client, service, publisher or subscription: what `where` has found out
+# rclpy publishes these on its own; a learner never meant to.
+_SILENT_TOPICS = frozenset({"/parameter_events", "/rosout"})
+
+
+class WrongResponseError(TypeError):
+    """A service callback returned something that is not its service's response.
+
+    Attributes:
+        what: the part of the message after "the service callback".
+    """
+
+    def __init__(self, returned: Any, service_type: Any) -> None:
+        self.what = _wrong_response(returned, service_type)
+        super().__init__(f"the service callback {self.what}")
+
+
+class Tapping:
+    """Sees messages cross and reports them to `taps`.
+
+    Attributes:
+        aliases: what to call a node, by its fully qualified name.
+        direct: clients whose futures may be completed at once, on the executor's thread, because nobody but the
+            lab waits for them; saves a turn of the executor for each call.
+        on_delivery: called with a subscription when its callback has had a message.
+    """
+
+    def __init__(self, taps: Taps) -> None:
+        self.taps = taps
+        self.aliases: dict[str, str] = {}
+        self.direct: set[Any] = set()
+        self.on_delivery: set[Callable[[Any], None]] = set()
+
+    def where(self, entity: Any) -> Where:
+        """The node, the full name and the type of a client, service, publisher or subscription."""
+        known: Where | None = vars(entity).get(_WHERE)
+        if known is None:
+            node = "/" + entity.logger_name.replace(".", "/")
+            interface = getattr(entity, "srv_type", None) or entity.msg_type
+            channel = entity.service_name if hasattr(entity, "srv_type") else entity.topic_name
+            known = (self.aliases.get(node, node), channel, type_name(interface))
+            setattr(entity, _WHERE, known)
+        return known
+
+    def tap_sending(self, patches: Patches) -> None:
+        """Wrap the two methods every message of a program is sent by."""
+        from rclpy.client import Client
+        from rclpy.publisher import Publisher
+
+        call_async = Client.call_async
+        publish = Publisher.publish
+
+        def call_async_seen(client: Any, request: Any) -> Any:
+            if not self.taps:
+                return call_async(client, request)
+            before = time.monotonic_ns()  # the answer may be here before `call_async` returns
+            future = call_async(client, request)
+            self.taps.emit("request_sent", self.where(client), request, _sequence_of(client, future), before)
+            return future
+
+        def publish_seen(publisher: Any, message: Any) -> None:
+            if self.taps and not isinstance(message, bytes) and isinstance(message, publisher.msg_type):
+                where = self.where(publisher)
+                if where[1] not in _SILENT_TOPICS:
+                    self.taps.emit("published", where, message)
+            publish(publisher, message)
+
+        patches.set(Client, "call_async", call_async_seen)
+        patches.set(Publisher, "publish", publish_seen)
+
+    def take_service(self, service: Any, on_failure: Callable[[Any, int, BaseException], None]) -> Work | None:
+        """Take a request and return the work of answering it, as `Executor._take_service` does."""
+        try:
+            with service.handle:
+                request, header = service.handle.service_take_request(service.srv_type.Request)
+        except InvalidHandle:  # destroyed meanwhile
+            return None
+        if header is None:
+            return None
+        sequence = _sequence(header)
+
+        async def answer() -> None:
+            self._emit("request_received", service, request, sequence)
+            try:
+                response = await _run(service.callback, request, service.srv_type.Response())
+                if not isinstance(response, service.srv_type.Response):
+                    raise WrongResponseError(response, service.srv_type)  # noqa: TRY301 - one way out for all failures
+                # Before it is sent: whoever has the answer can be sure that the event is there as well.
+                self._emit("response_sent", service, response, sequence)
+                service.send_response(response, header)
+            except InvalidHandle:
+                return
+            except (Exception, SystemExit) as error:
+                self._emit("callback_failed", service, failure_text(error), sequence)
+                on_failure(service, sequence, error)
+                raise
+
+        return answer
+
+    def take_client(self, executor: Any, client: Any) -> Work | None:
+        """Take an answer and return the work of handing it to whoever waits, as `Executor._take_client` does."""
+        try:
+            with client.handle:
+                header, response = client.handle.take_response(client.srv_type.Response)
+        except InvalidHandle:
+            return None
+        if header is None:
+            return None
+        sequence = _sequence(header)
+
+        async def hand_over() -> None:
+            try:
+                future = client.get_pending_request(sequence)
+            except KeyError:  # nobody waits any more
+                return
+            self._emit("response_received", client, response, sequence)
+            if client not in self.direct:
+                future._set_executor(executor)  # noqa: SLF001 - as rclpy does, so that callbacks run as tasks
+            future.set_result(response)
+
+        return hand_over
+
+    def take_subscription(self, subscription: Any) -> Work | None:
+        """Take a message and return the work of the callback, as `Executor._take_subscription` does."""
+        try:
+            with subscription.handle:
+                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+        except InvalidHandle:
+            return None
+        if taken is None:
+            return None
+        message_only = subscription._callback_type is Subscription.CallbackType.MessageOnly  # noqa: SLF001
+        arguments = taken[:1] if message_only else taken
+
+        async def deliver() -> None:
+            if not subscription.raw:
+                self._emit("received", subscription, taken[0], 0)
+            try:
+                await _run(subscription.callback, *arguments)
+            finally:
+                for told in tuple(self.on_delivery):
+                    told(subscription)
+
+        return deliver
+
+    def _emit(self, kind: Any, entity: Any, message: object, sequence: int) -> None:
+        if self.taps:
+            try:
+                where = self.where(entity)
+            except InvalidHandle:
+                return
+            if where[1] not in _SILENT_TOPICS:
+                self.taps.emit(kind, where, message, sequence)
+
+
+def _sequence_of(client: Any, future: Any) -> int:
+    """The number of a request just sent; 0 if its answer has come and gone already."""
+    with client._lock:  # noqa: SLF001
+        pending = client._pending_requests  # noqa: SLF001
+        for number in reversed(pending):  # it is the newest one, unless two threads use one client
+            if pending[number] is future:
+                return int(number)
+    return 0
+
+
+def failure_text(error: BaseException) -> str:
+    """An error's name and the first line of its text."""
+    first = (str(error).splitlines() or [""])[0]
+    if isinstance(error, WrongResponseError):
+        return first
+    return f"{type(error).__name__}: {first}" if first else type(error).__name__
+
+
+async def _run(callback: Any, *arguments: Any) -> Any:
+    if inspect.iscoroutinefunction(callback):
+        return await callback(*arguments)
+    return callback(*arguments)
+
+
+def _sequence(header: Any) -> int:
+    return int(getattr(header, "request_id", header).sequence_number)  # of a request or of what is known about one
+
+
+def _wrong_response(returned: Any, service_type: Any) -> str:
+    if returned is None:
+        return "returned nothing. End it with `return response`."
+    if isinstance(returned, service_type.Request):
+        return "returned the request. Fill in the response and end with `return response`."
+    return (
+        f"returned {type(returned).__name__}, which is not a response of {type_name(service_type)}. "
+        "Fill in the response it was given and end with `return response`."
+    )

@@ -1,0 +1,41 @@
+"""Keeps the latest events, a bounded number of them."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING
+
+from course_kit.lab.recording.arrows import arrows_of
+from course_kit.lab.recording.diagram import Diagram
+
+if TYPE_CHECKING:
+    from course_kit.lab.recording.events import Event
+
+KEPT = 2000  # events; a call has four
+DRAWN = 60  # arrows, unless the caller wants another number
+
+
+class Recording:
+    """What has crossed since it began; see `course_kit.lab.recording.events.Recorder`."""
+
+    def __init__(self) -> None:
+        self._events: deque[Event] = deque(maxlen=KEPT)
+
+    @property
+    def events(self) -> list[Event]:
+        """The events, oldest first; those of other processes arrive late and are put where they belong."""
+        return sorted(self._events, key=lambda event: event.at)
+
+    def observe(self, event: Event) -> None:
+        """Keep an event."""
+        self._events.append(event)
+
+    def restart(self) -> None:
+        """Forget everything."""
+        self._events.clear()
+
+    def diagram(self, last: int | None = None) -> Diagram:
+        """Draw the latest arrows, `last` of them at most."""
+        arrows = arrows_of(self.events)
+        count = DRAWN if last is None else max(0, last)
+        return Diagram(arrows[len(arrows) - min(count, len(arrows)) :], left_out=max(0, len(arrows) - count))

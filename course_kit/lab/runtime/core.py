@@ -1,0 +1,258 @@
+"""The lab: live nodes behind a notebook or a program, and the verbs for them."""
+
+from __future__ import annotations
+
+import atexit
+import threading
+from typing import TYPE_CHECKING, Any
+
+from course_kit.lab import calls, graph, topics
+from course_kit.lab.errors import LabError
+from course_kit.lab.notebook.cells import Notebook
+from course_kit.lab.notebook.output import Output
+from course_kit.lab.recording.events import Recorder, Taps
+from course_kit.ros import graph as ros_graph
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Coroutine, Hashable, Iterable
+
+    from course_kit.lab import goals
+    from course_kit.lab.runtime.engine import Engine
+    from course_kit.lab.runtime.nodes import NodeList
+    from course_kit.lab.scripts.running import Scripts
+    from course_kit.lab.scripts.script import Script
+
+
+class Lab:
+    """Nodes, scripts and calls of one process.
+
+    Making one costs nothing; ROS starts when it is first needed. `close` ends it; at interpreter exit that
+    happens by itself.
+
+    Attributes:
+        taps: told what crosses between nodes.
+        output: what callbacks and scripts have printed.
+    """
+
+    def __init__(self) -> None:
+        self.taps = Taps()
+        self.output = Output()
+        self._notebook = Notebook.of_this_process(self.output)
+        self._engine: Engine | None = None
+        self._scripts: Scripts | None = None
+        self._recorder: Recorder | None = None
+        self._panels: dict[Hashable, Callable[[], None]] = {}
+        self._told: set[str] = set()
+        self._closed = False
+        self._lock = threading.RLock()
+
+    @property
+    def engine(self) -> Engine:
+        """The half of the lab that needs ROS, started on first use.
+
+        Raises:
+            LabError: the lab is closed.
+        """
+        with self._lock:
+            if self._closed:
+                raise LabError("This lab is closed.")
+            if self._engine is None:
+                self._engine = self._start_engine()
+            return self._engine
+
+    @property
+    def scripts(self) -> Scripts:
+        """The programs that run as child processes."""
+        with self._lock:
+            if self._scripts is None:
+                from course_kit.lab.scripts.running import Scripts
+
+                self._notebook.watch_output()
+                self._scripts = Scripts(self)
+                _at_exit(self.close)
+            return self._scripts
+
+    def watch_output(self) -> None:
+        """In a notebook: see to it from now on that lines land in the right cell; otherwise from the first node on."""
+        self._notebook.watch_output()
+
+    def start(self, node_class: type, /, *arguments: Any, **options: Any) -> Any:
+        """See `course_kit.lab.start`."""
+        self._not_in_callback("lab.start()")
+        __tracebackhide__ = True  # IPython: the learner's own lines are what matters
+        node = self.engine.nodes.start(node_class, arguments, options)
+        self.output.drain()
+        return node
+
+    def stop(self, target: Any = None, /) -> None:
+        """See `course_kit.lab.stop`."""
+        if self._engine is None:
+            nodes = []
+        else:
+            nodes = list(self._engine.nodes) if target is None else self._engine.nodes.find(target)
+        if not nodes and target is not None:
+            running = ", ".join(sorted(live.name.lstrip("/") for live in self.engine.nodes)) or "none"
+            raise LabError(f"{_shown(target)} is not running in the lab. Running: {running}.")
+        for live in nodes:
+            self.engine.nodes.stop(live)
+        self.output.drain()
+
+    def nodes(self) -> NodeList:
+        """See `course_kit.lab.nodes`."""
+        from course_kit.lab.runtime.nodes import NodeList
+
+        live = sorted(self._engine.nodes, key=lambda one: one.name) if self._engine else []
+        return NodeList(live)
+
+    def call(self, service: str, service_type: Any, asked: calls.Asked) -> Coroutine[Any, Any, Any]:
+        """See `course_kit.lab.call`."""
+        self._not_in_callback("lab.call()")
+        return calls.call_async(calls.ServiceExchange(self.engine, service, service_type, asked))
+
+    def call_blocking(self, service: str, service_type: Any, asked: calls.Asked) -> Any:
+        """See `course_kit.lab.call_blocking`."""
+        self._not_in_callback("lab.call_blocking()")
+        exchange = calls.ServiceExchange(self.engine, service, service_type, asked)
+        return calls.call_blocking(exchange, self.output.drain)
+
+    def send_goal(self, action: str, action_type: Any, asked: goals.AskedGoal) -> Coroutine[Any, Any, goals.Goal]:
+        """See `course_kit.lab.send_goal`."""
+        self._not_in_callback("lab.send_goal()")
+        from course_kit.lab import goals
+
+        return calls.call_async(goals.Sending(self.engine, action, action_type, asked))
+
+    def send_goal_blocking(self, action: str, action_type: Any, asked: goals.AskedGoal) -> goals.Goal:
+        """See `course_kit.lab.send_goal_blocking`."""
+        self._not_in_callback("lab.send_goal_blocking()")
+        from course_kit.lab import goals
+
+        sending = goals.Sending(self.engine, action, action_type, asked)
+        goal: goals.Goal = calls.call_blocking(sending, self.output.drain)
+        return goal
+
+    def publish(self, topic: str, message_type: Any, message: Any, fields: dict[str, Any]) -> None:
+        """See `course_kit.lab.publish`."""
+        ready = topics.message_of(message_type, message, fields)
+        publisher = self.engine.clients.publisher(message_type, topic)
+        topics.wait_for_subscriptions(self.engine.node, publisher)
+        topics.publish(self.engine, publisher, ready)
+
+    async def next_messages(self, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:
+        """See `course_kit.lab.next_messages`."""
+        return await topics.next_messages(self.engine, topic, message_type, count, timeout)
+
+    def subscribe(
+        self, topic: str, message_type: Any, callback: Callable[[Any], None], qos: Any
+    ) -> topics.Subscription:
+        """See `course_kit.lab.subscribe`."""
+        topics.require_message_type(message_type)
+        return topics.Subscription(self.engine, topic, message_type, callback, qos)
+
+    def script(self, name: str, source: str, arguments: tuple[str, ...], mode: str) -> Script:
+        """See `course_kit.lab.script`."""
+        return self.scripts.run(name, source, arguments, mode)
+
+    def wait_for_nodes(self, names: list[str], *, there: bool) -> None:
+        """Wait until the nodes of a script are on the graph as this process sees it, or are not; with a deadline.
+
+        A server that was killed stays visible for the 2 s of its lease; calling it meanwhile would wait for nothing.
+        """
+        if self._engine is not None and not self._engine.in_callback():
+            graph.wait_for_nodes(self._engine.node, names, {live.name for live in self._engine.nodes}, there=there)
+
+    @property
+    def recorder(self) -> Recorder | None:
+        """What keeps the events, if anything does."""
+        return self._recorder
+
+    def attach(self, recorder: Recorder) -> None:
+        """Have a recorder told what crosses from now on, and `diagram` answered by it."""
+        self._recorder = recorder
+        self.taps.listen(recorder.observe)
+
+    def record(self) -> None:
+        """See `course_kit.lab.record`."""
+        self._require_recorder().restart()
+
+    def diagram(self, last: int | None) -> object:
+        """See `course_kit.lab.diagram`."""
+        recorder = self._require_recorder()
+        self.output.drain()  # also takes in what scripts have reported
+        return recorder.diagram(last)
+
+    def tell_once(self, sentences: Iterable[str]) -> None:
+        """Say what is off in this lab, each sentence once."""
+        for sentence in sentences:
+            if sentence not in self._told:
+                self._told.add(sentence)
+                self.output.put(sentence + "\n", "stderr")
+
+    def attach_panel(self, key: Hashable, close: Callable[[], None]) -> None:
+        """Have a panel closed with the lab, or before another one of the same key is attached."""
+        before = self._panels.pop(key, None)
+        if before is not None:
+            before()
+        self._panels[key] = close
+
+    def close(self) -> None:
+        """End everything: panels, scripts, nodes, the thread, the context. Safe to call twice."""
+        with self._lock:
+            if self._closed:
+                return
+            self._closed = True
+            while self._panels:
+                self._panels.popitem()[1]()
+            if self._scripts is not None:
+                self._scripts.close()
+            if self._engine is not None:
+                self._engine.close()
+            self.output.drain()
+            self._notebook.detach()
+
+    def _start_engine(self) -> Engine:
+        from course_kit import environment
+
+        environment.apply()
+        from course_kit.lab.runtime.engine import Engine
+        from course_kit.ros import compat
+
+        found = compat.check()
+        engine = Engine(self.taps, self.output, self._notebook, found)
+        engine.on_server_gone = self._let_scripts_end
+        self._notebook.attach(engine.spinner.thread_id, found)
+        self.tell_once(found.sentences())
+        _at_exit(self.close)
+        return engine
+
+    def _let_scripts_end(self) -> None:
+        if self._scripts is not None and self._engine is not None:
+            node = self._engine.node
+            self._scripts.wait_for_end_of_those_without_node(set(ros_graph.nodes(node)))
+
+    def _require_recorder(self) -> Recorder:
+        if self._recorder is None:
+            raise LabError(
+                "Nothing is being recorded. In a notebook run `%load_ext course_kit` first; in a program, "
+                "`from course_kit import trace` and `trace.attach()` before the nodes are started."
+            )
+        return self._recorder
+
+    def _not_in_callback(self, what: str) -> None:
+        if self._engine is not None:
+            self._engine.not_in_callback(what)
+
+
+def _shown(target: Any) -> str:
+    return target.__name__ if isinstance(target, type) else repr(target) if isinstance(target, str) else "This node"
+
+
+def _at_exit(function: Any) -> None:
+    """Run a function at interpreter exit, before Python takes away its threads."""
+    register = getattr(threading, "_register_atexit", None)
+    try:
+        if register is None:
+            raise RuntimeError  # noqa: TRY301 - both cases have the same way out
+        register(function)
+    except RuntimeError:  # the interpreter is ending already
+        atexit.register(function)

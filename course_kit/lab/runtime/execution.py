@@ -1,0 +1,252 @@
+"""Execute callbacks of action servers: each on a thread of its own, as on a MultiThreadedExecutor.
+
+An execute callback takes as long as its task does. On the lab's one thread it would keep feedback, cancel requests
+and every other node waiting; here they are served meanwhile. All other callbacks stay one at a time. An execute
+callback that is a coroutine runs on the lab's thread, between its awaits others have their turn.
+
+A goal whose node is stopped is aborted, and its client told so. Its thread is ended by an exception, which reaches
+Python code; one that is inside a C function, such as `time.sleep`, ends when that returns.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import inspect
+import threading
+import time
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+from action_msgs.msg import GoalStatus
+from rclpy.action import ActionServer
+from rclpy.task import Future
+
+from course_kit.lab.runtime.executor import CallbackStopped, Turn
+from course_kit.ros.compat import rcl_error
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Iterable
+
+    from course_kit.lab.notebook.output import Output
+    from course_kit.lab.runtime.executor import LabExecutor
+
+
+class Execution:
+    """One goal that is being executed.
+
+    Args:
+        node: the server's node.
+        callback: the execute callback.
+        goal_handle: for the callback.
+        wake: called when it has ended.
+
+    Attributes:
+        node: the server's node.
+        callback: the execute callback.
+        begun: when, by time.monotonic.
+        stopped: whether its node has been stopped.
+        afterwards: called on the lab's thread when it has ended and its goal as well.
+    """
+
+    def __init__(self, node: Any, callback: Callable[[Any], Any], goal_handle: Any, wake: Callable[[], None]) -> None:
+        self.node = node
+        self.begun = time.monotonic()
+        self.stopped = False
+        self.afterwards: list[Callable[[], None]] = []
+        self.callback = callback
+        self._goal_handle = goal_handle
+        self._wake = wake
+        self._changing = threading.Lock()
+        self._called = False
+        self._ended = False
+        self._result: Any = None
+        self._error: BaseException | None = None
+        self._news = Future()  # done when there is a reason to go on
+        self.thread: threading.Thread | None = None
+
+    def begin(self, output: Output) -> None:
+        """Call the callback on a thread of its own, whose output is shown as that of other callbacks."""
+
+        def run() -> None:
+            output.producers.add(threading.get_ident())
+            try:
+                while not self._ended:  # the exception that stops it may come at any moment, here as well
+                    with suppress(CallbackStopped):
+                        self._call_once()
+            finally:
+                output.producers.discard(threading.get_ident())
+                self._go_on()
+
+        self.thread = threading.Thread(target=run, name="ros-execute", daemon=True)
+        self.thread.start()
+
+    def _call_once(self) -> None:
+        if not self._called:
+            self._called = True
+            try:
+                self._result = self.callback(self._goal_handle)
+            except CallbackStopped:
+                pass
+            except BaseException as error:  # noqa: BLE001 - also sys.exit(), which must not end the thread unseen
+                self._error = error
+        with self._changing:
+            self._ended = True
+
+    def stop(self) -> None:
+        """Have it end soon; what it returns or raises is of no interest any more."""
+        self.stopped = True
+        self._go_on()
+        thread = self.thread
+        with self._changing:
+            if thread is not None and thread is not threading.current_thread() and not self._ended:
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(
+                    ctypes.c_ulong(thread.ident or 0), ctypes.py_object(CallbackStopped)
+                )
+
+    def _go_on(self) -> None:
+        if not self._news.done():
+            self._news.set_result(None)
+        self._wake()  # until rclpy 7.1.8 the executor does not notice that a future is done
+
+    def __await__(self) -> Generator[Any, None, Any]:
+        """Wait on the lab's thread, as a task of its executor; return or raise what the callback did."""
+        if self.thread is None:
+            yield from self._steps()
+        elif not self._ended and not self.stopped:
+            yield from self._news.__await__()
+        if self.stopped:
+            raise CallbackStopped
+        if self._error is not None:
+            raise self._error
+        return self._result
+
+    def _steps(self) -> Generator[Any, None, None]:
+        """The steps of a callback that is a coroutine."""
+        steps = self.callback(self._goal_handle).__await__()
+        try:
+            while not self.stopped:
+                try:
+                    awaited = next(steps)
+                except StopIteration as end:
+                    self._result, self._ended = end.value, True
+                    return
+                yield from self._wait_for(awaited)
+        finally:
+            steps.close()
+
+    def _wait_for(self, awaited: Any) -> Generator[Any, None, None]:
+        """Wait for what a step awaits, or until it is stopped.
+
+        From rclpy 7.1.9 on a step that awaits a future yields it, and must not go on before that is done; until then
+        it yields None, and may be asked again at any time.
+        """
+        if not isinstance(awaited, Future):
+            yield
+            return
+        self._news = news = Future()
+
+        def came(_: Any) -> None:
+            if not news.done():
+                self._go_on()
+
+        awaited.add_done_callback(came)
+        if not self.stopped:
+            yield from news.__await__()
+
+
+class Executions:
+    """The goals that are being executed in one lab.
+
+    Args:
+        executor: the lab's.
+        output: takes what the callbacks print.
+    """
+
+    def __init__(self, executor: LabExecutor, output: Output) -> None:
+        self._executor = executor
+        self._output = output
+        self._running: dict[Execution, None] = {}  # a set in the order of beginning
+
+    def runs(self, node: Any) -> bool:
+        """Whether the goals of a node's action servers are executed here."""
+        return node.executor is self._executor
+
+    async def run(self, server: Any, callback: Any, goal_handle: Any) -> Any:
+        """Execute a goal.
+
+        Args:
+            server: the action server.
+            callback: its execute callback.
+            goal_handle: of the goal.
+
+        Raises:
+            CallbackStopped: its node was stopped.
+            BaseException: what the callback has raised.
+        """
+        node = server._node  # noqa: SLF001 - rclpy has no other way to it
+        execution = Execution(node, callback, goal_handle, self._executor.wake)
+        self._running[execution] = None
+        try:
+            if not inspect.iscoroutinefunction(callback):
+                execution.begin(self._output)
+            return await execution
+        finally:
+            del self._running[execution]
+            for function in execution.afterwards:
+                self._executor.create_task(function)
+
+    def current(self) -> Execution | None:
+        """The execution whose thread the caller is on."""
+        thread = threading.current_thread()
+        return next((one for one in list(self._running) if one.thread is thread), None)
+
+    def of(self, node: Any) -> Execution | None:
+        """The longest running one of a node."""
+        return next((one for one in list(self._running) if one.node is node), None)
+
+    def stop(self, nodes: Iterable[Any]) -> list[threading.Thread]:
+        """Have the executions of these nodes end.
+
+        Returns:
+            their threads, except the caller's own.
+        """
+        ending = [one for one in list(self._running) if any(one.node is node for node in nodes)]
+        for one in ending:
+            one.stop()
+        self._executor.wake()
+        threads = [one.thread for one in ending if one.thread is not None]
+        return [thread for thread in threads if thread is not threading.current_thread()]
+
+
+def abort_goals(nodes: Iterable[Any]) -> None:
+    """Abort the goals of these nodes' action servers that have not ended, and have their results sent; both at once.
+
+    For a node that is about to be destroyed, which would leave their clients without any answer.
+    """
+    for node in nodes:
+        for server in list(getattr(node, "waitables", ())):
+            if isinstance(server, ActionServer):
+                for identifier, handle in list(server._goal_handles.items()):  # noqa: SLF001 - rclpy has no other way
+                    _abort(server, identifier, handle)
+
+
+def _abort(server: Any, identifier: bytes, handle: Any) -> None:
+    future = server._result_futures.get(identifier)  # noqa: SLF001
+    if future is None or future.done():
+        return
+    from rclpy.action.server import GoalEvent  # here, as only this needs it: see ros.compat
+
+    with suppress(rcl_error()):  # its callback has ended it at this very moment
+        if not handle.is_active:
+            return  # its result is on its way
+        if handle.status == GoalStatus.STATUS_ACCEPTED:
+            handle._update_state(GoalEvent.EXECUTE)  # noqa: SLF001 - no other state can be aborted
+        handle.abort()
+    response = server.action_type.Impl.GetResultService.Response()
+    response.status = handle.status
+    future.set_result(response)
+
+
+def turn_of(execution: Execution) -> Turn:
+    """An execution as the callback that is running."""
+    return Turn(None, execution.node, execution.begun, execution.callback)

@@ -1,0 +1,169 @@
+"""The executor of the lab: rclpy's single-threaded one, which outlives the errors of callbacks."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+from rclpy.exceptions import InvalidHandle
+from rclpy.executors import (
+    ConditionReachedException,
+    Executor,
+    ExternalShutdownException,
+    ShutdownException,
+    TimeoutException,
+)
+
+if TYPE_CHECKING:
+    from course_kit.lab.recording.hooks import Tapping, Work
+
+_BREATH = 0.1  # seconds between attempts while the middleware itself fails
+
+
+class Turn(NamedTuple):
+    """The callback that is running.
+
+    Attributes:
+        entity: what it was called for; None for a future's callback and for the execution of a goal.
+        node: its node.
+        since: when it began, by time.monotonic.
+        callback: the execute callback of a goal.
+    """
+
+    entity: Any
+    node: Any
+    since: float
+    callback: Any = None
+
+
+class CallbackStopped(BaseException):
+    """Raised inside a callback that runs on although its node was stopped; no `except Exception` may keep it."""
+
+
+class FailureListener(Protocol):
+    """Who is told when callbacks fail."""
+
+    def callback_crashed(self, error: BaseException, turn: Turn) -> None:
+        """A callback raised `error`; called while its traceback is still there."""
+
+    def request_failed(self, service: Any, sequence: int, error: BaseException) -> None:
+        """A service's callback gave no response to this request; `callback_crashed` follows."""
+
+
+class LabExecutor(Executor):
+    """Runs callbacks one after the other on the thread that calls `run`.
+
+    Differs from rclpy's SingleThreadedExecutor in what happens when a callback raises: it is reported and the
+    others go on, where rclpy's ends.
+
+    A callback that awaits a future is resumed by its own task until rclpy 7.1.8, from 7.1.9 on by another one, which
+    knows nothing of it. Here it is recognised either way: whose it is while it runs, and what it raises.
+
+    Attributes:
+        turned: set whenever a callback has ended or awaits something.
+    """
+
+    def __init__(self, context: Any, listener: FailureListener) -> None:
+        super().__init__(context=context)
+        self._running: Turn | None = None
+        self._begun: dict[Any, Turn] = {}  # what has not ended, by its task, oldest first
+        self.turned = threading.Event()
+        self._listener = listener
+        self._stop = threading.Event()
+
+    @property
+    def turn(self) -> Turn | None:
+        """The callback that is running."""
+        if self._running is not None and self._running.entity is None:
+            for task, turn in list(self._begun.items()):
+                if turn.entity is not None and task.executing():
+                    return turn
+        return self._running
+
+    def run(self) -> None:
+        """Execute callbacks until `request_stop`, whatever they raise."""
+        while not self._stop.is_set() and self.context.ok():
+            self._spin_safely()
+
+    def request_stop(self) -> None:
+        """Have `run` return after the callback that is running."""
+        self._stop.set()
+        self.wake()
+
+    def forget(self, nodes: list[Any]) -> None:
+        """Nodes are about to be destroyed: their callbacks that await something will not go on."""
+        self._begun = {task: turn for task, turn in self._begun.items() if turn.node is None or turn.node not in nodes}
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Wait for one callback and run it."""
+        try:
+            found: tuple[Any, Any, Any] = self.wait_for_ready_callbacks(timeout_sec, None, self._stop.is_set)
+        except (TimeoutException, ConditionReachedException):
+            return
+        handler, entity, node = found
+        self._run_handler(handler, Turn(entity, node, time.monotonic()))
+
+    def spin_once_until_future_complete(self, future: Any, timeout_sec: Any = None) -> None:
+        """Part of the Executor interface; the lab's thread never waits for a future."""
+        del future
+        self.spin_once(timeout_sec)
+
+    def _spin_safely(self) -> None:
+        try:
+            self.spin_once()
+        except (ShutdownException, ExternalShutdownException):
+            self._stop.set()
+        except (InvalidHandle, CallbackStopped):  # destroyed while it was waited on; or the callback had just ended
+            pass
+        except Exception as error:  # noqa: BLE001 - nothing may end this thread but `request_stop`
+            self._listener.callback_crashed(error, Turn(None, None, 0.0))
+            self._stop.wait(_BREATH)
+
+    def _run_handler(self, handler: Any, turn: Turn) -> None:
+        self._running = turn
+        self._begun.setdefault(handler, turn)
+        raised: BaseException | None = None
+        try:
+            handler()
+        except BaseException as error:  # noqa: BLE001 - sys.exit() in a callback must not end the lab
+            raised = error
+        finally:
+            self._running = None
+            self.turned.set()
+        if raised is not None:
+            self._drop_broken(raised, turn)
+        for task in [task for task in self._begun if task.done() or task.cancelled()]:
+            ended = self._begun.pop(task)
+            self._tell(task.exception() if task.done() else None, ended)
+
+    def _drop_broken(self, error: BaseException, turn: Turn) -> None:
+        """What rclpy's tasks do not catch has broken the callback, and the task that went on with it."""
+        broken = [task for task in self._begun if task.executing()]
+        if broken:
+            turn = self._begun[broken[0]]
+        for task in broken:
+            del self._begun[task]
+            task.cancel()
+        self._tell(error, turn)
+
+    def _tell(self, error: BaseException | None, turn: Turn) -> None:
+        if error is not None and not isinstance(error, (InvalidHandle, CallbackStopped)):
+            self._listener.callback_crashed(error, turn)
+
+
+class RecordingExecutor(LabExecutor):
+    """Takes what arrives by way of `tapping`, which reports it."""
+
+    def __init__(self, context: Any, tapping: Tapping, listener: FailureListener) -> None:
+        super().__init__(context, listener)
+        self._tapping = tapping
+
+    def _take_service(self, srv: Any) -> Work | None:
+        return self._tapping.take_service(srv, self._listener.request_failed)
+
+    def _take_client(self, client: Any) -> Work | None:
+        return self._tapping.take_client(self, client)
+
+    def _take_subscription(self, sub: Any) -> Work | None:
+        return self._tapping.take_subscription(sub)

@@ -1,0 +1,249 @@
+"""Which nodes run in the lab, and how a new one takes the place of an old one.
+
+Two servers of one name both run every request, and two nodes of one name spoil each other's logging. So a node
+that would be a second one is preceded by the end of the first:
+
+- a node of the class of the same name, when that class has been defined again (the cell was edited or run again)
+  or when it was started with equal arguments (the cell with `lab.start` was run again);
+- any node with the same fully qualified ROS name.
+
+One class started with arguments that lead to different node names gives nodes side by side.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import threading
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from rclpy.action import ActionClient, ActionServer
+
+from course_kit.lab.clients import HIDDEN_NAME, incompatible
+from course_kit.lab.errors import LabError
+from course_kit.lab.runtime.describe import channels_of
+from course_kit.ros.names import full_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from course_kit.lab.overrides.patches import Patches
+    from course_kit.lab.runtime.executor_thread import Spinner
+
+_BETWEEN_CALLBACKS = 1.0  # seconds a running callback may take before its node is destroyed under it
+
+
+@dataclass(eq=False)
+class LiveNode:
+    """A started node.
+
+    Attributes:
+        node: the learner's object.
+        node_class: the class it was started from.
+        arguments: what it was started with.
+        helpers: further nodes its `__init__` made; they end with it.
+    """
+
+    node: Any
+    node_class: type
+    arguments: tuple[Any, ...]
+    helpers: list[Any] = field(default_factory=list)
+    name: str = ""
+
+    def same_class(self, node_class: type) -> bool:
+        """Whether a class has the module and the name of this node's."""
+        mine = self.node_class
+        return (mine.__module__, mine.__qualname__) == (node_class.__module__, node_class.__qualname__)
+
+    def precedes(self, node_class: type, arguments: tuple[Any, ...]) -> bool:
+        """Whether starting this class with these arguments is this start done again."""
+        if not self.same_class(node_class):
+            return False
+        return self.node_class is not node_class or _equal(self.arguments, arguments)
+
+
+class _Start(threading.local):
+    """The start that is under way on this thread: the nodes made by it so far."""
+
+    made: list[Any] | None = None
+
+
+class Nodes:
+    """The live nodes of one lab."""
+
+    def __init__(
+        self, spinner: Spinner, end_goals: Callable[[list[Any]], None], gone: Callable[[list[Any]], None]
+    ) -> None:
+        self._spinner = spinner
+        self._end_goals = end_goals
+        self._gone = gone
+        self._live: list[LiveNode] = []
+        self._start = _Start()
+
+    def __iter__(self) -> Iterator[LiveNode]:
+        return iter(list(self._live))
+
+    def __contains__(self, node: object) -> bool:
+        return any(live.node is node for live in self._live)
+
+    def watch(self, patches: Patches) -> None:
+        """Know each node from its `Node.__init__` on, before it has its name on the graph."""
+        from rclpy.node import Node
+
+        original = Node.__init__
+
+        def initialise(node: Any, node_name: str, *arguments: Any, **options: Any) -> None:
+            __tracebackhide__ = True  # IPython: the learner's own lines are what matters
+            if self._start.made is not None and not str(node_name).startswith(HIDDEN_NAME):
+                self._start.made.append(node)
+                with contextlib.suppress(AttributeError):  # a name that is no string is rclpy's to complain about
+                    self._stop_named(full_name(node_name, "/" + (options.get("namespace") or "").strip("/")))
+            original(node, node_name, *arguments, **options)
+
+        patches.set(Node, "__init__", initialise)
+
+    def start(self, node_class: type, arguments: tuple[Any, ...], options: dict[str, Any]) -> Any:
+        """Make a node and run it, in place of the ones it follows.
+
+        Args:
+            node_class: the class.
+            arguments: for its `__init__`.
+            options: those by name.
+
+        Raises:
+            LabError: it is no node's class, or does not call `super().__init__`.
+        """
+        __tracebackhide__ = True  # IPython: the learner's own lines are what matters
+        _require_node_class(node_class)
+        given = (arguments, options)
+        for live in self:
+            if live.precedes(node_class, given):
+                self.stop(live)
+        made: list[Any] = []
+        self._start.made = made
+        try:
+            node = node_class(*arguments, **options)
+        except BaseException as error:
+            self._destroy(made)
+            if isinstance(error, AttributeError) and not made:
+                raise LabError(_no_super(node_class)) from error
+            if incompatible(error):
+                raise LabError(self._other_type(node_class, error)) from error
+            raise
+        finally:
+            self._start.made = None
+        if not any(node is one for one in made):
+            self._destroy(made)
+            raise LabError(_no_super(node_class))
+        helpers = [one for one in made if one is not node]
+        name = node.get_fully_qualified_name()
+        self._stop_named(name)  # a remapped name shows only now
+        self._live.append(LiveNode(node, node_class, given, helpers, name))
+        self._spinner.executor.add_node(node)
+        return node
+
+    def find(self, target: Any) -> list[LiveNode]:
+        """The live nodes meant by a node, a class, or a name with or without its namespace."""
+        if isinstance(target, type):
+            return [live for live in self if live.same_class(target)]
+        if isinstance(target, str):
+            return [live for live in self if target in {live.name, live.name.rpartition("/")[2]}]
+        return [live for live in self if live.node is target]
+
+    def stop(self, live: LiveNode) -> None:
+        """Take a node off the graph, between two callbacks; one that does not end is stopped."""
+        if live not in self._live:
+            return
+        self._live.remove(live)
+        nodes = [live.node, *live.helpers]
+
+        self._end_goals(nodes)
+
+        def end() -> None:
+            self._gone(nodes)
+            self._destroy(nodes)
+
+        if not self._spinner.run_between_callbacks(end, _BETWEEN_CALLBACKS):
+            turn = self._spinner.executor.turn
+            if turn is not None and (turn.node is None or turn.node in nodes):
+                self._spinner.stop_callback()
+            end()
+
+    def stop_soon(self, node: Any) -> None:
+        """Stop a node from inside one of its callbacks, once that callback has ended."""
+        for live in self.find(node):
+            self._spinner.executor.create_task(self.stop, live)
+
+    def destroy_all(self) -> None:
+        """Destroy every node; for the end of the lab, when no callback runs."""
+        while self._live:
+            live = self._live.pop()
+            self._destroy([live.node, *live.helpers])
+
+    def _other_type(self, node_class: type, error: BaseException) -> str:
+        found = re.search(r"topic name r[tqr](?P<name>/\S+?)(Request|Reply)? with", str(error))
+        name = found["name"] if found else "a service or topic"
+        users = [live.name.lstrip("/") for live in self if name in channels_of(live.node)]
+        others = f" It is used by {', '.join(sorted(users))}; stop that first." if users else ""
+        return f"{node_class.__name__} uses {name} with a different type than the rest of this lab does.{others}"
+
+    def _stop_named(self, name: str) -> None:
+        for live in self:
+            if live.name == name:
+                self.stop(live)
+
+    def _destroy(self, nodes: list[Any]) -> None:
+        for node in nodes:
+            self._spinner.executor.remove_node(node)
+            _destroy_actions(node)
+            # One whose __init__ stopped half-way lacks parts; one that was destroyed already has none left.
+            with contextlib.suppress(Exception):
+                node.destroy_node()
+
+
+class NodeList(list[LiveNode]):
+    """Live nodes that print as a list of what each offers."""
+
+    def __repr__(self) -> str:
+        from course_kit.lab.runtime.describe import describe_node
+
+        if not self:
+            return "No node is running in the lab."
+        return "\n".join(describe_node(live.node) for live in self)
+
+
+def _destroy_actions(node: Any) -> None:
+    """Destroy a node's action servers and clients, which `destroy_node` leaves on the graph."""
+    for waitable in list(getattr(node, "waitables", ())):
+        if isinstance(waitable, (ActionClient, ActionServer)):
+            with contextlib.suppress(Exception):  # the learner's code has destroyed it already
+                waitable.destroy()
+
+
+def _equal(mine: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
+    try:
+        return bool(mine == other)
+    except Exception:  # noqa: BLE001 - arrays and other values whose comparison is no truth value
+        return False
+
+
+def _require_node_class(given: Any) -> None:
+    from rclpy.node import Node
+
+    if isinstance(given, type) and issubclass(given, Node):
+        return
+    if isinstance(given, Node):
+        raise LabError(
+            f"Pass the class, not a node made from it: lab.start({type(given).__name__}). The lab makes the node, "
+            "so that it can replace an older one."
+        )
+    name = getattr(given, "__name__", repr(given))
+    raise LabError(f"{name} is not a class of nodes; lab.start takes a class that inherits from rclpy.node.Node.")
+
+
+def _no_super(node_class: type) -> str:
+    return (
+        f"{node_class.__name__}.__init__ has to call super().__init__('a_node_name') before anything else: "
+        "that is what makes it a ROS node."
+    )

@@ -1,0 +1,1 @@
+"""Unmodified ROS 2 programs as processes beside the kernel."""

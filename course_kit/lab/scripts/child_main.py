@@ -1,0 +1,229 @@
+"""Runs an unmodified ROS 2 program as a child of the kernel.
+
+`python -m course_kit.lab.scripts.child_main NAME PARENT_PID DESCRIPTOR FILE [arguments]`
+
+The program sees what it would see when started from a terminal. Around it: the process ends when the kernel dies,
+a traceback shows the program's own lines only, and what crosses between nodes is reported to the kernel as JSON
+lines over an inherited pipe, together with the moment a node begins to spin.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import runpy
+import signal
+import sys
+import threading
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_kit.lab.recording.events import Taps
+from course_kit.process.parent import die_with_parent
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+    from course_kit.lab.overrides.patches import Patches
+    from course_kit.lab.recording.events import Event
+
+_ATOMIC = 4000  # bytes; pipe(7) writes up to PIPE_BUF, 4096, in one piece
+INTERRUPTED = 130
+
+
+class Reports:
+    """The way back to the kernel."""
+
+    def __init__(self, script: str, descriptor: int) -> None:
+        self._script = script
+        self._descriptor = descriptor
+
+    def send(self, **report: Any) -> None:
+        """Send one line; one that the pipe could not take in one piece loses its value."""
+        line = json.dumps({"script": self._script, **report}, default=str)
+        if len(line) > _ATOMIC:
+            line = json.dumps({"script": self._script, **report, "value": "..."}, default=str)
+        with contextlib.suppress(OSError):  # the kernel has gone
+            os.write(self._descriptor, line.encode() + b"\n")
+
+    def event(self, event: Event) -> None:
+        """Send what crossed."""
+        self.send(event=event.kind, **{name: value for name, value in event._asdict().items() if name != "kind"})
+
+
+class _Interrupts:
+    """SIGINT as KeyboardInterrupt, remembered: what an interrupted program says about it is no news."""
+
+    def __init__(self) -> None:
+        self.seen = False
+        signal.signal(signal.SIGINT, self._handle)
+
+    def _handle(self, number: int, frame: FrameType | None) -> None:
+        del number, frame
+        self.seen = True
+        raise KeyboardInterrupt
+
+
+def tap(reports: Reports) -> None:
+    """Have rclpy report from now on."""
+    from rclpy.executors import Executor
+    from rclpy.node import Node
+
+    from course_kit.lab.overrides.patches import Patches, quieten_finalizers
+
+    patches = Patches()
+    quieten_finalizers(patches)
+    _record(patches, reports)
+    initialise = Node.__init__
+    wait = Executor.wait_for_ready_callbacks
+
+    def initialise_seen(node: Any, *arguments: Any, **options: Any) -> None:
+        initialise(node, *arguments, **options)
+        reports.send(node=node.get_fully_qualified_name())
+
+    reported = ""
+
+    def waiting(executor: Any, *arguments: Any, **options: Any) -> Any:
+        nonlocal reported
+        role = _role(executor.get_nodes())
+        if role != reported:
+            reported = role
+            reports.send(spins=role)
+        if role == "server":  # that is final, while a client may become one
+            setattr(Executor, "wait_for_ready_callbacks", wait)  # noqa: B010 - mypy forbids to assign to a method
+        return wait(executor, *arguments, **options)
+
+    patches.set(Node, "__init__", initialise_seen)
+    patches.set(Executor, "wait_for_ready_callbacks", waiting)
+
+
+def _record(patches: Patches, reports: Reports) -> None:
+    """Have what crosses reported, as far as this rclpy lets itself be watched."""
+    from rclpy.executors import Executor
+
+    from course_kit.lab.recording.hooks import Tapping
+    from course_kit.ros import compat, compat_names
+
+    taps = Taps()
+    taps.listen(reports.event)
+    tapping = Tapping(taps)
+    found = compat.check(compat_names.OF_SCRIPTS)
+    for sentence in found.sentences():
+        reports.send(off=sentence)
+    if found.has(compat_names.GOAL_RECORDING):
+        from course_kit.lab.recording.action_hooks import ActionTapping
+
+        ActionTapping(tapping, patches)
+    if not found.has(compat_names.RECORDING):
+        return
+
+    def take_client(executor: Any, client: Any) -> Any:  # a function, so that it becomes a method
+        return tapping.take_client(executor, client)
+
+    tapping.tap_sending(patches)
+    patches.set(Executor, "_take_service", lambda _, service: tapping.take_service(service, lambda *_: None))
+    patches.set(Executor, "_take_client", take_client)
+    patches.set(Executor, "_take_subscription", lambda _, subscription: tapping.take_subscription(subscription))
+
+
+def _role(nodes: list[Any]) -> str:
+    """Whether these nodes wait for others ("server") or only for answers to what they have asked ("client")."""
+    from rclpy.action import ActionClient
+
+    from course_kit.ros.names import is_of_every_node
+
+    waits = asks = False
+    for node in nodes:
+        waits |= any(not is_of_every_node(service.service_name) for service in node.services)
+        waits |= any(True for _ in node.timers) or any(True for _ in node.subscriptions)
+        waits |= any(not isinstance(waitable, ActionClient) and _is_action(waitable) for waitable in node.waitables)
+        asks |= any(True for _ in node.clients)
+        asks |= any(isinstance(waitable, ActionClient) for waitable in node.waitables)
+    return "server" if waits or not asks else "client"
+
+
+def _is_action(waitable: Any) -> bool:
+    from rclpy.action import ActionServer
+
+    return isinstance(waitable, ActionServer)
+
+
+def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:
+    """Run the program; returns its exit code."""
+    sys.argv = [path, *arguments]
+    sys.path[0] = os.getcwd()  # noqa: PTH109 - sys.path takes strings
+    threading.excepthook = lambda failure: _report_thread(failure, path)
+    try:
+        runpy.run_path(path, run_name="__main__")
+    except SystemExit as end:
+        return _exit_code(end.code)
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BaseException as error:  # noqa: BLE001 - whatever a program can end with
+        if interrupts.seen or type(error).__name__ == "ExternalShutdownException":
+            return INTERRUPTED
+        sys.stdout.flush()
+        sys.stderr.write(own_traceback(error, path))
+        return 1
+    return 0
+
+
+def _report_thread(failure: threading.ExceptHookArgs, path: str) -> None:
+    if failure.exc_value is None or isinstance(failure.exc_value, SystemExit):
+        return
+    name = failure.thread.name if failure.thread is not None else "?"
+    sys.stderr.write(f"Exception in thread {name}:\n{own_traceback(failure.exc_value, path)}")
+
+
+def own_traceback(error: BaseException, path: str) -> str:
+    """The traceback with the lines of the program itself, under its plain name.
+
+    It looks the same on every Python: without the marks below a line, which Python 3.10 does not have, and which later
+    versions draw in different ways.
+    """
+    report = traceback.TracebackException.from_exception(error)
+    for part in _chain(report):
+        own = [frame for frame in part.stack if frame.filename == path]
+        part.stack = traceback.StackSummary.from_list([_without_columns(frame) for frame in own])
+    text = "".join(report.format(chain=True)).replace(path, Path(path).name)
+    # To rclpy it is a TypeError without a text; ours has one, and a name that says nothing to a learner.
+    return text.replace("course_kit.lab.recording.hooks.WrongResponseError", "TypeError")
+
+
+def _without_columns(frame: traceback.FrameSummary) -> traceback.FrameSummary:
+    return traceback.FrameSummary(frame.filename, frame.lineno, frame.name, line=frame.line)
+
+
+def _chain(report: traceback.TracebackException | None) -> list[traceback.TracebackException]:
+    found = []
+    while report is not None:
+        found.append(report)
+        report = report.__cause__ or report.__context__
+    return found
+
+
+def _exit_code(code: object) -> int:
+    if code is None or isinstance(code, int):
+        return code or 0
+    sys.stderr.write(f"{code}\n")
+    return 1
+
+
+def main() -> int:
+    """Become the program given on the command line."""
+    name, parent, descriptor, path, *arguments = sys.argv[1:]
+    die_with_parent(int(parent), signal.SIGTERM)
+    interrupts = _Interrupts()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(line_buffering=True, write_through=False)  # a line goes out in one piece
+    os.set_inheritable(int(descriptor), False)
+    tap(Reports(name, int(descriptor)))
+    return run(path, arguments, interrupts)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,221 @@
+"""Programs as child processes: started, streamed, waited for when they end by themselves, and stopped.
+
+All of them write into one pipe, and report what crosses through another. The kernel keeps the order of what is
+written into a pipe; so lines appear in the order in which the processes wrote them, whoever wrote them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import select
+import sys
+import threading
+import time
+from typing import TYPE_CHECKING, Any, Literal, cast, get_args
+
+from course_kit import environment
+from course_kit.lab.errors import ScriptError
+from course_kit.lab.recording.events import KINDS, Event
+from course_kit.lab.scripts.script import Script, checked_name
+from course_kit.process.child import Child
+from course_kit.process.output import LineReader
+from course_kit.process.signals import Ladder
+
+if TYPE_CHECKING:
+    from course_kit.lab.notebook.output import Output
+
+Mode = Literal["auto", "wait", "background"]
+LOG_FORMAT = "[{severity}] [{name}]: {message}"
+_RUNNER = "course_kit.lab.scripts.child_main"
+_UP = 10.0  # seconds until a program that neither ends nor spins is left to itself
+_CLIENT = 60.0  # the same for one that has asked something
+_WAIT = 600.0  # the same in mode "wait"
+_GRACE = (2.0, 1.0, 1.0)  # seconds for SIGINT, SIGTERM, SIGKILL
+_TURN = 0.1
+
+
+class Scripts:
+    """The programs of one lab."""
+
+    def __init__(self, lab: Any) -> None:
+        self._lab = lab
+        self._output: Output = lab.output
+        self._running: dict[str, Script] = {}
+        self._lock = threading.Lock()
+        self._pipes = text, self._text_end, reports, self._reports_end = (*os.pipe(), *os.pipe())
+        self._text, self._reports = LineReader(text), LineReader(reports)
+        self._closing = threading.Event()
+        self._output.pumps.append(self.pump)
+        self._reader = threading.Thread(target=self._read, name="ros-scripts", daemon=True)
+        self._reader.start()
+
+    def run(self, name: str, source: str, arguments: tuple[str, ...], mode: str, runner: str = _RUNNER) -> Script:
+        """Start a program in place of the one of this name; returns as `mode` says (see `course_kit.lab.script`).
+
+        `runner` is the module that becomes the program; see `course_kit.lab.scripts.child_main` for what it is told.
+        """
+        name = checked_name(name)
+        if mode not in get_args(Mode):
+            raise ScriptError(f"The mode is one of {', '.join(get_args(Mode))}, not {mode!r}.")
+        self._end(name)
+        script = self._start(name, source, arguments, runner)
+        try:
+            self._wait(script, cast("Mode", mode))
+        except KeyboardInterrupt:
+            self._terminate(script)
+            self._say(f"{name} was interrupted.")
+        self._output.drain()
+        return script
+
+    def stop(self, name: str | None) -> None:
+        """End one program, or all."""
+        if name is not None:
+            name = checked_name(name)
+            if name not in self._running:
+                running = ", ".join(sorted(self._running)) or "none"
+                raise ScriptError(f"No script called {name!r} is running. Running: {running}.")
+        for one in [name] if name is not None else sorted(self._running):
+            self._end(one)
+            self._say(f"{one} is stopped.")
+        self._output.drain()
+
+    def close(self) -> None:
+        """End all programs and the reading of their output."""
+        for name in list(self._running):
+            self._end(name)
+        self._closing.set()
+        os.write(self._reports_end, b"\n")  # wakes the reader
+        self._reader.join(_GRACE[0])
+        self.pump()
+        self._output.pumps.remove(self.pump)
+        for descriptor in self._pipes:
+            os.close(descriptor)
+
+    def wait_for_end_of_those_without_node(self, seen: set[str]) -> None:
+        """Give programs whose nodes have left the graph a moment to end, and to say why."""
+        for script in list(self._running.values()):
+            if script.nodes and not seen.intersection(script.nodes) and script.follower is not None:
+                script.follower.join(_GRACE[0])
+
+    def pump(self) -> None:
+        """Take in what has been written so far, without waiting for more."""
+        with self._lock:
+            for line in self._reports.read():
+                self._take_report(line)
+            for line in self._text.read():
+                self._say(line)
+
+    def _start(self, name: str, source: str, arguments: tuple[str, ...], runner: str) -> Script:
+        folder = environment.run_dir() / "scripts"
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"{name}.py"
+        path.write_text(source, encoding="utf-8")
+        command = [sys.executable, "-m", runner, name, str(os.getpid()), str(self._reports_end)]
+        process = Child(
+            [*command, str(path), *arguments],
+            stdout=self._text_end,
+            stderr=self._text_end,
+            descriptors=(self._reports_end,),
+            environ=environment.child_environment(
+                RCUTILS_CONSOLE_OUTPUT_FORMAT=LOG_FORMAT,
+                RCUTILS_COLORIZED_OUTPUT="0",
+                PYTHON_COLORS="0",  # kernels set FORCE_COLOR, and Python 3.13 would colour what it complains of
+                PYTHONIOENCODING="utf-8",  # as it is read here, whatever the locale
+            ),
+        )
+        script = Script(name, process)
+        self._running[name] = script
+        script.follower = threading.Thread(target=self._follow, args=(script,), name=f"ros-script-{name}", daemon=True)
+        script.follower.start()
+        return script
+
+    def _follow(self, script: Script) -> None:
+        """Wait for a program's end, on a thread of its own; tell of one that ended in the background."""
+        code = script.process.wait()
+        self.pump()
+        if self._running.get(script.name) is script:
+            del self._running[script.name]
+        if not self._running:
+            self._end_line()
+        if code not in {0, 1} and not script.stopping:  # 1 has just shown its traceback
+            self._say(f"{script.name} ended with exit code {code}.")
+        self._output.poke()
+
+    def _wait(self, script: Script, mode: Mode) -> None:
+        begun = time.monotonic()
+        while script.running:
+            if mode != "wait" and script.spins and (script.spins == "server" or mode == "background"):
+                self._lab.wait_for_nodes(script.nodes, there=True)
+                self._say(self._up(script))
+                return
+            limit = _WAIT if mode == "wait" else _CLIENT if script.spins == "client" else _UP
+            if time.monotonic() - begun > limit:
+                self._say(
+                    f"{script.name} has not ended within {limit:.0f} s and goes on in the background; "
+                    f"%ros_stop {script.name} ends it."
+                )
+                return
+            self._output.wait(_TURN)
+            self._output.drain()
+        if script.follower is not None:
+            script.follower.join(_GRACE[0])  # it has taken in the last lines then
+
+    def _up(self, script: Script) -> str:
+        names = ", ".join(one[1:] if one.count("/") == 1 else one for one in script.nodes)
+        text = f"{script.name} is running in the background" + (f" (node {names})." if names else ".")
+        here = sorted(live.name for live in self._lab.nodes() if live.name in script.nodes)
+        if here:
+            shown = here[0].lstrip("/")
+            text += (
+                f"\nA node {shown} runs in the lab, too: both answer every request. "
+                f"lab.stop({shown!r}) ends the one in the lab."
+            )
+        return text
+
+    def _end(self, name: str) -> None:
+        script = self._running.get(name)
+        if script is not None:
+            self._terminate(script)
+
+    def _terminate(self, script: Script) -> None:
+        script.stopping = True
+        script.process.end(Ladder(*_GRACE))
+        self._running.pop(script.name, None)
+        self.pump()
+        self._lab.wait_for_nodes(script.nodes, there=False)
+
+    def _say(self, text: str) -> None:
+        self._output.put(text + "\n")
+
+    def _read(self) -> None:
+        poll = select.poll()
+        for descriptor in (self._pipes[0], self._pipes[2]):
+            poll.register(descriptor, select.POLLIN)
+        while not self._closing.is_set():
+            poll.poll()
+            self.pump()
+
+    def _end_line(self) -> None:
+        """Show what has no line end and, now that nobody is left to write it, will get none."""
+        with self._lock:
+            for line in self._text.rest():
+                self._say(line)
+
+    def _take_report(self, line: str) -> None:
+        try:
+            report = json.loads(line)
+            script = self._running.get(report["script"])
+        except (ValueError, KeyError, TypeError):  # the program has written into our pipe
+            return
+        if script is not None and "node" in report and "event" not in report:
+            script.nodes.append(str(report["node"]))
+        elif script is not None and "spins" in report:
+            script.spins = str(report["spins"])
+            self._output.poke()
+        elif script is not None and "off" in report:
+            self._lab.tell_once([str(report["off"])])
+        elif report.get("event") in KINDS:
+            with contextlib.suppress(KeyError):
+                self._lab.taps.forward(Event(report["event"], *(report[name] for name in Event._fields[1:])))

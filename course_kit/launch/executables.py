@@ -1,0 +1,163 @@
+"""Finds the program for a package and an executable, where there is no workspace that has been built.
+
+Looked for, in this order: what is installed (`lib/<package>/` below the ROS prefixes, as colcon installs it), entry
+points of an installed Python package, folders called like the package, and last a script of that name which lies
+beside the launch file, in the current folder, or comes from a `%%ros_script` cell.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.launch.errors import LaunchError
+from course_kit.ros.names import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+_PATH_VARIABLE = "COURSE_KIT_PACKAGE_PATH"
+_ENDINGS = ("", ".py")
+
+
+def find(package: str | None, executable: str, near: Sequence[Path] = ()) -> list[str]:
+    """The command that runs an executable; Python scripts run in this Python.
+
+    Args:
+        package: its package; None when `executable` is a path or a program on PATH.
+        executable: its name, with or without .py.
+        near: folders looked into first, such as the launch file's.
+
+    Raises:
+        LaunchError: no such package or executable, with the nearest right name.
+    """
+    if package is None:
+        return _program(executable, near)
+    folders = list(_folders(near))
+    for place in _package_places(package, folders):
+        if found := _in(place, executable):
+            return found
+    if found := _entry_point(package, executable):
+        return found
+    for folder in folders:
+        if found := _in(folder, executable):
+            return found
+    raise _not_found(package, executable, folders)
+
+
+def packages(near: Sequence[Path] = ()) -> list[str]:
+    """The packages that have programs, by their folders."""
+    found = {entry.name for lib in _installed() if lib.is_dir() for entry in lib.iterdir() if _programs(entry)}
+    for folder in _folders(near):
+        if folder.is_dir():
+            found |= {entry.name for entry in folder.iterdir() if not entry.name.startswith(".") and _programs(entry)}
+    return sorted(found)
+
+
+def executables(package: str, near: Sequence[Path] = ()) -> list[str]:
+    """The programs of a package."""
+    places = _package_places(package, list(_folders(near)))
+    return sorted({*_entry_points(package), *(name for place in places for name in _programs(place))})
+
+
+def _folders(near: Sequence[Path]) -> Iterator[Path]:
+    """Where packages and loose scripts are looked for."""
+    for folder in near:
+        yield folder
+        yield folder.parent
+    yield Path.cwd()
+    yield from (Path(folder) for folder in os.environ.get(_PATH_VARIABLE, "").split(os.pathsep) if folder)
+    yield environment.run_dir() / "scripts"
+    if checkout := environment.checkout():
+        yield checkout
+        yield checkout / "exercises"
+
+
+def _installed() -> Iterator[Path]:
+    for prefix in (*os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep), sys.prefix):
+        if prefix:
+            yield Path(prefix) / "lib"
+
+
+def _package_places(package: str, folders: list[Path]) -> Iterator[Path]:
+    for lib in _installed():
+        yield lib / package
+    for folder in folders:
+        if folder.name == package:
+            yield folder
+        yield folder / package
+        yield folder / package / package
+        yield folder / package / "scripts"
+
+
+def _in(folder: Path, executable: str) -> list[str] | None:
+    for ending in _ENDINGS:
+        path = folder / f"{executable}{ending}"
+        if path.is_file() and (path.suffix == ".py" or os.access(path, os.X_OK)):
+            return _command(path)
+    return None
+
+
+def _command(path: Path) -> list[str]:
+    return [sys.executable, str(path)] if path.suffix == ".py" else [str(path)]
+
+
+def _program(executable: str, near: Sequence[Path]) -> list[str]:
+    from shutil import which
+
+    for folder in (*near, Path.cwd()):
+        path = folder / executable
+        if path.is_file():
+            return _command(path)
+    if found := which(executable):
+        return [found]
+    raise LaunchError(f"There is no program {executable}.")
+
+
+def _programs(folder: Path) -> list[str]:
+    """The names of what can be run in a folder; none when it is no folder."""
+    if not folder.is_dir():
+        return []
+    files = [path for path in folder.iterdir() if path.is_file() and not path.name.startswith(("_", "."))]
+    scripts = [path.stem for path in files if path.suffix == ".py" and not path.name.endswith(".launch.py")]
+    return scripts + [path.name for path in files if not path.suffix and os.access(path, os.X_OK)]
+
+
+def _entry_points(package: str) -> dict[str, str]:
+    from importlib.metadata import PackageNotFoundError, distribution
+
+    try:
+        points = distribution(package).entry_points
+    except (PackageNotFoundError, ValueError):
+        return {}
+    return {point.name: point.value for point in points if point.group == "console_scripts"}
+
+
+def _entry_point(package: str, executable: str) -> list[str] | None:
+    target = _entry_points(package).get(executable)
+    if target is None:
+        return None
+    module, _, function = target.partition(":")
+    code = f"import sys; from {module} import {function}; sys.argv[0] = {executable!r}; sys.exit({function}())"
+    return [sys.executable, "-c", code]
+
+
+def _not_found(package: str, executable: str, folders: list[Path]) -> LaunchError:
+    known = executables(package, folders)
+    if known:
+        hint = did_you_mean(executable, known) or f" It has {', '.join(known)}."
+        return LaunchError(f"No executable found: package '{package}' has no '{executable}'.{hint}")
+    hint = did_you_mean(package, packages(folders))
+    places = ", ".join(dict.fromkeys(str(folder) for folder in folders[:3]))
+    return LaunchError(
+        f"Package '{package}' not found, nor a script {executable}.py in {places}. {hint.strip()}".rstrip()
+    )
+
+
+def package_folders(package: str) -> list[Path]:
+    """The folders that may hold a package's launch files."""
+    shared = [lib.parent / "share" / package for lib in _installed()]
+    return [*shared, *_package_places(package, list(_folders(())))]

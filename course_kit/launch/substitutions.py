@@ -1,0 +1,116 @@
+"""Values that are known only when the launch file runs ("Using substitutions" among the ROS 2 tutorials)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any, Union
+
+from course_kit.launch.errors import LaunchError
+
+if TYPE_CHECKING:
+    from course_kit.launch.context import LaunchContext
+
+
+class Substitution:
+    """Something that becomes text."""
+
+    def perform(self, context: LaunchContext) -> str:
+        """The text.
+
+        Raises:
+            NotImplementedError: the substitution has not said.
+        """
+        raise NotImplementedError(type(self).__name__)
+
+    def describe(self) -> str:
+        """How it is written, for `--show-args`."""
+        return type(self).__name__
+
+
+Text = Union[str, PurePath, Substitution, Iterable[Any]]  # noqa: UP007 - evaluated at run time on Python 3.10, too
+
+
+class TextSubstitution(Substitution):
+    """Text as it stands."""
+
+    def __init__(self, *, text: str) -> None:
+        self.text = text
+
+    def perform(self, context: LaunchContext) -> str:
+        """The text."""
+        del context
+        return self.text
+
+    def describe(self) -> str:
+        """The text in quotes."""
+        return repr(self.text)
+
+
+class LaunchConfiguration(Substitution):
+    """The value of a launch argument.
+
+    Args:
+        variable_name: the argument's name.
+        default: used when no such argument has a value.
+    """
+
+    def __init__(self, variable_name: Text, *, default: Any = None) -> None:
+        self._name, self._default = variable_name, default
+
+    def perform(self, context: LaunchContext) -> str:
+        """The value; a LaunchError when there is none.
+
+        Raises:
+            LaunchError: it has no value.
+        """
+        name = as_text(self._name, context)
+        if name in context.launch_configurations:
+            return context.launch_configurations[name]
+        if self._default is None:
+            raise LaunchError(
+                f"LaunchConfiguration('{name}') has no value: no DeclareLaunchArgument('{name}') stands before it, and "
+                f"the command line has no {name}:=value."
+            )
+        return as_text(self._default, context)
+
+    def describe(self) -> str:
+        """As in the launch file."""
+        return f"LaunchConfiguration('{self._name}')"
+
+
+class PathJoinSubstitution(Substitution):
+    """Parts joined to a path."""
+
+    def __init__(self, substitutions: Iterable[Text]) -> None:
+        self._parts = list(substitutions)
+
+    def perform(self, context: LaunchContext) -> str:
+        """The path."""
+        return str(PurePath(*(as_text(part, context) for part in self._parts)))
+
+
+class ThisLaunchFileDir(Substitution):
+    """The folder of the launch file."""
+
+    def perform(self, context: LaunchContext) -> str:
+        """The folder."""
+        return str(context.file.parent)
+
+
+def as_text(value: Any, context: LaunchContext) -> str:
+    """Text, a substitution, or a list of both, as text."""
+    if isinstance(value, Substitution):
+        return value.perform(context)
+    if isinstance(value, (list, tuple)):
+        return "".join(as_text(part, context) for part in value)
+    if isinstance(value, bool):
+        return str(value).lower()
+    return str(value)
+
+
+def has_substitution(value: Any) -> bool:
+    """Whether a value is only known when the file runs."""
+    return isinstance(value, Substitution) or (
+        isinstance(value, (list, tuple)) and any(isinstance(part, Substitution) for part in value)
+    )

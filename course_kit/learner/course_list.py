@@ -1,0 +1,112 @@
+"""`course-kit list`: the exercises in the course's order, and what was reached in each."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from course_kit import environment
+from course_kit.grading import exercise
+from course_kit.grading.errors import GradingError
+from course_kit.learner import progress, workspace
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.grading.exercise import Exercise
+    from course_kit.learner.progress import ProgressRecord
+
+FORMAT_VERSION = 1
+_WIDTH = 80
+
+
+@dataclass(frozen=True)
+class Row:
+    """One exercise with its record."""
+
+    task: Exercise
+    known: ProgressRecord
+
+    @property
+    def state(self) -> str:
+        """In words, for those who see no tick."""
+        if self.known.passed:
+            return "passed"
+        return "not passed yet" if self.known.tries else "not tried yet"
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The row as JSON shows it."""
+        return {
+            "id": self.task.id,
+            "title": self.task.title,
+            "points": self.task.points,
+            "pass_mark": self.task.pass_mark,
+            "passed": self.known.passed,
+            "best_score": self.known.best if self.known.tries else None,
+            "tries": self.known.tries,
+            "hints": sum(self.known.hints.values()),
+            "first_passed": self.known.first_passed or None,
+            "last_try": self.known.last_try or None,
+        }
+
+
+def rows(folder: Path | None = None) -> tuple[list[Row], list[str]]:
+    """All exercises in their order, and what to tell the user about files that cannot be used.
+
+    Raises:
+        GradingError: this installation has no exercises.
+    """
+    records, trouble = progress.read_or_tell()
+    loaded = [_load(name, folder) for name in exercise.ids(folder)]
+    found = [Row(task, records.get(task.id, progress.ProgressRecord())) for task in loaded if not isinstance(task, str)]
+    told = [trouble, *(problem for problem in loaded if isinstance(problem, str))]
+    return sorted(found, key=lambda row: (row.task.order, row.task.id)), [sentence for sentence in told if sentence]
+
+
+def _load(name: str, folder: Path | None) -> Exercise | str:
+    """The exercise, or what is wrong with it: one that is being written must not hide the others."""
+    try:
+        return exercise.load(name, folder)
+    except GradingError as problem:
+        return str(problem)
+
+
+def to_json(found: list[Row]) -> str:
+    """One JSON document."""
+    content = {"format_version": FORMAT_VERSION, "exercises": [row.to_mapping() for row in found]}
+    return json.dumps(content, indent=2, ensure_ascii=False)
+
+
+def to_text(found: list[Row], encoding: str | None) -> str:
+    """A table of at most 80 columns, with a tick where the terminal has one."""
+    width = max((len(row.task.id) for row in found), default=0)
+    lines = [f"       {'exercise':<{width}}  points  to pass  best  tries"]
+    for row in found:
+        lines += _lines(row, width, _tick(encoding))
+    passed = sum(row.known.passed for row in found)
+    lines += ["", f"{passed} of {len(found)} passed."]
+    following = next((row.task for row in found if not row.known.passed), None)
+    if following is not None:
+        folder = workspace.exercise_folder(following)
+        where = f"after: {environment.command()} copy" if folder is None else f"in {workspace.shown(folder)}"
+        lines.append(f"Next: {following.id}, {where}")
+    return "\n".join(lines)
+
+
+def _lines(row: Row, width: int, tick: str) -> list[str]:
+    task, known = row.task, row.known
+    best = f"{known.best:g}" if known.tries else "-"
+    mark = tick if known.passed else " "
+    head = f"[{mark}] {task.order:>2} {task.id:<{width}}  {task.points:>6g}  {task.pass_mark:>7g}  {best:>4}  "
+    title = textwrap.wrap(task.title, _WIDTH, initial_indent=" " * 7, subsequent_indent=" " * 7)
+    return [f"{head}{known.tries:>5}  {row.state}", *title]
+
+
+def _tick(encoding: str | None) -> str:
+    try:
+        "✓".encode(encoding or "ascii")
+    except (UnicodeEncodeError, LookupError):
+        return "x"
+    return "✓"

@@ -1,0 +1,242 @@
+"""What a learner has reached, kept in one file of the user's state directory.
+
+One file for a user, not one for each folder: who unpacks next week's edition beside the old one goes on where they
+were. The commands record (`grade`, `%grade`, `watch`); the engine does not, so grading a class marks nothing as the
+instructor's own. COURSE_KIT_PROGRESS names another file; `off` keeps nothing, as for the tests. The file is the
+learner's and proves nothing to anybody: marks come from reports.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import math
+import os
+import threading
+import time
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field, replace
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_kit import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from course_kit.grading import CheckReport, Report
+
+FORMAT_VERSION = 1
+VARIABLE = "COURSE_KIT_PROGRESS"
+_OFF = "off"
+_PATIENCE_S = 5.0  # for another grader that is writing, which takes it some milliseconds
+_POLL_S = 0.02
+_COUNTED = ("graded", "crashed")  # a file that cannot be read, and a fault of ours, are no try
+
+
+class ProgressError(Exception):
+    """The file cannot be used; the text is for the user."""
+
+
+class _BrokenError(ProgressError):
+    """It can be read, and holds something else."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """The first check that failed in the last grading, which is the one to fix first."""
+
+    check: str
+    title: str
+    diagnosis: str | None
+
+
+@dataclass(frozen=True)
+class ProgressRecord:
+    """One exercise.
+
+    Attributes:
+        best: the best score so far, in points.
+        tries: how often it was graded.
+        first_passed: when it was first passed, ISO 8601 in UTC; empty before that.
+        last_try: when it was last graded.
+        failed: what failed then; None when nothing did.
+        hints: for each failure how many rungs of its ladder were shown.
+    """
+
+    best: float = 0.0
+    tries: int = 0
+    first_passed: str = ""
+    last_try: str = ""
+    failed: Failure | None = None
+    hints: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def passed(self) -> bool:
+        """Whether it was ever passed; a later, worse try takes nothing away."""
+        return bool(self.first_passed)
+
+
+def record(report: Report) -> str:
+    """Add a grading to the file.
+
+    Returns:
+        What to tell the user when that could not be done, else "". The grade stands in either case.
+    """
+    if report.status not in _COUNTED:
+        return ""
+    return update(report.exercise, lambda old: _after(old, report))
+
+
+def _after(old: ProgressRecord, report: Report) -> ProgressRecord:
+    now = datetime.now(timezone.utc).isoformat(timespec="seconds")
+    return replace(
+        old,
+        best=max(old.best, report.score),
+        tries=old.tries + 1,
+        first_passed=old.first_passed or (now if report.passed else ""),
+        last_try=now,
+        failed=next((_failure(check) for check in report.checks if check.status == "failed"), None),
+    )
+
+
+def _failure(check: CheckReport) -> Failure:
+    return Failure(check.id, check.title, check.diagnosis)
+
+
+def read() -> dict[str, ProgressRecord]:
+    """All records, by exercise.
+
+    Raises:
+        ProgressError: there is a file, and it cannot be used.
+    """
+    try:
+        path = _file()
+        return {} if path is None else _read(path)
+    except OSError as problem:
+        raise ProgressError(_sentence(problem)) from problem
+
+
+def read_or_tell() -> tuple[dict[str, ProgressRecord], str]:
+    """All records, none when they cannot be read, and what to tell the user about that."""
+    try:
+        return read(), ""
+    except ProgressError as problem:
+        return {}, str(problem)
+
+
+def update(exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> str:
+    """Replace one record by what `change` makes of it, None to forget it; nobody else writes meanwhile.
+
+    Returns:
+        What to tell the user when something was wrong with the file, else "".
+    """
+    try:
+        path = _file()
+        if path is None:
+            return ""
+        with _locked(path):
+            return _update(path, exercise, change)
+    except ProgressError as problem:
+        return f"{problem} Nothing was recorded."
+    except OSError as problem:
+        return f"{_sentence(problem)} Nothing was recorded."
+
+
+def _update(path: Path, exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> str:
+    if path.exists() and not path.stat().st_mode & 0o200:  # replacing it would work, and is not what was meant
+        raise ProgressError(f"The progress file {path} is read-only.")
+    note = ""
+    try:
+        records = _read(path)
+    except _BrokenError as problem:
+        note = f"{problem} It was kept as {_put_aside(path)}, and a new one begun."
+        records = {}
+    changed = change(records.get(exercise, ProgressRecord()))
+    if changed is None:
+        records.pop(exercise, None)
+    else:
+        records[exercise] = changed
+    _write(path, records)
+    return note
+
+
+def _file() -> Path | None:
+    chosen = os.environ.get(VARIABLE, "")
+    if chosen == _OFF:
+        return None
+    return Path(chosen) if chosen else environment.state_dir() / "progress.json"
+
+
+def _sentence(problem: OSError) -> str:
+    return f"The progress file cannot be used: {problem.filename or 'it'}: {problem.strerror or problem}."
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Hold the lock beside the file (which is replaced whole, so it cannot carry the lock); ends with its process."""
+    deadline = time.monotonic() + _PATIENCE_S
+    pause = threading.Event()  # never set: a lock cannot be waited for with a deadline, only asked for again
+    with path.with_suffix(".lock").open("a") as lock:
+        while True:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > deadline:
+                    raise ProgressError(f"Another process has locked the progress file {path}.") from None
+                pause.wait(_POLL_S)
+        yield
+
+
+def _read(path: Path) -> dict[str, ProgressRecord]:
+    try:
+        text = path.read_bytes()
+    except FileNotFoundError:
+        return {}
+    try:
+        content = json.loads(text)
+        version = content["format_version"]
+        if isinstance(version, int) and version > FORMAT_VERSION:
+            raise ProgressError(f"The progress file {path} was written by a newer course kit.")
+        return {exercise: _record(entry) for exercise, entry in content["exercises"].items()}
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        raise _BrokenError(f"The progress file {path} is damaged.") from None
+
+
+def _record(entry: dict[str, Any]) -> ProgressRecord:
+    """An entry as a record.
+
+    Raises:
+        TypeError, ValueError, AttributeError: it is none.
+    """
+    failed = None if entry.get("failed") is None else Failure(**entry["failed"])
+    made = ProgressRecord(**{**entry, "failed": failed})
+    if not math.isfinite(made.best):
+        raise ValueError(made.best)
+    whole = (made.tries, *made.hints.values())
+    texts = [made.first_passed, made.last_try]
+    if failed is not None:
+        texts += [failed.check, failed.title, failed.diagnosis or ""]
+    if any(type(value) is not int for value in whole) or any(type(text) is not str for text in texts):
+        raise TypeError(entry)
+    return made
+
+
+def _write(path: Path, records: dict[str, ProgressRecord]) -> None:
+    """Replace the file whole: a crash or a full disk leaves the old one."""
+    content = {
+        "format_version": FORMAT_VERSION,
+        "exercises": {exercise: asdict(entry) for exercise, entry in records.items()},
+    }
+    text = json.dumps(content, indent=1, ensure_ascii=False)
+    environment.write_atomically(path, text, mode=0o600)  # nobody else's business
+
+
+def _put_aside(path: Path) -> Path:
+    """Rename a damaged file: perhaps somebody can repair it."""
+    number = 1
+    while (aside := path.with_suffix(f".damaged-{number}.json")).exists():
+        number += 1
+    return path.rename(aside)

@@ -1,0 +1,117 @@
+"""One child process: how it is started, waited for and ended."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from contextlib import suppress
+from signal import SIGKILL
+from typing import IO, TYPE_CHECKING
+
+from course_kit.process.parent import die_with_parent
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+    from signal import Signals
+
+    from course_kit.process.signals import Ladder
+
+PIPE, INTO_STDOUT, NOWHERE = subprocess.PIPE, subprocess.STDOUT, subprocess.DEVNULL
+_KILLED_S = 10.0  # the kernel needs some to end a process that is large, or busy with a disk
+
+
+class Child:
+    """A process in a session of its own, with nothing to read.
+
+    So a Ctrl-C at the terminal does not reach it: it is passed on by whoever has started it, once.
+
+    Attributes:
+        pid: its number.
+        stdout: our end of its pipe, None without one.
+        stderr: the same.
+    """
+
+    def __init__(  # noqa: PLR0913 - a process is described by that much
+        self,
+        command: Sequence[str],
+        *,
+        environ: Mapping[str, str] | None = None,
+        folder: str | Path | None = None,
+        stdout: int | IO[bytes] | None = None,
+        stderr: int | IO[bytes] | None = None,
+        descriptors: Sequence[int] = (),
+        dies_with_us: bool = False,
+    ) -> None:
+        """Start it.
+
+        Args:
+            command: its words.
+            environ: its variables; ours if None.
+            folder: its working directory; ours if None.
+            stdout: PIPE, NOWHERE, a file or a descriptor; our own if None.
+            stderr: the same, or INTO_STDOUT.
+            descriptors: what it inherits besides.
+            dies_with_us: whether the kernel kills it when we end. Only for a process with one thread.
+
+        Raises:
+            OSError: it cannot be started.
+        """
+        us = os.getpid()
+        self._popen = subprocess.Popen(
+            list(command),
+            env=environ,
+            cwd=folder,
+            stdin=subprocess.DEVNULL,
+            stdout=stdout,
+            stderr=stderr,
+            pass_fds=descriptors,
+            start_new_session=True,
+            preexec_fn=(lambda: die_with_parent(us)) if dies_with_us else None,  # noqa: PLW1509 - see above
+        )
+        self.pid, self.stdout, self.stderr = self._popen.pid, self._popen.stdout, self._popen.stderr
+
+    def exit_code(self) -> int | None:
+        """Its exit code, negative for a signal; None while it runs."""
+        return self._popen.poll()
+
+    def wait(self, seconds: float | None = None) -> int | None:
+        """Wait until it has ended; its exit code, None if it has not within so many seconds."""
+        with suppress(subprocess.TimeoutExpired):
+            return self._popen.wait(seconds)
+        return None
+
+    def send(self, number: Signals) -> None:
+        """Signal it and what it has started."""
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(self.pid, number)
+
+    def end(self, ladder: Ladder) -> bytes:
+        """Have it end, by SIGKILL at the latest, and kill what it has started and left behind.
+
+        Returns:
+            what it has still written into our pipe, if it has one.
+        """
+        said = b""
+        while not ladder.at_top:
+            number, seconds = ladder.climb()
+            self.send(number)
+            with suppress(subprocess.TimeoutExpired):
+                said, _ = self._popen.communicate(timeout=seconds)  # who waits for a full pipe to be read does not end
+                break
+        self.kill()
+        return said or b""
+
+    def wait_or_kill(self, seconds: float) -> int:
+        """Its exit code; it is killed when it has not ended by itself within so many seconds."""
+        code = self.wait(seconds)
+        return self.kill() if code is None else code
+
+    def kill(self) -> int:
+        """Kill it, or what it has left behind, and read no more of its output; its exit code."""
+        self.send(SIGKILL)
+        code = self.wait(_KILLED_S)
+        for stream in (self.stdout, self.stderr):
+            if stream is not None:
+                stream.close()
+        return -SIGKILL if code is None else code

@@ -1,0 +1,159 @@
+"""The processes below one: which they are, what they use, and their end, through /proc (proc(5)).
+
+Works in whatever PID namespace /proc belongs to: the number of the calling process is read from /proc/self.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Container, Iterable
+
+_TICKS = os.sysconf("SC_CLK_TCK")
+_PAGE = os.sysconf("SC_PAGE_SIZE")
+
+
+@dataclass(frozen=True)
+class Usage:
+    """What some processes use together.
+
+    Attributes:
+        cpu_s: seconds of computing; children that they have waited for are among it.
+        tasks: processes and threads.
+        memory: resident bytes, what forks share counted for each of them.
+    """
+
+    cpu_s: float = 0.0
+    tasks: int = 0
+    memory: int = 0
+
+
+def descendants(root: int) -> list[int]:
+    """All living or unreaped processes below `root`, parents before children."""
+    return _below(root, _children().get)
+
+
+def all_but(process_id: int) -> list[int]:
+    """All processes that /proc shows, without one: the quick way to all descendants of process 1 of a PID namespace."""
+    return [number for number in _all() if number != process_id]
+
+
+def this_process() -> int:
+    """The number of this process as /proc knows it."""
+    return int(Path("/proc/self").readlink().name)
+
+
+def usage(process_ids: Iterable[int]) -> Usage:
+    """What these processes use together; of those that have ended only what their parents were told counts."""
+    cpu_s, tasks, memory = 0.0, 0, 0
+    for process_id in process_ids:
+        with suppress(OSError, ValueError, IndexError):
+            fields = _stat(process_id)
+            cpu_s += sum(map(int, fields[11:15])) / _TICKS
+            tasks += int(fields[17])
+            memory += int(fields[21]) * _PAGE
+    return Usage(cpu_s, tasks, memory)
+
+
+def tasks_of_user(user: int) -> int:
+    """Processes and threads of a user."""
+    tasks = 0
+    for process_id in _all():
+        with suppress(OSError, ValueError, IndexError, StopIteration):
+            if _user(process_id) == user:
+                tasks += int(_stat(process_id)[17])
+    return tasks
+
+
+def _user(process_id: int) -> int:
+    """Whose process it is; the files of one that forbids tracing belong to root, whoever's it is."""
+    owner = Path(f"/proc/{process_id}").stat().st_uid
+    if owner:
+        return owner
+    with open(f"/proc/{process_id}/status", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
+        return next(int(line.split()[1]) for line in file if line.startswith("Uid:"))
+
+
+def end_descendants(keep: Container[int] = ()) -> None:
+    """Kill everything below this process but the children `keep` and what hangs on them; returns when all are gone.
+
+    Needs `parent.adopt_orphans`: the orphans that killing makes come to us. Repeats until nothing is left,
+    so that a program which forks while it is being killed does not escape.
+    """
+    own = this_process()
+    listed = _listed_children
+    while True:
+        doomed = [child for child in listed(own) if child not in keep]
+        if not doomed:
+            if listed is _all_children or (not keep and _childless()):
+                return
+            listed = _all_children  # the kernel's list may lack a child when another ends just then
+            continue
+        for process_id in (*doomed, *(below for child in doomed for below in _below(child, _listed_children))):
+            with suppress(ProcessLookupError):
+                os.kill(process_id, signal.SIGKILL)
+        for child in doomed:
+            with suppress(ChildProcessError):
+                os.waitpid(child, 0)
+
+
+def _childless() -> bool:
+    """Whether this process has no child, living or unreaped."""
+    try:
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+    except ChildProcessError:
+        return True
+    return False
+
+
+def _below(process_id: int, children_of: Callable[[int], list[int] | None]) -> list[int]:
+    """All processes below one, parents before children."""
+    found, pending = [], [process_id]
+    while pending:
+        below = children_of(pending.pop()) or []
+        found.extend(below)
+        pending.extend(below)
+    return found
+
+
+def _listed_children(parent: int) -> list[int]:
+    """The children by the kernel's own list, without a look at every process of the machine."""
+    found: list[int] = []
+    try:
+        for thread in os.listdir(f"/proc/{parent}/task"):  # noqa: PTH208 - hot
+            with open(f"/proc/{parent}/task/{thread}/children", encoding="utf-8") as file:  # noqa: PTH123 - hot
+                found += map(int, file.read().split())
+    except FileNotFoundError:  # it has ended, or this kernel keeps no such lists (CONFIG_PROC_CHILDREN)
+        return _all_children(parent)
+    except OSError:
+        return found
+    return found
+
+
+def _all_children(parent: int) -> list[int]:
+    return _children().get(parent, [])
+
+
+def _children() -> dict[int, list[int]]:
+    """The children of every process that has some."""
+    found: dict[int, list[int]] = {}
+    for process_id in _all():
+        with suppress(OSError, ValueError, IndexError):
+            found.setdefault(int(_stat(process_id)[1]), []).append(process_id)
+    return found
+
+
+def _all() -> list[int]:
+    return [int(name) for name in os.listdir("/proc") if name.isdecimal()]  # noqa: PTH208 - hot
+
+
+def _stat(process_id: int) -> list[str]:
+    """The fields of /proc/PID/stat from the third, the state, on: the second, the name, may hold anything."""
+    with open(f"/proc/{process_id}/stat", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
+        return file.read().rpartition(")")[2].split()

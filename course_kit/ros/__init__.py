@@ -1,0 +1,1 @@
+"""The one layer between the course kit and rclpy."""

@@ -1,0 +1,264 @@
+"""The kit's own action client: rclpy's, whose feedback is not lost, and a goal on its way.
+
+rclpy's action client forgets a goal's feedback callback when the result arrives, so feedback that comes with the
+result or after it is dropped; and it takes one message a turn from a queue of ten. Here all that has arrived is
+taken at once, and handed on before the result that was taken with it.
+
+Nothing here waits. Everything runs on the thread that spins the node, the sending too: so a reply cannot arrive before
+its sending is complete (issue 1123 of rclpy).
+"""
+
+from __future__ import annotations
+
+import uuid
+import weakref
+from typing import TYPE_CHECKING, Any
+
+from rclpy.action import ActionClient
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.qos import QoSProfile
+from unique_identifier_msgs.msg import UUID
+
+from course_kit.ros.names import full_action_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_LOOK = 0.5  # seconds between looks at whether the servers of goals are still there
+_DEPTH = 1000  # feedback messages that may wait while a callback keeps the thread
+# By action_msgs/msg/GoalStatus.
+_STATUS = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
+_ORDER = ("ACCEPTED", "EXECUTING", "CANCELING")  # a status message may be older than what is known already
+
+
+def status_name(status: int) -> str:
+    """A status of action_msgs/msg/GoalStatus in words; a number that has none as it is."""
+    return _STATUS[status] if 0 <= status < len(_STATUS) else str(status)
+
+
+class GoalClient(ActionClient):
+    """An action client that keeps track of its goals.
+
+    Args:
+        node: whose client it is.
+        action_type: the action's class.
+        action: its name.
+
+    Attributes:
+        action_name: its full name.
+        busy: the goals that have not ended, by their identifiers; they are kept although nobody else may hold them.
+    """
+
+    def __init__(self, node: Any, action_type: Any, action: str) -> None:
+        super().__init__(
+            node,
+            action_type,
+            action,
+            callback_group=ReentrantCallbackGroup(),
+            feedback_sub_qos_profile=QoSProfile(depth=_DEPTH),
+        )
+        self.action_name = full_action_name(node, action)
+        self._own_node = node
+        self._feedback_message = action_type.Impl.FeedbackMessage
+        self.busy: dict[bytes, GoalTracker] = {}
+        self._watch: Any = None
+        self._ended: weakref.WeakValueDictionary[bytes, GoalTracker] = weakref.WeakValueDictionary()
+
+    def add_future(self, future: Any) -> None:
+        """Leave a future without an executor, so that it calls back at once, in the order in which things arrive."""
+
+    def remove_future(self, future: Any) -> None:
+        """See `add_future`."""
+
+    def take_data(self) -> dict[str, Any]:
+        """Take what has arrived, all of the feedback included."""
+        data: dict[str, Any] = super().take_data()
+        first = data.pop("feedback", None)
+        data["all_feedback"] = [] if first is None else [first]
+        handle = getattr(self, "_client_handle", None)  # a private name; see ros.compat
+        while handle is not None and (more := handle.take_feedback(self._feedback_message)) is not None:
+            data["all_feedback"].append(more)
+        return data
+
+    async def execute(self, taken_data: dict[str, Any]) -> None:
+        """Hand on what was taken, feedback before a result."""
+        if "goal" in taken_data:
+            await super().execute({"goal": taken_data.pop("goal")})
+        for message in taken_data.pop("all_feedback"):
+            await super().execute({"feedback": message})  # for whoever records; it has no callback of rclpy's
+            self.deliver(message)
+        for status in getattr(taken_data.get("status"), "status_list", ()):
+            tracker = self._find(status.goal_info.goal_id)
+            if tracker is not None:
+                tracker.note_status(status_name(status.status))
+        await super().execute(taken_data)
+
+    def deliver(self, message: Any) -> None:
+        """Hand on one feedback message; those of other clients' goals come here, too."""
+        tracker = self._find(message.goal_id)
+        if tracker is not None:
+            tracker.take_feedback(message.feedback)
+
+    def begin(self, tracker: GoalTracker, goal: Any) -> Any:
+        """Send a goal; returns the future of rclpy's goal handle."""
+        identifier = UUID(uuid=list(uuid.uuid4().bytes))
+        tracker.identifier = bytes(identifier.uuid)
+        self.busy[tracker.identifier] = tracker
+        if self._watch is None:
+            self._watch = self._own_node.create_timer(_LOOK, self._look_for_servers, callback_group=self.callback_group)
+        return self.send_goal_async(goal, goal_uuid=identifier)
+
+    def end(self, tracker: GoalTracker) -> None:
+        """Keep track of a goal only as long as somebody holds it: it has ended."""
+        if self.busy.pop(tracker.identifier, None) is not None:
+            self._ended[tracker.identifier] = tracker
+
+    def servers(self) -> frozenset[bytes]:
+        """What identifies the action's servers that are on the graph; one that was started again is another."""
+        found = self._own_node.get_publishers_info_by_topic(f"{self.action_name}/_action/feedback")
+        return frozenset(bytes(one.endpoint_gid) for one in found)
+
+    def destroy(self) -> None:
+        """Destroy it, and the timer that belongs to it."""
+        self._stop_watching()
+        super().destroy()
+
+    def _look_for_servers(self) -> None:
+        """Tell of goals whose server has gone: of itself no result would ever come."""
+        if self.busy:
+            servers = self.servers()
+            for tracker in list(self.busy.values()):
+                tracker.note_servers(servers)
+        else:
+            self._stop_watching()
+
+    def _stop_watching(self) -> None:
+        if self._watch is not None:
+            self._own_node.destroy_timer(self._watch)
+            self._watch = None
+
+    def _find(self, goal_id: Any) -> GoalTracker | None:
+        identifier = bytes(goal_id.uuid)
+        return self.busy.get(identifier) or self._ended.get(identifier)
+
+
+class GoalTracker:
+    """A goal on its way: what is known of it. Changed on the thread that spins the node, read anywhere.
+
+    Args:
+        client: sends it.
+        goal: the message.
+        call: calls one of the two functions below and tells of what it raises.
+
+    Attributes:
+        identifier: its own, 16 bytes; none before it is sent.
+        accepted: None until the server has answered.
+        status: the name of its state; "" until the server has answered.
+        feedback: the messages received so far.
+        ended: whether there will be no other result.
+        result: the result message; None until it has come, and for a goal that was rejected or lost.
+        on_feedback: called with each feedback message.
+        on_result: called when the goal has ended.
+        listeners: called after each change.
+        unwanted: whoever wanted it has been interrupted: it is not sent, or cancelled as soon as it is accepted.
+    """
+
+    def __init__(
+        self, client: GoalClient, goal: Any, call: Callable[[Callable[[], object]], object] = lambda run: run()
+    ) -> None:
+        self.client = client
+        self.identifier = b""
+        self.accepted: bool | None = None
+        self.status = ""
+        self.feedback: list[Any] = []
+        self.ended = False
+        self.result: Any = None
+        self.on_feedback: Callable[[Any], object] | None = None
+        self.on_result: Callable[[], object] | None = None
+        self.listeners: list[Callable[[], None]] = []
+        self.unwanted = False
+        self._goal = goal
+        self._servers: frozenset[bytes] = frozenset()
+        self._missed = 0
+        self._call = call
+        self._handle: Any = None
+
+    def begin(self) -> None:
+        """Send it."""
+        if not self.unwanted:
+            self.client.begin(self, self._goal).add_done_callback(self._answered)
+
+    def cancel(self, answered: Callable[[bool], None]) -> None:
+        """Ask the server to cancel it; `answered` is told whether it will."""
+        if self.ended or self._handle is None:
+            answered(False)
+            return
+
+        def heard(future: Any) -> None:
+            agreed = any(one.goal_id == self._handle.goal_id for one in future.result().goals_canceling)
+            if agreed:
+                self.note_status("CANCELING")
+            answered(agreed)
+            self._changed()
+
+        self._handle.cancel_goal_async().add_done_callback(heard)
+
+    def note_status(self, status: str) -> None:
+        """The server has published a state; the result tells the final one."""
+        if not self.ended and status in _ORDER and _ORDER.index(status) > self._rank():
+            self.status = status
+            self._changed()
+
+    def take_feedback(self, message: Any) -> None:
+        """A feedback message has come."""
+        self.feedback.append(message)
+        self.note_status("EXECUTING")  # a goal with feedback is; the message that says so may come later
+        on_feedback = self.on_feedback
+        if on_feedback is not None:
+            self._call(lambda: on_feedback(message))
+        self._changed()
+
+    def note_servers(self, servers: frozenset[bytes]) -> None:
+        """Which servers of its action are there now; without its own it is lost, at the second look."""
+        if self.accepted:
+            self._missed = 0 if servers & self._servers else self._missed + 1
+            if self._missed > 1:
+                self.lose()
+
+    def lose(self) -> None:
+        """Its server has gone: there will be no result."""
+        self._end("UNKNOWN", None)
+
+    def _answered(self, future: Any) -> None:
+        self._handle = future.result()
+        if not self._handle.accepted:
+            self.accepted = False
+            self._end("REJECTED", None)
+            return
+        self.accepted = True
+        self._servers = self.client.servers()
+        self.status = self.status or "ACCEPTED"
+        self._handle.get_result_async().add_done_callback(self._finished)
+        if self.unwanted:
+            self._handle.cancel_goal_async()
+        self._changed()
+
+    def _finished(self, future: Any) -> None:
+        response = future.result()
+        self._end(status_name(response.status), response.result)
+
+    def _end(self, status: str, result: Any) -> None:
+        if self.ended:
+            return
+        self.status, self.result, self.ended = status, result, True
+        self.client.end(self)
+        if self.on_result is not None and self.accepted is not None:
+            self._call(self.on_result)
+        self._changed()
+
+    def _rank(self) -> int:
+        return _ORDER.index(self.status) if self.status in _ORDER else -1
+
+    def _changed(self) -> None:
+        for listener in tuple(self.listeners):
+            listener()

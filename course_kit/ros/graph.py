@@ -1,0 +1,164 @@
+"""The ROS graph at one moment, as this process has discovered it: which node offers what, and which one uses it.
+
+`Node.get_service_names_and_types` lists clients' names as well, so the nodes are asked one by one.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from course_kit.ros import names
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+class Role(NamedTuple):
+    """What a node does with a channel.
+
+    Attributes:
+        kind: "service", "action" or "topic".
+        verb: what the node does, such as "serves".
+        offers: whether others need the node for it: a server, or a publisher.
+        inward: whether what starts an exchange comes to the node: requests, goals, messages.
+    """
+
+    kind: str
+    verb: str
+    offers: bool
+    inward: bool
+
+
+SERVES = Role("service", "serves", offers=True, inward=True)
+CALLS = Role("service", "calls", offers=False, inward=False)
+RUNS = Role("action", "runs the action", offers=True, inward=True)
+SENDS_GOALS = Role("action", "sends goals to", offers=False, inward=False)
+PUBLISHES = Role("topic", "publishes", offers=True, inward=False)
+LISTENS = Role("topic", "listens to", offers=False, inward=True)
+KINDS = ("service", "action", "topic")
+_MISSING = {"service": "No node serves", "action": "No node runs", "topic": "No node publishes"}
+_UNUSED = "No node listens to"
+
+
+class Use(NamedTuple):
+    """One node on one channel.
+
+    Attributes:
+        node: its full name.
+        role: what it does there.
+        channel: the full name of the service, action or topic.
+        types: the types it uses it with; one, unless something is wrong.
+    """
+
+    node: str
+    role: Role
+    channel: str
+    types: tuple[str, ...]
+
+
+class Overview(NamedTuple):
+    """Nodes and what they do, in alphabetical order.
+
+    Attributes:
+        nodes: full names; two nodes of one name stand twice.
+        uses: services first, then actions, then topics.
+    """
+
+    nodes: tuple[str, ...]
+    uses: tuple[Use, ...]
+
+    def of(self, node: str) -> list[Use]:
+        """What one node does."""
+        return [use for use in self.uses if use.node == node]
+
+    def channels(self) -> dict[tuple[str, str], list[Use]]:
+        """Kind and name of each channel, with who is on it."""
+        found: dict[tuple[str, str], list[Use]] = {}
+        for use in self.uses:
+            found.setdefault((use.role.kind, use.channel), []).append(use)
+        return dict(sorted(found.items(), key=lambda item: (KINDS.index(item[0][0]), item[0][1])))
+
+    def remarks(self) -> dict[tuple[str, str], list[str]]:
+        """What may be amiss, sentences for kind and name of a channel: without the other side, or with two types."""
+        found: dict[tuple[str, str], list[str]] = {}
+        for (kind, name), uses in self.channels().items():
+            if _is_plumbing(uses[0]):
+                continue
+            types = sorted({one for use in uses for one in use.types})
+            said = []
+            if not any(use.role.offers for use in uses):
+                said.append(f"{_MISSING[kind]} {name}.")
+            elif kind == "topic" and all(use.role.offers for use in uses):
+                said.append(f"{_UNUSED} {name}.")
+            if len(types) > 1:
+                said.append(f"{name} is used with {len(types)} types, which never meet: {', '.join(types)}.")
+            if said:
+                found[kind, name] = said
+        return found
+
+
+def read(node: Any, *, plumbing: bool = False) -> Overview:
+    """The graph as a node sees it.
+
+    Args:
+        node: looks at the graph.
+        plumbing: include what ROS itself brings along: the services each node has for its parameters, /rosout and
+            the like, the parts of actions, and whatever has a hidden name.
+    """
+    shown = [name for name in nodes(node) if plumbing or not names.is_hidden(name)]
+    uses = {use for name in set(shown) for use in uses_of(node, name) if plumbing or not _is_plumbing(use)}
+    return Overview(tuple(shown), tuple(sorted(uses, key=_order)))
+
+
+def _order(use: Use) -> tuple[str, int, bool, str]:
+    return use.node, KINDS.index(use.role.kind), not use.role.offers, use.channel
+
+
+def _is_plumbing(use: Use) -> bool:
+    if use.role.kind == "service" and names.is_of_every_node(use.channel):
+        return True
+    return names.is_hidden(use.channel) or names.is_of_ros(use.channel)
+
+
+def nodes(node: Any) -> list[str]:
+    """Full names of all nodes in alphabetical order; a name stands as often as nodes carry it."""
+    return sorted(names.full_name(*one) for one in node.get_node_names_and_namespaces())
+
+
+def offered(node: Any, role: Role, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
+    """What has a server or a publisher on the graph, with its types; that of the nodes `except_by` is left out."""
+    found: dict[str, list[str]] = {}
+    for name in set(nodes(node)) - except_by:
+        for use in uses_of(node, name, role):
+            known = found.setdefault(use.channel, [])
+            known += [kind for kind in use.types if kind not in known]
+    return found
+
+
+def uses_of(node: Any, full_name: str, *roles: Role) -> Iterator[Use]:
+    """What a node does, as another node sees it; nothing more once it has gone.
+
+    Args:
+        node: looks at the graph.
+        full_name: of the node in question.
+        roles: the ones of interest; all of them without any.
+    """
+    from rclpy import action
+    from rclpy.impl.implementation_singleton import rclpy_implementation
+
+    namespace, _, name = full_name.rpartition("/")
+    where = (name, namespace or "/")
+    readers: dict[Role, Any] = {
+        SERVES: lambda: node.get_service_names_and_types_by_node(*where),
+        CALLS: lambda: node.get_client_names_and_types_by_node(*where),
+        RUNS: lambda: action.get_action_server_names_and_types_by_node(node, *where),
+        SENDS_GOALS: lambda: action.get_action_client_names_and_types_by_node(node, *where),
+        PUBLISHES: lambda: node.get_publisher_names_and_types_by_node(*where),
+        LISTENS: lambda: node.get_subscriber_names_and_types_by_node(*where),
+    }
+    for role in roles or readers:
+        try:
+            found = readers[role]()
+        except (rclpy_implementation.RCLError, ValueError):  # it has gone meanwhile, or has no proper name yet
+            return
+        yield from (Use(full_name, role, channel, tuple(sorted(types))) for channel, types in found)

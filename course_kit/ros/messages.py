@@ -1,0 +1,39 @@
+"""Interfaces in ROS's words: names of classes and of the types of fields."""
+
+from __future__ import annotations
+
+from typing import Any
+
+# As `get_fields_and_field_types` has them, and as a definition spells them.
+_WORDS = {"boolean": "bool", "double": "float64", "float": "float32", "octet": "byte"}
+
+
+def type_name(interface: Any) -> str:
+    """The ROS name of an interface class, e.g. "std_srvs/srv/Trigger"."""
+    module = str(getattr(interface, "__module__", "")).split(".")
+    return "/".join([*module[:2], interface.__name__]) if len(module) > 1 else str(interface.__name__)
+
+
+def is_service_type(interface: Any) -> bool:
+    """Whether this is a service's class, with a Request and a Response."""
+    return isinstance(interface, type) and hasattr(interface, "Request") and hasattr(interface, "Response")
+
+
+def is_action_type(interface: Any) -> bool:
+    """Whether this is an action's class, with a Goal, a Result and a Feedback."""
+    return isinstance(interface, type) and all(hasattr(interface, part) for part in ("Goal", "Result", "Feedback"))
+
+
+def is_message_type(interface: Any) -> bool:
+    """Whether this is a message's class."""
+    return isinstance(interface, type) and hasattr(interface, "get_fields_and_field_types")
+
+
+def ros_word(field_type: str) -> str:
+    """The type of a field as a definition spells it, such as "float64" for "double"."""
+    return _WORDS.get(field_type, field_type)
+
+
+def with_article(word: str) -> str:
+    """A word as "an int" or "a float"."""
+    return f"{'an' if word[0] in 'aeio' else 'a'} {word}"

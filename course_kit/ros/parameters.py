@@ -1,0 +1,273 @@
+"""Parameters of a node: their values, and what is asked of the services every node has for them.
+
+A parameter's value is a bool, an int, a float, a str, or a list of one of these or of bytes; the types are those of
+rcl_interfaces/msg/ParameterType.
+
+Each verb is a generator that yields a `Question` for a service and is sent the response. How one waits for that is
+the caller's: `driven` has a function that waits, `awaited` one that is awaited.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+from course_kit.ros.errors import BadFieldError
+from course_kit.ros.messages import with_article
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Generator, Iterable, Mapping, Sequence
+
+NOT_SET = "not set"
+# By rcl_interfaces/msg/ParameterType; the field of ParameterValue that holds the value is called after the type.
+TYPES = (
+    NOT_SET,
+    "bool",
+    "integer",
+    "double",
+    "string",
+    "byte_array",
+    "bool_array",
+    "integer_array",
+    "double_array",
+    "string_array",
+)
+_SCALARS = (bool, int, float, str)  # of the types from 1 on; a bool is an int as well: it comes first
+_ELEMENTS = (bytes, bool, int, float, str)  # of the types from _ARRAYS on
+_ARRAYS = 5
+_INT64 = range(-(2**63), 2**63)
+LIST_SERVICE = "/list_parameters"  # a node that has it has parameter services
+# Every node has these, whatever its author declares.
+_OF_EVERY_NODE = ("use_sim_time", "start_type_description_service")
+_OVERRIDES = "qos_overrides."
+
+T = TypeVar("T")
+
+
+class Question(NamedTuple):
+    """A call that a verb wants made.
+
+    Attributes:
+        service: which of the node's parameter services, such as "get_parameters".
+        fields: the request's.
+    """
+
+    service: str
+    fields: dict[str, Any]
+
+    @property
+    def interface(self) -> Any:
+        """The service's class."""
+        import rcl_interfaces.srv
+
+        return getattr(rcl_interfaces.srv, "".join(word.capitalize() for word in self.service.split("_")))
+
+
+if TYPE_CHECKING:
+    Steps = Generator[Question, Any, T]
+
+
+def driven(steps: Steps[T], ask: Callable[[Question], Any]) -> T:
+    """What a verb returns, each of its questions answered by `ask`."""
+    response = None
+    while True:
+        try:
+            question = steps.send(response)
+        except StopIteration as end:
+            result: T = end.value
+            return result
+        response = ask(question)
+
+
+async def awaited(steps: Steps[T], ask: Callable[[Question], Awaitable[Any]]) -> T:
+    """The same for an `ask` that is awaited."""
+    response = None
+    while True:
+        try:
+            question = steps.send(response)
+        except StopIteration as end:
+            result: T = end.value
+            return result
+        response = await ask(question)
+
+
+def names(prefixes: Iterable[str] = ()) -> Steps[list[str]]:
+    """The names of all parameters as the node lists them; with `prefixes` only those below them."""
+    return list((yield Question("list_parameters", {"prefixes": list(prefixes)})).result.names)
+
+
+def values(wanted: Sequence[str]) -> Steps[list[Any]]:
+    """The rcl_interfaces/msg/ParameterValue of each name; of type 0 where a parameter is not declared or not set."""
+    from rcl_interfaces.msg import ParameterValue
+
+    found = list((yield Question("get_parameters", {"names": list(wanted)})).values)
+    if len(found) == len(wanted):
+        return found
+    if len(wanted) == 1:
+        return [ParameterValue()]
+    one_by_one = []
+    for name in wanted:  # rclpy answers for all or for none
+        one_by_one += yield from values([name])
+    return one_by_one
+
+
+def descriptors(wanted: Sequence[str]) -> Steps[list[Any]]:
+    """The rcl_interfaces/msg/ParameterDescriptor of each name."""
+    found = list((yield Question("describe_parameters", {"names": list(wanted)})).descriptors)
+    for name, descriptor in zip(wanted, found, strict=True):
+        descriptor.name = name  # rclpy gives all parameters declared with one descriptor object the last one's name
+    return found
+
+
+def set_each(parameters: Sequence[Any]) -> Steps[list[Any]]:
+    """Set parameters (rcl_interfaces/msg/Parameter), each by itself; a SetParametersResult for each."""
+    return list((yield Question("set_parameters", {"parameters": list(parameters)})).results)
+
+
+def set_together(parameters: Sequence[Any]) -> Steps[Any]:
+    """Set parameters, all or none, in this order; one SetParametersResult for all."""
+    return (yield Question("set_parameters_atomically", {"parameters": list(parameters)})).result
+
+
+def to_messages(given: Mapping[str, Any]) -> Steps[list[Any]]:
+    """The parameters with these values; the node is asked what an empty list is a list of.
+
+    Raises:
+        FieldError: no parameter can have such a value.
+    """
+    kinds: dict[str, int] = {}
+    for name in [name for name, value in given.items() if _is_empty_list(value)]:
+        kinds.update(dict.fromkeys([name], *(yield Question("get_parameter_types", {"names": [name]})).types[:1]))
+    return [to_message(name, value, kinds.get(name)) for name, value in given.items()]
+
+
+def to_message(name: str, value: Any, empty_list: int | None = None) -> Any:
+    """The rcl_interfaces/msg/Parameter for a value; None for "not set", which deletes a dynamic one.
+
+    Args:
+        name: of the parameter.
+        value: numbers and arrays of numpy are welcome.
+        empty_list: the type of an empty list; bytes when nobody knows, as in rclpy.
+
+    Raises:
+        FieldError: no parameter can have such a value.
+    """
+    from rcl_interfaces.msg import Parameter, ParameterValue
+
+    if hasattr(value, "tolist"):  # numpy's, and array.array's, which is what arrays come back as
+        value = value.tolist()
+    kind = _kind_of(name, value, empty_list or _ARRAYS)
+    message = ParameterValue(type=kind)
+    if kind:
+        setattr(message, f"{TYPES[kind]}_value", list(value) if isinstance(value, (list, tuple)) else value)
+    return Parameter(name=name, value=message)
+
+
+def from_message(value: Any) -> Any:
+    """What an rcl_interfaces/msg/ParameterValue holds, arrays as lists; None when it is not set."""
+    found = held(value)
+    return list(found) if _ARRAYS <= value.type < len(TYPES) else found
+
+
+def held(value: Any) -> Any:
+    """The same, arrays as they are."""
+    return getattr(value, f"{TYPES[value.type]}_value") if 0 < value.type < len(TYPES) else None
+
+
+def type_of(value: Any) -> str:
+    """The type of an rcl_interfaces/msg/ParameterValue, also of one whose number has no name."""
+    return TYPES[value.type] if value.type < len(TYPES) else f"of the unknown type {value.type}"
+
+
+class Range(NamedTuple):
+    """Limits of a number, both allowed; a step of 0 means any value between."""
+
+    lowest: float
+    highest: float
+    step: float
+
+    def __str__(self) -> str:
+        steps = f" in steps of {self.step!r}" if self.step else ""
+        return f"{self.lowest!r} to {self.highest!r}{steps}"
+
+
+@dataclass(frozen=True, repr=False)
+class Descriptor:
+    """What a node says about one of its parameters.
+
+    Attributes:
+        name: of the parameter.
+        type: such as "double"; see `TYPES`.
+        description: what it is for; may be empty.
+        range: limits of a number, None without any.
+        read_only: whether it cannot be changed after the start.
+        constraints: what else its author asks of values, in words; may be empty.
+    """
+
+    name: str
+    type: str
+    description: str
+    range: Range | None
+    read_only: bool
+    constraints: str
+
+    def __repr__(self) -> str:
+        facts = [self.type, str(self.range) if self.range else "", "read-only" if self.read_only else ""]
+        words = [f"{self.name}: {', '.join(fact for fact in facts if fact)}"]
+        words += [f"    {text}" for text in (self.description, self.constraints) if text]
+        return "\n".join(words)
+
+
+def described(message: Any) -> Descriptor:
+    """An rcl_interfaces/msg/ParameterDescriptor in plain values."""
+    limits = [*message.floating_point_range, *message.integer_range]
+    found = Range(limits[0].from_value, limits[0].to_value, limits[0].step) if limits else None
+    constraints = message.additional_constraints
+    return Descriptor(message.name, type_of(message), message.description, found, message.read_only, constraints)
+
+
+def own_first(found: Iterable[str]) -> list[str]:
+    """The node's own parameters in its order, then those that ROS 2 declares in every node."""
+    return sorted(found, key=is_of_every_node)
+
+
+def is_of_every_node(name: str) -> bool:
+    """Whether ROS 2 declares this parameter, not the node's author."""
+    return name in _OF_EVERY_NODE or name.startswith(_OVERRIDES)
+
+
+def _is_empty_list(value: Any) -> bool:
+    """Whether this is a list without elements, which does not say what it is a list of."""
+    return not isinstance(value, str) and hasattr(value, "__len__") and len(value) == 0
+
+
+def _kind_of(name: str, value: Any, empty_list: int) -> int:
+    if value is None:
+        return 0
+    for number, scalar in enumerate(_SCALARS, start=1):
+        if isinstance(value, scalar):
+            _require_int64(name, [value])
+            return number
+    if not isinstance(value, (list, tuple)):
+        raise _unfit(name, value, "A parameter is a bool, an int, a float, a str, or a list of one of these")
+    if not value:
+        return empty_list
+    for number, element in enumerate(_ELEMENTS, start=_ARRAYS):
+        if all(isinstance(one, element) and (element is bool or not isinstance(one, bool)) for one in value):
+            _require_int64(name, value)
+            return number
+    hint = ""
+    if all(isinstance(one, (int, float)) and not isinstance(one, bool) for one in value):
+        hint = f" Write {[float(one) for one in value]!r}."
+    raise _unfit(name, value, "All elements of a list have one type: bool, int, float, str or bytes", hint)
+
+
+def _require_int64(name: str, given: Sequence[Any]) -> None:
+    if any(isinstance(one, int) and one not in _INT64 for one in given):
+        raise _unfit(name, given[0], "An integer parameter has 64 bits")
+
+
+def _unfit(name: str, value: Any, rule: str, hint: str = "") -> BadFieldError:
+    shown = textwrap.shorten(repr(value), 60, placeholder="...")
+    return BadFieldError(f"{rule}; {name!r} was given {shown}, {with_article(type(value).__name__)}.{hint}")

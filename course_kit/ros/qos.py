@@ -1,0 +1,26 @@
+"""Quality of service that fits who is on a topic already."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rclpy.qos import QoSProfile
+
+
+def as_offered(depth: int = 10, keepers: Sequence[Any] = ()) -> QoSProfile:
+    """A profile for a subscription that connects with all publishers that are on the topic when it is made.
+
+    Args:
+        depth: messages that may wait.
+        keepers: rclpy's TopicEndpointInfo of each publisher, where what was published before is wanted, too. It comes
+            if all of them keep it. BEST_AVAILABLE does not do: it is TRANSIENT_LOCAL while there is no publisher, and
+            then never connects with one of the default profile.
+    """
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+    local = bool(keepers) and all(one.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for one in keepers)
+    durability = DurabilityPolicy.TRANSIENT_LOCAL if local else DurabilityPolicy.VOLATILE
+    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_AVAILABLE, durability=durability)

@@ -1,7 +1,0 @@
-"""`python -m course_kit.ros2`: always the course kit's own command, never a real one."""
-
-import sys
-
-from course_kit.ros2.cli import run_program
-
-sys.exit(run_program())

@@ -1,0 +1,81 @@
+"""Runs the launch file of a `%%ros_launch` cell as a child of the kernel.
+
+`python -m course_kit.ros2cli.launching NAME PARENT_PID DESCRIPTOR FILE [name:=value ...]`, which is how the lab starts
+its scripts. The processes are those `ros2 launch` would start. They write into the notebook directly, so that their
+lines are there in the order they were written in, and report like scripts what crosses and when they spin.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from pathlib import Path
+
+from course_kit import environment
+from course_kit.launch.errors import LaunchError
+from course_kit.launch.process import LaunchedProcess
+from course_kit.launch.service import LaunchService
+from course_kit.process.parent import die_with_parent
+
+MODULE = __name__
+_RUNNER = ("-m", "course_kit.lab.scripts.child_main")
+
+
+class NotebookLaunch(LaunchService):
+    """One run of a launch file in a notebook.
+
+    Args:
+        script: what the learner calls it.
+        descriptor: of the pipe that reports go into.
+    """
+
+    def __init__(self, script: str, descriptor: int) -> None:
+        super().__init__(Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - it lives as long as this
+        self._script, self._descriptor = script, descriptor
+
+    def make_child(
+        self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]
+    ) -> LaunchedProcess:
+        """Start a process that writes into the notebook; a Python program under the runner of scripts."""
+        shown = list(command)
+        if command[0] == sys.executable and command[1].endswith(".py"):
+            shown[1] = Path(command[1]).name
+            around = [sys.executable, *_RUNNER, self._script, str(os.getpid()), str(self._descriptor)]
+            command = [*around, *command[1:]]
+        log_format = f"[{label}] [{{severity}}] [{{name}}]: {{message}}"
+        environ = {**self._environ, "RCUTILS_CONSOLE_OUTPUT_FORMAT": log_format, "RCUTILS_COLORIZED_OUTPUT": "0"}
+        passed = (self._descriptor,)
+        child = LaunchedProcess(command, label, environ, show_stdout=show_stdout, temporary=temporary, inherits=passed)
+        child.command = " ".join(["python", *shown[1:2]])
+        return child
+
+    def say(self, text: str, *, shown: bool = True) -> None:
+        """Write a line; how the processes are stopped, one after the other, is no news when the learner does it."""
+        super().say(text, shown=shown and not self._stopping)
+
+    def _take_signals(self, numbers: bytes) -> None:
+        self._stopping |= any(number in numbers for number in (signal.SIGINT, signal.SIGTERM))
+        super()._take_signals(numbers)
+
+
+def main() -> int:
+    """Become the launch of the file given on the command line."""
+    name, parent, descriptor, path, *arguments = sys.argv[1:]
+    die_with_parent(int(parent), signal.SIGTERM)
+    values: dict[str, str] = {}
+    for argument in arguments:
+        key, separator, value = argument.partition(":=")
+        if not separator:
+            sys.stderr.write(f"{argument!r} is not an argument for a launch file: write name:=value.\n")
+            return 1
+        values[key] = value
+    try:
+        return NotebookLaunch(name, int(descriptor)).run(Path(path), values)
+    except (LaunchError, environment.DomainError) as error:
+        sys.stderr.write(f"{error}\n".replace(f"{Path(path).parent}{os.sep}", ""))
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,143 @@
+"""Parameters of another node, asked for through its parameter services ("Parameters" among the ROS 2 concepts)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from course_kit.ros import parameters
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.graph import visible
+
+if TYPE_CHECKING:
+    from course_kit.ros2cli.graph import Graph
+    from course_kit.ros2cli.session import Session
+
+T = TypeVar("T")
+
+
+class ParameterClient:
+    """Asks one node for its parameters.
+
+    Args:
+        session: the command's.
+        node_name: full name of the node.
+        timeout: seconds to wait for each answer.
+    """
+
+    def __init__(self, session: Session, node_name: str, timeout: float) -> None:
+        self._session, self._name, self._timeout = session, node_name, timeout
+
+    def ask(self, steps: parameters.Steps[T]) -> T:
+        """What one of the verbs of `course_kit.ros.parameters` returns.
+
+        Raises:
+            CommandError: the node has no parameter services, or does not answer.
+        """
+        return parameters.driven(steps, self._answer)
+
+    def require(self, name: str) -> Any:
+        """The ParameterValue of `name`.
+
+        Raises:
+            CommandError: the node has no such parameter.
+        """
+        (found,) = self.ask(parameters.values([name]))
+        if found.type == 0:
+            near = did_you_mean(name, self.ask(parameters.names()))
+            raise CommandError(f"Parameter not set: {self._name} has no {name!r}.{near}")
+        return found
+
+    def _answer(self, question: parameters.Question) -> Any:
+        client = self._session.node.create_client(question.interface, f"{self._name}/{question.service}")
+        try:
+            if not self._session.wait_on_graph(client.service_is_ready, self._timeout):
+                raise CommandError(f"{self._name} offers no parameter services within {self._timeout:g} s.")
+            request = question.interface.Request(**question.fields)
+            return self._session.answer_of(client, request, self._timeout, self._name)
+        finally:
+            self._session.node.destroy_client(client)
+
+
+def nodes_with_parameters(graph: Graph, *, hidden_too: bool = False) -> list[str]:
+    """The nodes that have parameter services, in order."""
+    names = visible({node: [] for node in graph.nodes}, hidden_too=hidden_too)
+    return [node for node in names if f"{node}{parameters.LIST_SERVICE}" in graph.services]
+
+
+def find_node(name: str, graph: Graph) -> str:
+    """The node's full name.
+
+    Raises:
+        CommandError: it is not on the graph; in the words of the real command, with the nearest right name.
+    """
+    if name not in graph.nodes:
+        raise CommandError(f"Node not found: {name}.{did_you_mean(name, graph.nodes)}")
+    return name
+
+
+def type_in_words(value: Any) -> str:
+    """The type of a value or a descriptor as the real command calls it."""
+    return parameters.type_of(value).replace("bool", "boolean").replace("_", " ")
+
+
+def value_in_words(value: Any) -> str:
+    """What `param get` prints before a value."""
+    kind = type_in_words(value)
+    return f"{kind.removesuffix(' array').capitalize()} {'values are' if 'array' in kind else 'value is'}:"
+
+
+def plain_value(value: Any) -> Any:
+    """What a ParameterValue holds for YAML: arrays as lists, bytes as numbers."""
+    found = parameters.from_message(value)
+    return [one[0] if isinstance(one, bytes) else one for one in found] if isinstance(found, list) else found
+
+
+def parse(name: str, text: str) -> Any:
+    """A parameter from what was typed, by ROS 2's rules: YAML decides the type, a mixed list is a string.
+
+    Raises:
+        CommandError: no type of a parameter fits.
+    """
+    from rcl_interfaces.msg import Parameter
+    from rclpy.parameter import get_parameter_value
+    from yaml import YAMLError
+
+    try:
+        return Parameter(name=name, value=get_parameter_value(text))
+    except (YAMLError, AssertionError, ValueError, OverflowError) as error:
+        raise CommandError(f"{text!r} is not a parameter value: {str(error).splitlines()[0]}.") from error
+
+
+def load_file(path: str, node: str, *, use_wildcard: bool) -> list[Any]:
+    """The parameters for `node` in a parameter file, as rcl_interfaces/msg/Parameter.
+
+    Args:
+        path: of the file.
+        node: the node's full name.
+        use_wildcard: whether `/**` counts for it.
+
+    Raises:
+        CommandError: the file cannot be read, or has nothing for this node.
+    """
+    from rclpy.parameter import parameter_dict_from_yaml_file
+    from yaml import YAMLError
+
+    # ROS 2 takes /name and name; rclpy's function both from 7.1.8 on, and before that only what is asked for.
+    try:
+        keys = _top_level(path)
+        written = node if node in keys or node[1:] not in keys else node[1:]
+        loaded = parameter_dict_from_yaml_file(path, use_wildcard=use_wildcard, target_nodes=[written])
+    except OSError as error:
+        raise CommandError(f"{path}: {error.strerror}.") from error
+    except (RuntimeError, YAMLError, AttributeError, TypeError, ValueError) as error:
+        raise CommandError(f"{path} is not a parameter file for {node}: {str(error).strip()}") from error
+    return list(loaded.values())
+
+
+def _top_level(path: str) -> set[str]:
+    from yaml import safe_load
+
+    with open(path, encoding="utf-8") as file:  # noqa: PTH123 - an OSError names what was given
+        loaded = safe_load(file)
+    return set(loaded) if isinstance(loaded, dict) else set()

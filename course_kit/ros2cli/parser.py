@@ -1,0 +1,178 @@
+"""The command line: commands, their verbs, and errors that name the nearest right word."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from course_kit.ros.names import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+COMMANDS = {
+    "action": "list actions, send goals",
+    "daemon": "the process that knows the graph: start, stop, status",
+    "interface": "show the text of messages, services and actions",
+    "launch": "run a launch file",
+    "node": "list nodes, see what they have",
+    "param": "list, get, set and save parameters of nodes",
+    "run": "run a node by package and executable",
+    "service": "list services, call them",
+    "topic": "list topics, listen, publish",
+}
+DEFAULT_TIMEOUT = 10.0
+_HELP_WIDTH = 100
+_SUBSET = (
+    "The ros2 command of the ROS 2 course kit: a subset of the real one, against the nodes of the course. "
+    "It never waits longer than --timeout seconds for anything."
+)
+_BAD_CHOICE = re.compile(r"invalid choice: '(?P<word>[^']*)' \(choose from (?P<choices>.*)\)")
+
+
+class _Help(argparse.HelpFormatter):
+    """Help in the terminal's width, which a command that prints no help need not find out.
+
+    It is laid out alike by every Python, as Python 3.13 does it: the names of verbs count with their indentation, and
+    an option with two names shows its value once. A learner's help has to look like the one in the lessons.
+    """
+
+    def __init__(self, prog: str) -> None:
+        columns = os.environ.get("COLUMNS", "")
+        width = int(columns) if columns.isdecimal() else 0
+        super().__init__(prog, width=width or _HELP_WIDTH, max_help_position=32)
+
+    def add_argument(self, action: argparse.Action) -> None:
+        """Add an argument to the help, and see how much room its name takes."""
+        super().add_argument(action)
+        for verb in self._iter_indented_subactions(action):
+            length = self._current_indent + len(self._format_action_invocation(verb))
+            self._action_max_length = max(self._action_max_length, length)
+
+    def _format_action_invocation(self, action: argparse.Action) -> str:
+        if not action.option_strings or action.nargs == 0:
+            return super()._format_action_invocation(action)
+        value = self._format_args(action, action.dest.upper())
+        return f"{', '.join(action.option_strings)} {value}"
+
+
+class Parser(argparse.ArgumentParser):
+    """An ArgumentParser whose errors are one line."""
+
+    def __init__(self, **options: Any) -> None:
+        if sys.version_info >= (3, 14):
+            options = {"color": False, **options}
+        super().__init__(**{"formatter_class": _Help, **options})
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and which word is nearest; exit code 2 as everywhere with argparse.
+
+        Raises:
+            SystemExit: always.
+        """
+        if wrong := _BAD_CHOICE.search(message):
+            choices = re.findall(r"[\w.-]+", wrong["choices"])
+            near = did_you_mean(wrong["word"], choices) or f" There are: {', '.join(choices)}."
+            message = f"{message[: wrong.start()]}there is no {wrong['word']!r}.{near}"
+        elif unknown := re.fullmatch(r"unrecognized arguments: (.*)", message):
+            message = f"unknown: {unknown[1]} (--help shows what there is)"
+        sys.stderr.write(f"{self.prog}: {message}\n")
+        raise SystemExit(2)
+
+
+def command_parser(arguments: Sequence[str]) -> Parser:
+    """A parser for these arguments, with only the verbs of the command that is meant; all when none is."""
+    named = next((word for word in arguments if not word.startswith("-")), None)
+    return build([named] if named in COMMANDS else [])
+
+
+def build(commands: Sequence[str]) -> Parser:
+    """A parser that knows all commands by name, and the verbs of `commands`."""
+    parser = Parser(prog="ros2", description=_SUBSET)
+    places = parser.add_subparsers(metavar="command", title="commands", parser_class=Parser)
+    for name, purpose in COMMANDS.items():
+        place = places.add_parser(name, help=purpose, description=f"{purpose}. {_SUBSET}")
+        place.set_defaults(parser=place, on_graph=name != "interface")
+        if name in commands:
+            verb_module(name).add_to(place)
+    return parser
+
+
+def verb_module(command: str) -> Any:
+    """The module with the verbs of a command."""
+    return import_module(f"course_kit.ros2cli.verbs.{command}")
+
+
+def add_verbs(place: argparse.ArgumentParser) -> Any:
+    """Where the verbs of a command are added; `add_verb` does it."""
+    return place.add_subparsers(metavar="verb", title="verbs", parser_class=Parser)
+
+
+def add_verb(verbs: Any, name: str, run: Any, purpose: str) -> argparse.ArgumentParser:
+    """One verb, run by `run(options, session)`.
+
+    Args:
+        verbs: of the command.
+        name: the verb's.
+        run: called with the options and the session.
+        purpose: for the help.
+    """
+    verb: argparse.ArgumentParser = verbs.add_parser(name, help=purpose, description=purpose)
+    verb.set_defaults(run=run)
+    return verb
+
+
+def add_timeout(verb: argparse.ArgumentParser, purpose: str = "seconds to wait at most") -> None:
+    """The option that keeps a verb from waiting for ever."""
+    verb.add_argument(
+        "--timeout", type=_seconds, default=DEFAULT_TIMEOUT, metavar="SECONDS", help=f"{purpose} (default: %(default)g)"
+    )
+
+
+def add_graph_options(verb: argparse.ArgumentParser) -> None:
+    """The options of every verb that reads the graph."""
+    add_timeout(verb, "seconds to wait for the graph to settle at most")
+    verb.add_argument("--no-daemon", action="store_true", help="look at the graph without asking the daemon")
+    verb.add_argument("--spin-time", type=_seconds, metavar="SECONDS", help="accepted; the graph is waited for anyway")
+    verb.add_argument("-s", "--use-sim-time", action="store_true", help=argparse.SUPPRESS)
+
+
+def add_named(verb: argparse.ArgumentParser, name: str, completer: str, **options: Any) -> None:
+    """A positional argument that the shell completes with `completer`, a function of `completion`.
+
+    Args:
+        verb: the verb's parser.
+        name: the argument's.
+        completer: the name of the function.
+        options: more for argparse.
+    """
+    argument: Any = verb.add_argument(name, **options)
+    argument.completer = _Completer(completer)
+
+
+class _Completer:
+    """Finds the completing function only when a shell asks."""
+
+    def __init__(self, function: str) -> None:
+        self._function = function
+
+    def __call__(self, **about: Any) -> list[str]:
+        from course_kit import environment
+        from course_kit.ros2cli import completion
+
+        try:
+            found: list[str] = getattr(completion, self._function)(**about)
+        except environment.DomainError:  # the command itself says so
+            return []
+        return found
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not value > 0:
+        raise argparse.ArgumentTypeError(f"{text} is not a number of seconds above 0")
+    return value

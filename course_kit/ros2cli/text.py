@@ -1,0 +1,100 @@
+"""Messages as text, the way `ros2 topic echo` and its relatives print them."""
+
+from __future__ import annotations
+
+import array
+from typing import Any
+
+TRUNCATE = 128  # elements and characters, unless told otherwise
+
+
+class Layout:
+    """How much of a message is shown.
+
+    Args:
+        truncate: elements of a sequence and characters of a string; None for all.
+        arrays: whether arrays are shown, or only their type.
+        strings: whether strings are shown, or only their length.
+        flow: whether everything inside the message stands in one line.
+    """
+
+    def __init__(
+        self, *, truncate: int | None = TRUNCATE, arrays: bool = True, strings: bool = True, flow: bool = False
+    ) -> None:
+        self.truncate, self.arrays, self.strings, self.flow = truncate, arrays, strings, flow
+
+
+WHOLE = Layout(truncate=None)
+
+
+def to_yaml(value: Any, layout: Layout = WHOLE) -> str:
+    """A message, or one field of it, as YAML with the fields in their order; ends with a line break."""
+    import sys
+
+    import yaml
+
+    text: str = yaml.safe_dump(
+        to_plain(value, layout),
+        allow_unicode=True,
+        width=sys.maxsize,
+        sort_keys=False,
+        default_flow_style=True if layout.flow else False,  # noqa: SIM210 - PyYAML's third value is None
+    )
+    return text.removesuffix("...\n")
+
+
+def to_plain(value: Any, layout: Layout = WHOLE, field_type: str = "") -> Any:
+    """The message as mappings, lists and scalars.
+
+    Args:
+        value: a message, or a field's value.
+        layout: what is shown.
+        field_type: in ROS's words; empty for a message.
+    """
+    if hasattr(value, "get_fields_and_field_types"):
+        types = value.get_fields_and_field_types()
+        return {name: to_plain(getattr(value, name), layout, types[name]) for name in types}
+    if isinstance(value, (bytes, str)):
+        return _text(value if isinstance(value, str) else value.decode("latin-1"), layout)
+    if isinstance(value, (list, tuple, array.array)) or hasattr(value, "tolist"):
+        return _elements(value, layout, field_type)
+    return value
+
+
+def _text(value: str, layout: Layout) -> str:
+    if not layout.strings:
+        return f"<string length: <{len(value)}>>"
+    if layout.truncate is not None and len(value) > layout.truncate:
+        return f"{value[: layout.truncate]}..."
+    return value
+
+
+def _elements(value: Any, layout: Layout, field_type: str) -> Any:
+    listed = value.tolist() if hasattr(value, "tolist") else list(value)
+    if not isinstance(listed, list):  # a numpy scalar
+        return listed
+    if not layout.arrays and field_type:
+        if field_type.startswith("sequence<"):
+            return f"<sequence type: {field_type[9:-1]}, length: {len(listed)}>"
+        return f"<array type: {field_type}>"
+    shown = [to_plain(element, layout) for element in listed[: layout.truncate]]
+    return [*shown, "..."] if len(shown) < len(listed) else shown
+
+
+def to_csv(value: Any, layout: Layout) -> str:
+    """The scalars of a message in order, separated by commas."""
+    plain = to_plain(value, layout)
+    parts: list[str] = []
+
+    def collect(part: Any) -> None:
+        if isinstance(part, dict):
+            for inner in part.values():
+                collect(inner)
+        elif isinstance(part, list):
+            for inner in part:
+                collect(inner)
+        else:
+            parts.append(str(part))
+
+    collect(plain)
+    return ",".join(parts)

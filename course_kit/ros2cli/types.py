@@ -1,0 +1,38 @@
+"""Finds the interface a learner names on the command line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
+
+_WORDS = {"msg": "message", "srv": "service", "action": "action"}
+_ARTICLES = {"msg": "a message", "srv": "a service", "action": "an action"}
+
+
+def find_type(name: str, kind: str) -> Any:
+    """The class for `pkg/Name` or `pkg/kind/Name`.
+
+    Args:
+        name: as typed.
+        kind: "msg", "srv" or "action".
+
+    Raises:
+        CommandError: there is none; as the real command says it, with the nearest right name.
+    """
+    from course_kit import interfaces
+
+    parts = name.split("/")
+    wanted = f"{parts[0]}/{kind}/{parts[1]}" if len(parts) == 2 else name  # noqa: PLR2004 - package and name
+    try:
+        interface = interfaces.get_type(wanted)
+    except (LookupError, ValueError) as problem:
+        text = f"The passed {_WORDS[kind]} type is invalid: "
+        if isinstance(problem, ValueError):
+            raise CommandError(f"{text}{problem}") from problem
+        near = did_you_mean(wanted, interfaces.types(kind=kind))
+        raise CommandError(f"{text}there is no {wanted}.{near}") from problem
+    if f"/{kind}/" not in wanted:
+        raise CommandError(f"The passed {_WORDS[kind]} type is invalid: {wanted} is not {_ARTICLES[kind]} type.")
+    return interface

@@ -1,0 +1,55 @@
+"""`ros2 daemon`: start, stop, status."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.parser import add_verb, add_verbs
+
+if TYPE_CHECKING:
+    import argparse
+
+    from course_kit.ros2cli.session import Session
+
+_PATIENCE = 0.5
+
+
+def add_to(place: argparse.ArgumentParser) -> None:
+    """Add the verbs."""
+    verbs = add_verbs(place)
+    add_verb(verbs, "start", _start, "Start the daemon; commands do so when they need it, it ends with the last node")
+    add_verb(verbs, "stop", _stop, "Stop the daemon")
+    add_verb(verbs, "status", _status, "Say whether the daemon is running")
+
+
+def _start(options: Any, session: Session) -> None:
+    del options, session
+    from course_kit import environment
+    from course_kit.ros2cli.daemon_socket import DaemonSocket
+    from course_kit.ros2cli.graph_source import ask_daemon
+
+    environment.apply()
+    if DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0):
+        print("The daemon is already running")
+    elif ask_daemon(_PATIENCE):
+        print("The daemon has been started")
+    else:
+        raise CommandError("The daemon could not be started; listings work without it, and take longer.")
+
+
+def _stop(options: Any, session: Session) -> None:
+    del options, session
+    from course_kit.ros2cli.graph_source import stop_daemon
+
+    print("The daemon has been stopped" if stop_daemon() else "The daemon is not running")
+
+
+def _status(options: Any, session: Session) -> None:
+    del options, session
+    from course_kit import environment
+    from course_kit.ros2cli.daemon_socket import DaemonSocket
+
+    environment.apply()
+    running = DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0)
+    print("The daemon is running" if running else "The daemon is not running")

@@ -1,0 +1,89 @@
+"""`ros2 interface`: list, show, package, packages, proto."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any
+
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.parser import add_named, add_verb, add_verbs
+
+if TYPE_CHECKING:
+    import argparse
+
+    from course_kit.ros2cli.session import Session
+
+_TITLES = {"msg": "Messages", "srv": "Services", "action": "Actions"}
+
+
+def add_to(place: argparse.ArgumentParser) -> None:
+    """Add the verbs."""
+    verbs = add_verbs(place)
+    for name, run, purpose in (
+        ("list", _list, "List all interfaces there are"),
+        ("packages", _packages, "List the packages that have interfaces"),
+    ):
+        verb = add_verb(verbs, name, run, purpose)
+        verb.add_argument("-m", "--only-msgs", action="append_const", dest="kinds", const="msg", help="messages")
+        verb.add_argument("-s", "--only-srvs", action="append_const", dest="kinds", const="srv", help="services")
+        verb.add_argument("-a", "--only-actions", action="append_const", dest="kinds", const="action", help="actions")
+    show = add_verb(verbs, "show", _show, "Show the text of an interface")
+    add_named(show, "type", "all_types", help="such as std_srvs/srv/SetBool; - reads it from stdin")
+    which = show.add_mutually_exclusive_group()
+    which.add_argument("--all-comments", action="store_true", help="those of the messages inside it too")
+    which.add_argument("--no-comments", action="store_true", help="no comments and empty lines")
+    package = add_verb(verbs, "package", _package, "List the interfaces of a package")
+    add_named(package, "package_name", "interface_packages", help="such as std_srvs")
+    proto = add_verb(verbs, "proto", _proto, "Show an interface's values, ready to be filled in")
+    add_named(proto, "type", "all_types", help="such as std_srvs/srv/SetBool")
+    proto.add_argument("--no-quotes", action="store_true", help="without the quotes around it")
+
+
+def _list(options: Any, session: Session) -> None:
+    del session
+    from course_kit import interfaces
+
+    for kind in options.kinds or list(_TITLES):
+        print(f"{_TITLES[kind]}:")
+        for name in interfaces.types(kind=kind):
+            print(f"    {name}")
+
+
+def _packages(options: Any, session: Session) -> None:
+    del session
+    from course_kit import interfaces
+
+    for package in interfaces.packages():
+        if not options.kinds or any(interfaces.types(package, kind) for kind in options.kinds):
+            print(package)
+
+
+def _package(options: Any, session: Session) -> None:
+    del session
+    from course_kit import interfaces
+
+    if options.package_name not in (packages := interfaces.packages()):
+        raise CommandError(f"Unknown package '{options.package_name}'.{did_you_mean(options.package_name, packages)}")
+    print(*interfaces.types(options.package_name), sep="\n")
+
+
+def _show(options: Any, session: Session) -> None:
+    del session
+    from course_kit.ros2cli.definition import shown_lines
+
+    name = sys.stdin.readline().strip() if options.type == "-" else options.type
+    for line in shown_lines(name, comments=not options.no_comments, inner_comments=options.all_comments):
+        print(line)
+
+
+def _proto(options: Any, session: Session) -> None:
+    del session
+    from course_kit.ros2cli.definition import known
+    from course_kit.ros2cli.text import to_yaml
+
+    interface = known(options.type)
+    part = getattr(interface, "Request", None) or getattr(interface, "Goal", None) or interface
+    quote = "" if options.no_quotes else '"'
+    text = to_yaml(part()) if part.get_fields_and_field_types() else ""
+    print(f"{quote}{text}{quote}")

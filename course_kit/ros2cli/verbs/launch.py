@@ -1,0 +1,89 @@
+"""`ros2 launch`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.parser import add_named
+
+if TYPE_CHECKING:
+    from course_kit.ros2cli.session import Session
+
+_SEPARATOR = ":="
+
+
+def add_to(place: argparse.ArgumentParser) -> None:
+    """The command has no verbs."""
+    place.add_argument("-s", "--show-args", "--show-arguments", action="store_true", help="show the file's arguments")
+    place.add_argument("-n", "--noninteractive", action="store_true", help=argparse.SUPPRESS)
+    add_named(place, "package_name", "launch_files", help="a launch file, or the package that has it")
+    place.add_argument(
+        "words", nargs="*", metavar="launch_file_name | name:=value", help="its launch file, and values for arguments"
+    )
+    place.set_defaults(run=_launch)
+
+
+def _launch(options: Any, session: Session) -> int:
+    file, arguments = _file_and_arguments(options.package_name, options.words)
+    if session.in_kernel:
+        from course_kit.ros2cli.in_cell import run_and_show
+
+        shown = ["--show-args"] if options.show_args else []
+        given = [f"{name}{_SEPARATOR}{value}" for name, value in arguments.items()]
+        return run_and_show([sys.executable, "-m", "course_kit.ros2cli", "launch", *shown, str(file), *given])
+    from course_kit.launch import finder
+    from course_kit.launch.errors import LaunchError
+
+    finder.come_before_folders()
+    try:
+        return _run(file, arguments, show=options.show_args)
+    except LaunchError as error:
+        raise CommandError(f"Launch failed: {error}") from error
+
+
+def _run(file: Path, arguments: dict[str, str], *, show: bool) -> int:
+    if show:
+        from course_kit.launch.show import show_arguments
+
+        print(show_arguments(file))
+        return 0
+    from course_kit.launch.service import LaunchService, log_file
+
+    with log_file() as log:
+        return LaunchService(log).run(file, arguments)
+
+
+def _file_and_arguments(first: str, words: list[str]) -> tuple[Path, dict[str, str]]:
+    """The launch file, and the values given as name:=value."""
+    pairs = [word.partition(_SEPARATOR) for word in words if _SEPARATOR in word]
+    names = [word for word in words if _SEPARATOR not in word]
+    arguments = {name: value for name, _, value in pairs}
+    path = Path(first)
+    if path.is_file():
+        if names:
+            raise CommandError(f"{names[0]!r} is not a launch argument: write {names[0]}:=value.")
+        return path.resolve(), arguments
+    if len(names) == 1:
+        return _in_package(first, names[0]), arguments
+    if names:
+        raise CommandError(f"{names[1]!r} is not a launch argument: write {names[1]}:=value.")
+    near = [str(found) for found in path.parent.glob("*launch.py")] if path.parent.is_dir() else []
+    raise CommandError(f"There is no launch file {first}.{did_you_mean(first, near)}")
+
+
+def _in_package(package: str, name: str) -> Path:
+    from course_kit.launch.executables import package_folders
+
+    known: list[str] = []
+    for folder in package_folders(package):
+        files = [file for place in (folder, folder / "launch") if place.is_dir() for file in place.glob("*launch.py")]
+        known += [file.name for file in files]
+        for file in files:
+            if file.name == name:
+                return file.resolve()
+    raise CommandError(f"Package '{package}' has no launch file '{name}' here.{did_you_mean(name, known)}")

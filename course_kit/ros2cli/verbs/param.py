@@ -1,0 +1,162 @@
+"""`ros2 param`: list, get, set, describe, dump, load, delete."""
+
+from __future__ import annotations
+
+import re
+import sys
+from typing import TYPE_CHECKING, Any
+
+from course_kit.ros import parameters
+from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.graph_source import graph_for
+from course_kit.ros2cli.parameters import ParameterClient, find_node, nodes_with_parameters, type_in_words
+from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb, add_verbs
+from course_kit.ros2cli.verbs._listing import checked_name
+
+if TYPE_CHECKING:
+    import argparse
+
+    from course_kit.ros2cli.session import Session
+
+
+def add_to(place: argparse.ArgumentParser) -> None:
+    """Add the verbs."""
+    verbs = add_verbs(place)
+    listed = _add(verbs, "list", _list, "List the parameters of one node or of all", node=False)
+    add_named(listed, "node_name", "nodes", nargs="?", help="such as /robot; all nodes without it")
+    listed.add_argument("--include-hidden-nodes", action="store_true", help="hidden nodes too")
+    listed.add_argument("--param-prefixes", nargs="+", default=[], metavar="PREFIX", help="only those below a prefix")
+    listed.add_argument("--param-type", action="store_true", help="with their types")
+    listed.add_argument("--filter", metavar="REGEX", help="only those that match")
+    get = _add(verbs, "get", _get, "Show the value of a parameter")
+    add_named(get, "parameter_name", "parameters")
+    get.add_argument("--hide-type", action="store_true", help="the value alone")
+    set_ = _add(verbs, "set", _set, "Set a parameter")
+    add_named(set_, "parameter_name", "parameters")
+    set_.add_argument("value", help="as YAML: 2.5, true, text, [1, 2]")
+    describe = _add(verbs, "describe", _describe, "Show type, description and limits of parameters")
+    add_named(describe, "parameter_names", "parameters", nargs="+")
+    _add(verbs, "dump", _dump, "Show all parameters of a node as a parameter file")
+    load = _add(verbs, "load", _load, "Set the parameters that stand in a parameter file")
+    load.add_argument("parameter_file")
+    load.add_argument("--no-use-wildcard", action="store_true", help="leave out what stands below /**")
+    delete = _add(verbs, "delete", _delete, "Delete a parameter")
+    add_named(delete, "parameter_name", "parameters")
+
+
+def _add(verbs: Any, name: str, run: Any, purpose: str, *, node: bool = True) -> argparse.ArgumentParser:
+    verb = add_verb(verbs, name, run, purpose)
+    if node:
+        add_named(verb, "node_name", "nodes", help="such as /robot")
+    add_graph_options(verb)
+    return verb
+
+
+def _client(options: Any, session: Session) -> ParameterClient:
+    name = checked_name(options.node_name)
+    graph = graph_for(session, options.timeout, daemon=not options.no_daemon)
+    return ParameterClient(session, find_node(name, graph), options.timeout)
+
+
+def _list(options: Any, session: Session) -> None:
+    try:
+        pattern = re.compile(options.filter or "")
+    except re.error as error:
+        raise CommandError(f"--filter: {options.filter!r} is not a regular expression: {error}.") from error
+    graph = graph_for(session, options.timeout, daemon=not options.no_daemon)
+    if options.node_name:
+        nodes = [find_node(checked_name(options.node_name), graph)]
+    else:
+        nodes = nodes_with_parameters(graph, hidden_too=options.include_hidden_nodes)
+    for node in nodes:
+        client = ParameterClient(session, node, options.timeout)
+        listed = client.ask(parameters.names(options.param_prefixes))
+        names = [name for name in sorted(listed) if pattern.search(name)]
+        if not options.node_name:
+            print(f"{node}:")
+        types = [type_in_words(value) for value in client.ask(parameters.values(names))] if options.param_type else []
+        for index, name in enumerate(names):
+            print(f"  {name} (type: {types[index]})" if types else f"  {name}")
+
+
+def _get(options: Any, session: Session) -> None:
+    from course_kit.ros2cli.parameters import value_in_words
+
+    value = _client(options, session).require(options.parameter_name)
+    label = "" if options.hide_type else f"{value_in_words(value)} "
+    print(f"{label}{parameters.held(value)}")
+
+
+def _set(options: Any, session: Session) -> None:
+    from course_kit.ros2cli.parameters import parse
+
+    message = parse(options.parameter_name, options.value)
+    (result,) = _client(options, session).ask(parameters.set_each([message]))
+    _report(result, "Set parameter successful", "Setting parameter failed")
+
+
+def _delete(options: Any, session: Session) -> None:
+    client = _client(options, session)
+    client.require(options.parameter_name)
+    (result,) = client.ask(parameters.set_each([parameters.to_message(options.parameter_name, None)]))
+    _report(result, "Deleted parameter successfully", "Deleting parameter failed")
+
+
+def _report(result: Any, done: str, failed: str) -> None:
+    """Refusals go to stderr and are no failure of the command: its exit code stays 0, as recorded."""
+    reason = f": {result.reason}" if result.reason else ""
+    if result.successful:
+        print(f"{done}{reason}")
+    else:
+        sys.stdout.flush()
+        sys.stderr.write(f"{failed}{reason}\n")
+
+
+def _describe(options: Any, session: Session) -> None:
+    client = _client(options, session)
+    for name in options.parameter_names:
+        client.require(name)
+    for descriptor in client.ask(parameters.descriptors(options.parameter_names)):
+        print(f"Parameter name: {descriptor.name}")
+        print(f"  Type: {type_in_words(descriptor)}")
+        if descriptor.description:
+            print(f"  Description: {descriptor.description}")
+        if constraints := list(_constraints(descriptor)):
+            print("  Constraints:", *constraints, sep="\n    ")
+
+
+def _constraints(descriptor: Any) -> list[str]:
+    found = ["Read only: true"] if descriptor.read_only else []
+    for limits in (*descriptor.floating_point_range, *descriptor.integer_range):
+        found += [f"Min value: {limits.from_value}", f"Max value: {limits.to_value}"]
+        found += [f"Step: {limits.step}"] if limits.step else []
+    if descriptor.additional_constraints:
+        found.append(f"Additional constraints: {descriptor.additional_constraints}")
+    return found
+
+
+def _dump(options: Any, session: Session) -> None:
+    import yaml
+
+    from course_kit.ros2cli.parameters import plain_value
+
+    client = _client(options, session)
+    names = sorted(client.ask(parameters.names()))
+    found: dict[str, Any] = {}
+    for name, value in zip(names, client.ask(parameters.values(names)), strict=True):
+        *groups, last = name.split(".")
+        place = found
+        for group in groups:
+            place = place.setdefault(group, {})
+        place[last] = plain_value(value)
+    print(yaml.safe_dump({checked_name(options.node_name): {"ros__parameters": found}}, default_flow_style=False))
+
+
+def _load(options: Any, session: Session) -> None:
+    from course_kit.ros2cli.parameters import load_file
+
+    client = _client(options, session)
+    node = checked_name(options.node_name)
+    loaded = load_file(options.parameter_file, node, use_wildcard=not options.no_use_wildcard)
+    for one, result in zip(loaded, client.ask(parameters.set_each(loaded)), strict=True):
+        _report(result, f"Set parameter {one.name} successful", f"Set parameter {one.name} failed")

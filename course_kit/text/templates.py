@@ -1,0 +1,54 @@
+"""HTML and SVG out of template files. Whatever is filled in is made printable and escaped, without being asked for it.
+
+Jinja2 is loaded when something is first rendered: most who grade or teach render nothing.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from course_kit.text.sanitize import escaped
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from jinja2 import Environment
+    from markupsafe import Markup
+
+
+def render(template: Path, **values: Any) -> Markup:
+    """A template with its values filled in; other templates take the result as it is.
+
+    Args:
+        template: the file. What it includes and imports lies beside it.
+        values: what the template names; one that it names and that is not here is an error.
+
+    Raises:
+        jinja2.TemplateError: the template has a mistake.
+    """
+    from markupsafe import Markup
+
+    return Markup(_environment(template.parent).get_template(template.name).render(values))  # noqa: S704 - it escapes
+
+
+@cache  # one for each folder of templates, of which there are few
+def _environment(folder: Path) -> Environment:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    return Environment(
+        loader=FileSystemLoader(folder),
+        autoescape=True,
+        finalize=_filled_in,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        auto_reload=False,  # a class run renders thousands of reports
+    )
+
+
+def _filled_in(value: Any) -> Any:
+    """A value as it stands in a page: HTML of other templates as it is, everything else as text."""
+    from markupsafe import Markup
+
+    return value if isinstance(value, Markup) else Markup(escaped(str(value)))  # noqa: S704 - just escaped

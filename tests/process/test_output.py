@@ -1,0 +1,86 @@
+"""What a child prints comes by lines, and its last words are kept."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.process.output import LastWords, LineReader
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@pytest.fixture
+def ends() -> Iterator[list[int]]:
+    """Both ends of a pipe, for a test to close the second."""
+    both = list(os.pipe())
+    yield both
+    for end in both:
+        os.close(end)
+
+
+def test_whole_lines_are_handed_on_and_nothing_is_waited_for(ends: list[int]) -> None:
+    lines = LineReader(ends[0])
+    assert lines.read() == []
+    os.write(ends[1], b"one\ntwo\nhal")
+    assert lines.read() == ["one", "two"]
+    os.write(ends[1], b"f\n\xff\n\n")
+    assert lines.read() == ["half", "\N{REPLACEMENT CHARACTER}", ""]
+    assert not lines.ended
+
+
+def test_a_letter_that_is_written_in_two_pieces_stays_one(ends: list[int]) -> None:
+    lines = LineReader(ends[0])
+    first, second = "\N{LATIN SMALL LETTER U WITH DIAERESIS}".encode()
+    os.write(ends[1], bytes([first]))
+    assert lines.read() == []
+    os.write(ends[1], bytes([second]) + b"\n")
+    assert lines.read() == ["\N{LATIN SMALL LETTER U WITH DIAERESIS}"]
+
+
+def test_a_last_line_without_an_end_comes_with_the_end_of_the_stream(ends: list[int]) -> None:
+    lines = LineReader(ends[0])
+    os.write(ends[1], b"whole\nnot whole")
+    assert lines.read() == ["whole"]
+    os.close(ends.pop())
+    assert lines.read() == ["not whole"]
+    assert lines.ended
+    assert lines.read() == []
+
+
+def test_what_has_no_end_can_be_asked_for(ends: list[int]) -> None:
+    lines = LineReader(ends[0])
+    os.write(ends[1], b"a prompt: ")
+    assert lines.read() == []
+    assert lines.rest() == ["a prompt: "]
+    assert lines.rest() == []
+
+
+def test_a_full_pipe_is_taken_in_at_once(ends: list[int]) -> None:
+    lines = LineReader(ends[0])
+    os.set_blocking(ends[1], False)
+    written = os.write(ends[1], b"line\n" * 100_000)
+    assert 0 < written < 500_000
+    assert len(lines.read()) == written // 5
+
+
+def test_the_last_line_of_much_is_kept_and_asking_disturbs_nothing() -> None:
+    words = LastWords()
+    assert words.last_line() == ""
+    program = "import sys\nprint('x\\n' * 10_000, flush=True)\nsys.stdin.read()\nprint('the reason\\n', flush=True)"
+    with subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=words.file) as child:
+        while words.last_line() != "x":
+            assert child.poll() is None
+        assert child.stdin is not None
+        child.stdin.close()
+        assert child.wait(60) == 0
+    assert words.last_line() == "the reason"
+    words.file.seek(0)
+    assert words.file.read().count(b"x\n") == 10_000
+    words.file.close()
+    assert words.last_line() == ""

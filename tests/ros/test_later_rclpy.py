@@ -1,0 +1,356 @@
+"""The lab and the graders on later versions of rclpy, as far as these behave in another way.
+
+What is installed here is rclpy 7.1.6; later ones are stood in for, see `later_rclpy`. So each test also holds without
+the stand-in, which `versions` sees to where rclpy itself takes part.
+"""
+
+from __future__ import annotations
+
+import threading
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import rclpy
+from example_interfaces.action import Fibonacci
+from example_interfaces.srv import AddTwoInts
+from rclpy.action import ActionServer
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.node import Node
+from rclpy.task import Future
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from course_kit import lab
+from course_kit.lab import NoAnswerError, ServiceFailedError
+from course_kit.lab.recording import attaching
+from tests.lab.fresh import fresh_lab
+from tests.ros import later_rclpy
+from tests.ros.nodes import Everything
+from tests.waiting import wait_until
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from course_kit.lab.runtime.core import Lab
+
+
+@pytest.fixture(params=["as installed", "as in 7.1.9"])
+def either_lab(request: pytest.FixtureRequest, domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Lab]:
+    """A lab on the rclpy that is here, and one on the way that later ones await futures."""
+    assert domain
+    if request.param == "as in 7.1.9":
+        later_rclpy.await_as_in_7_1_9(monkeypatch)
+        later_rclpy.refuse_a_second_spin_as_in_7_1_9(monkeypatch)
+    with fresh_lab() as mine:
+        yield mine
+
+
+class Asking(Node):
+    """Awaits /add_two_ints twice in each of its callbacks."""
+
+    def __init__(self, group: Any = None) -> None:
+        super().__init__("asking")
+        group = group or ReentrantCallbackGroup()
+        self.news = Future()
+        self.client = self.create_client(AddTwoInts, "add_two_ints", callback_group=group)
+        self.create_service(AddTwoInts, "add_twice", self.add, callback_group=group)
+        self.create_subscription(String, "orders", self.obey, 10, callback_group=group)
+        ActionServer(self, Fibonacci, "count", self.execute, callback_group=group)
+
+    async def sum_of(self, a: int, b: int) -> int:
+        first = await self.client.call_async(AddTwoInts.Request(a=a, b=b))
+        second = await self.client.call_async(AddTwoInts.Request(a=first.sum, b=b))
+        return int(second.sum)
+
+    async def add(self, request: Any, response: Any) -> Any:
+        response.sum = await self.sum_of(request.a, request.b)
+        if response.sum == 0:
+            raise ValueError("nothing")
+        return response
+
+    async def obey(self, message: Any) -> None:
+        await self.sum_of(1, 1)
+        raise SystemExit(message.data) if message.data == "exit" else ValueError(message.data)
+
+    async def execute(self, goal: Any) -> Any:
+        if goal.request.order == 0:
+            await self.news
+        total = await self.sum_of(goal.request.order, 1)
+        goal.succeed()
+        return Fibonacci.Result(sequence=[total])
+
+
+def test_a_callback_that_awaits_twice_answers(either_lab: Lab) -> None:
+    assert either_lab.nodes() == []
+    lab.start(Everything)
+    lab.start(Asking)
+    assert lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2).sum == 5
+
+
+def test_what_a_callback_raises_after_an_await_is_told_once_and_to_its_caller(
+    either_lab: Lab, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lab.start(Everything)
+    lab.start(Asking)
+    with pytest.raises(ServiceFailedError, match="asking sent no response: add raised ValueError: nothing"):
+        lab.call_blocking("/add_twice", AddTwoInts, a=0, b=0)
+    told = capsys.readouterr().err
+    assert told.count("asking: add raised ValueError: nothing") == 1
+    assert lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2).sum == 5
+    assert either_lab.engine.spinner.executor.turn is None
+
+
+@pytest.mark.parametrize(("order", "error"), [("now", "ValueError: now"), ("exit", "SystemExit: exit")])
+def test_a_subscription_that_fails_after_an_await_is_told_with_its_node(
+    order: str, error: str, either_lab: Lab, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert either_lab.nodes() == []
+    lab.start(Everything)
+    lab.start(Asking)
+    lab.publish("/orders", String, data=order)
+    told = ""
+
+    def is_told() -> bool:
+        nonlocal told
+        told += capsys.readouterr().err
+        return f"asking: obey raised {error}" in told
+
+    wait_until(is_told)
+    assert lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2).sum == 5
+
+
+def test_an_execute_callback_that_awaits_twice_ends_its_goal(either_lab: Lab) -> None:
+    assert either_lab.nodes() == []
+    lab.start(Everything)
+    lab.start(Asking)
+    assert list(lab.send_goal_blocking("/count", Fibonacci, order=3).result_blocking().sequence) == [5]
+
+
+def test_an_execute_callback_that_awaits_is_aborted_with_its_node_and_leaves_nothing(either_lab: Lab) -> None:
+    lab.start(Everything)
+    lab.start(Asking)
+    goal = lab.send_goal_blocking("/count", Fibonacci, order=0)
+    lab.stop(Asking)
+    goal.result_blocking(timeout=10)
+    assert goal.status == "ABORTED"
+    executor = either_lab.engine.spinner.executor
+    wait_until(lambda: not executor._begun)
+
+
+def test_an_execute_callback_that_awaits_keeps_the_thread_free_until_its_future_is_done(either_lab: Lab) -> None:
+    lab.start(Everything)
+    node = lab.start(Asking)
+    goal = lab.send_goal_blocking("/count", Fibonacci, order=0)
+    executor = either_lab.engine.spinner.executor
+    turns = [0]
+    run_handler = executor._run_handler
+
+    def counted(*arguments: Any) -> None:
+        turns[0] += 1
+        run_handler(*arguments)
+
+    executor._run_handler = counted
+    assert lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2).sum == 5
+    assert turns[0] < 200
+    node.news.set_result(None)
+    executor.wake()
+    assert list(goal.result_blocking(timeout=10).sequence) == [2]
+
+
+def test_the_second_await_that_can_never_end_is_told_as_well(
+    either_lab: Lab, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Stuck(Asking):
+        async def sum_of(self, a: int, b: int) -> int:
+            del a, b
+            done = Future()
+            threading.Timer(0.01, lambda: (done.set_result(None), self.executor.wake())).start()
+            await done
+            return int((await self.client.call_async(AddTwoInts.Request())).sum)
+
+    assert either_lab.nodes() == []
+    lab.start(Everything)
+    lab.start(Stuck, MutuallyExclusiveCallbackGroup())
+    with pytest.raises(ServiceFailedError, match="share one callback group"):
+        lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2)
+    assert "Nothing hangs here" in capsys.readouterr().err
+
+
+def test_a_node_of_ones_own_is_spun_in_a_cell(either_lab: Lab) -> None:
+    lab.start(Everything)
+    node = Node("own", context=either_lab.engine.spinner.context)
+    client = node.create_client(AddTwoInts, "add_two_ints")
+    future = client.call_async(AddTwoInts.Request(a=1, b=1))
+    rclpy.spin_until_future_complete(node, future, timeout_sec=20)
+    assert future.result().sum == 2
+    rclpy.spin_once(node, timeout_sec=0)
+    node.destroy_node()
+
+
+def test_a_pool_that_is_shut_down_leaves_the_lab_as_it_was(own_lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
+    later_rclpy.shut_the_pool_down_as_in_7_1_12(monkeypatch)
+    lab.start(Everything)
+    before = set(threading.enumerate())
+    executor = MultiThreadedExecutor(2, context=own_lab.engine.spinner.context)
+    node = Node("own", context=own_lab.engine.spinner.context)
+    executor.add_node(node)
+    future = node.create_client(AddTwoInts, "add_two_ints").call_async(AddTwoInts.Request(a=1, b=1))
+    executor.spin_until_future_complete(future, timeout_sec=20)
+    assert future.result().sum == 2
+    assert executor.shutdown()
+    node.destroy_node()
+    assert set(threading.enumerate()) <= before
+    assert lab.call_blocking("/add_two_ints", AddTwoInts, a=2, b=2).sum == 4
+
+
+class WithoutExecuteCallback(Node):
+    """Ends its goals when its service is called."""
+
+    def __init__(self) -> None:
+        super().__init__("counter")
+        self.goals: list[Any] = []
+        self.server = ActionServer(self, Fibonacci, "count", handle_accepted_callback=self.goals.append)
+        self.create_service(Trigger, "end", self.end)
+
+    def end(self, request: Any, response: Any) -> Any:
+        del request
+        for goal in self.goals:
+            goal.execute()
+            goal.succeed(Fibonacci.Result(sequence=[7]))
+        return response
+
+
+@pytest.fixture
+def lab_with_goals_that_others_end(domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Lab]:
+    assert domain
+    later_rclpy.do_without_execute_callback_as_in_7_1_8(monkeypatch)
+    with fresh_lab() as mine:
+        attaching.attach(mine)
+        yield mine
+
+
+def test_a_server_without_an_execute_callback_ends_its_goals_and_is_recorded(
+    lab_with_goals_that_others_end: Lab,
+) -> None:
+    lab.start(WithoutExecuteCallback)
+    goal = lab.send_goal_blocking("/count", Fibonacci, order=1)
+    with pytest.raises(NoAnswerError, match="counter has not ended the goal, and no execute callback is running"):
+        goal.result_blocking(timeout=0.5)
+    lab.call_blocking("/end", Trigger)
+    assert list(goal.result_blocking(timeout=10).sequence) == [7]
+    assert "/count result: SUCCEEDED, sequence=[7]" in str(lab_with_goals_that_others_end.diagram(None))
+
+
+def test_a_goal_of_a_server_without_an_execute_callback_is_aborted_with_its_node(
+    lab_with_goals_that_others_end: Lab,
+) -> None:
+    assert lab_with_goals_that_others_end.nodes() == []
+    lab.start(WithoutExecuteCallback)
+    goal = lab.send_goal_blocking("/count", Fibonacci, order=1)
+    lab.stop(WithoutExecuteCallback)
+    goal.result_blocking(timeout=10)
+    assert goal.status == "ABORTED"
+
+
+SPINS = """\
+Traceback (most recent call last):
+  File "submission.py", line 9, in <module>
+    main()
+  File "site-packages/rclpy/executors.py", line 630, in handler
+    await call_coroutine()
+  File "site-packages/rclpy/{outer}", line 359, in {function}
+    result = await await_or_execute(callback, goal_handle)
+  File "site-packages/rclpy/executors.py", line 108, in await_or_execute
+    return callback(*args)
+  File "submission.py", line 2, in convert
+    rclpy.spin_until_future_complete(self, future)
+  File "site-packages/rclpy/executors.py", line 221, in _enter_spin
+    raise RuntimeError('Executor is already spinning')
+RuntimeError: Executor is already spinning
+"""
+
+
+@pytest.mark.parametrize(
+    ("module", "function", "outer"),
+    [("exits", "of_call", "_execute"), ("exceptions", "of_end", "_execute"), ("goals", "of_program", "_execute_goal")],
+)
+def test_a_callback_that_spins_is_a_deadlock_whether_it_hangs_or_is_refused(
+    module: str, function: str, outer: str
+) -> None:
+    from importlib import import_module
+
+    from course_kit.grading import limits
+
+    life = SimpleNamespace(
+        stderr=SPINS.format(outer="action/server.py", function=outer), notes={}, signal=None, limit=None, cpu_s=0.0
+    )
+    source = "def convert(self):\n    rclpy.spin_until_future_complete(self, future)\n"
+    job = SimpleNamespace(name="submission.py", source=source, places=(), limits=limits.Limits())
+    diagnosis, message = getattr(import_module(f"course_kit.grading.diagnosis.{module}"), function)(life, job)
+    assert diagnosis == "service.deadlock"
+    assert "line 2: rclpy.spin_until_future_complete(self, future)" in message
+
+
+def test_a_spin_that_is_refused_outside_of_a_callback_is_what_it_is() -> None:
+    from course_kit.grading.diagnosis import exits
+    from course_kit.grading.diagnosis.tracebacks import last_exception
+
+    raised = last_exception(SPINS.replace("await_or_execute", "elsewhere"), "submission.py")
+    assert raised is not None
+    assert exits.of_second_spin(raised, SimpleNamespace()) is None
+
+
+@pytest.mark.parametrize(
+    ("printed", "is_told"),
+    [
+        ("[WARN] [1.5] [limiter]: Failed to get parameters: undeclared: max_speed\n", False),
+        ("[WARN] [1.5] [limiter]: Failed to set parameter: max_speed\n", False),
+        ("[WARN] [1.5] [limiter]: max_speed has to be positive\n", True),
+        ("[WARN] [1.5] [limiter]: Failed to get parameters: x\nmax_speed is wrong\n", True),
+    ],
+)
+def test_what_rclpy_says_about_requests_is_not_taken_for_the_submissions_words(printed: str, is_told: bool) -> None:
+    from course_kit.graders import _limiter_starts
+    from course_kit.grading.checks.check import Evidence, Failed
+
+    class StandInContext:
+        def process(self, *, fresh: bool) -> Any:
+            del fresh
+            return SimpleNamespace(stdout="", stderr=printed)
+
+        def wait_until(self, is_done: Any, _: float, **__: Any) -> bool:
+            return bool(is_done())
+
+    evidence = Evidence("started", "a word about it", "the program ended")
+    words = ("max_speed", *_limiter_starts._WARNINGS)
+    if is_told:
+        assert _limiter_starts._require_told(StandInContext(), words, evidence) == evidence
+    else:
+        with pytest.raises(Failed):
+            _limiter_starts._require_told(StandInContext(), words, evidence)
+
+
+@pytest.mark.parametrize("written", ["/limiter", "limiter"])
+@pytest.mark.parametrize("later", [False, True])
+def test_a_parameter_file_may_leave_out_the_slash(
+    written: str, later: bool, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import rclpy.parameter
+
+    from course_kit.ros2cli.parameters import load_file
+
+    original = rclpy.parameter.parameter_dict_from_yaml_file
+
+    def later_one(path: str, use_wildcard: bool, target_nodes: list[str]) -> Any:  # takes both, from 7.1.8 on
+        names = {"/" + name.lstrip("/") for name in target_nodes}
+        assert names == {"/limiter"}
+        return original(path, use_wildcard, [written])
+
+    if later:
+        monkeypatch.setattr(rclpy.parameter, "parameter_dict_from_yaml_file", later_one)
+    path = tmp_path / "limiter.yaml"
+    path.write_text(f"{written}:\n  ros__parameters:\n    max_speed: 1.5\n")
+    (parameter,) = load_file(str(path), "/limiter", use_wildcard=True)
+    assert (parameter.name, parameter.value.double_value) == ("max_speed", 1.5)

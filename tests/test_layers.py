@@ -1,0 +1,200 @@
+"""The packages of the course kit stand in layers, and no file is in a circle with another one.
+
+What a file imports is read from its text: at its top, in its functions, and from strings that name a module of the
+kit. What only a type checker sees does not count.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+ROOT = Path(__file__).resolve().parent.parent
+KIT = ROOT / "course_kit"
+# Lowest first. A package imports from itself and from layers before its own.
+LAYERS = (
+    {"environment", "reader", "text"},
+    {"interfaces", "process"},
+    {"ros"},
+    {"lab", "quiz", "robot", "launch"},
+    {"panels", "ros2cli", "grading"},
+    {"classroom", "graders"},
+    {"learner"},  # below those that count a learner's tries and renew a learner's starters
+    {"authoring", "integrations"},
+    {"dev"},
+    {"cli"},
+)
+NEVER = {("grading", "lab"), ("graders", "lab"), ("classroom", "lab")}  # grading runs on a bare server
+# Where Python, IPython and instructors' files come in; whatever they call lies below them, and nothing imports them.
+ENTRANCES = {"course_kit", "course_kit.__main__", "course_kit.autoload", "course_kit.nbgrader", "course_kit.otter"}
+
+
+def module_of(path: Path, kit: Path = KIT) -> str:
+    parts = path.relative_to(kit.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def is_for_types(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
+
+
+def nodes(tree: ast.AST) -> Iterator[ast.AST]:
+    """All that runs."""
+    for child in ast.iter_child_nodes(tree):
+        if is_for_types(child):
+            continue
+        if isinstance(child, ast.Expr) and isinstance(child.value, ast.Constant):
+            continue  # a docstring
+        yield child
+        yield from nodes(child)
+
+
+def named(text: str) -> Iterator[str]:
+    """What a file names of the kit, modules and what is in them."""
+    for node in nodes(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and node.level == 0 and (node.module or "").split(".")[0] == "course_kit":
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name.startswith("course_kit."))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and re.match(r"course_kit\.\w", node.value):
+            yield node.value.rstrip(".")
+
+
+def imported(files: Mapping[str, str]) -> dict[str, set[str]]:
+    """Of each module the modules it imports, and the packages they are in as far as these have code of their own.
+
+    Args:
+        files: texts by module.
+    """
+    found: dict[str, set[str]] = {}
+    for module, text in files.items():
+        found[module] = set()
+        for name in named(text):
+            target = name
+            while target not in files and "." in target:
+                target = target.rpartition(".")[0]
+            if target not in {module, "course_kit"} or (target == name and target != module):
+                found[module].add(target)
+    return found
+
+
+def package_of(module: str) -> str:
+    return module.split(".")[1]
+
+
+def layer_of(module: str) -> int:
+    found = [number for number, packages in enumerate(LAYERS) if package_of(module) in packages]
+    assert found, f"{module} is in no layer: put {package_of(module)} into LAYERS"
+    return found[0]
+
+
+def faults(graph: Mapping[str, set[str]]) -> list[str]:
+    """Imports that leave a layer upwards or sideways, or enter where nobody should."""
+    said = []
+    for module, targets in graph.items():
+        if module in ENTRANCES:
+            continue
+        for target in sorted(targets):
+            pair = (package_of(module), "" if target in ENTRANCES else package_of(target))
+            if target in ENTRANCES:
+                said.append(f"{module} imports {target}, an entrance")
+            elif pair[0] != pair[1] and (layer_of(target) >= layer_of(module) or pair in NEVER):
+                said.append(f"{module} imports {target}, which is not below it")
+    return said
+
+
+def circles(graph: Mapping[str, set[str]]) -> list[list[str]]:
+    """The groups of modules each of which imports, by however many steps, all others of its group (Tarjan)."""
+    order: dict[str, int] = {}
+    lowest: dict[str, int] = {}
+    stack: list[str] = []
+    found: list[list[str]] = []
+
+    def visit(module: str) -> None:
+        order[module] = lowest[module] = len(order)
+        stack.append(module)
+        for target in sorted(graph.get(module, ())):
+            if target not in order:
+                visit(target)
+                lowest[module] = min(lowest[module], lowest[target])
+            elif target in stack:
+                lowest[module] = min(lowest[module], order[target])
+        if lowest[module] == order[module]:
+            group = stack[stack.index(module) :]
+            del stack[stack.index(module) :]
+            if len(group) > 1 or module in graph.get(module, ()):
+                found.append(sorted(group))
+
+    for module in graph:
+        if module not in order:
+            visit(module)
+    return found
+
+
+@pytest.fixture(scope="module")
+def graph() -> dict[str, set[str]]:
+    return imported({module_of(path): path.read_text() for path in sorted(KIT.rglob("*.py"))})
+
+
+def test_no_package_imports_one_beside_or_above_it(graph: dict[str, set[str]]) -> None:
+    assert faults(graph) == []
+
+
+def test_no_file_is_in_a_circle(graph: dict[str, set[str]]) -> None:
+    assert circles(graph) == []
+
+
+def test_every_package_is_in_one_layer(graph: dict[str, set[str]]) -> None:
+    packages = [package for layer in LAYERS for package in layer]
+    assert len(packages) == len(set(packages))
+    assert {package_of(module) for module in graph if module not in ENTRANCES} == set(packages)
+
+
+BELOW, ABOVE, BESIDE = "course_kit.lab.calls", "course_kit.cli.main", "course_kit.quiz.bank"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"from {ABOVE} import main",
+        "def late():\n    from course_kit.cli import main",
+        f"import {ABOVE}",
+        f"from importlib import import_module\nimport_module('{ABOVE}')",
+        f"name = 'x'\nimport_module(f'{ABOVE}.{{name}}')",
+        f"from {BESIDE} import bank",
+        "from course_kit import autoload",
+    ],
+)
+def test_an_import_that_leaves_its_layer_is_found(text: str) -> None:
+    files = {BELOW: text, ABOVE: "", BESIDE: "", "course_kit.autoload": "", "course_kit.cli": "", "course_kit": ""}
+    assert len(faults(imported(files))) == 1
+
+
+def test_what_only_a_type_checker_sees_and_what_is_below_is_allowed() -> None:
+    files = {
+        BELOW: f"if TYPE_CHECKING:\n    from {ABOVE} import main\nfrom course_kit import environment",
+        ABOVE: f"from {BELOW} import call",
+        "course_kit.environment": "",
+        "course_kit": "",
+    }
+    assert faults(imported(files)) == []
+    assert circles(imported(files)) == []
+
+
+def test_circles_of_two_and_of_three_are_found() -> None:
+    files = {
+        "course_kit.lab.a": "from course_kit.lab import b",
+        "course_kit.lab.b": "def f():\n    import course_kit.lab.a",
+        "course_kit.lab.c": "from course_kit.lab.d import x",
+        "course_kit.lab.d": "from course_kit.lab.e import x",
+        "course_kit.lab.e": "import course_kit.lab.c",
+        "course_kit.lab": "",
+    }
+    assert [len(group) for group in circles(imported(files))] == [2, 3]

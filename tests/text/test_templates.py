@@ -1,0 +1,63 @@
+"""Templates: what is filled in is harmless without being asked for it, and what is missing is an error."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+from jinja2 import UndefinedError
+from markupsafe import Markup
+
+from course_kit.text.templates import render
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+WILD = "<script>'\"&\x1b[2J\u202e\r\n👩\u200d👧"
+HARMLESS = "&lt;script&gt;&#x27;&quot;&amp;\ufffd[2J\ufffd\n👩\u200d👧"
+
+
+def written(folder: Path, **files: str) -> Path:
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder / "page"
+
+
+@pytest.mark.parametrize(
+    "template",
+    [
+        "{{ wild }}",
+        "{{ wild ~ '' }}",
+        "{% set kept = wild %}{{ kept }}",
+        "{% macro told(text) %}{{ text }}{% endmacro %}{{ told(wild) }}",
+        "{% macro told() %}{{ caller() }}{% endmacro %}{% call told() %}{{ wild }}{% endcall %}",
+        "{% include 'part' %}",
+        "{% from 'macros' import told %}{{ told(wild) }}",
+        "{{ [wild]|join(', ') }}",
+        "{{ {'text': wild}['text'] }}",
+    ],
+)
+def test_what_is_filled_in_is_harmless(tmp_path: Path, template: str) -> None:
+    macros = "{% macro told(text) %}{{ text }}{% endmacro %}"
+    page = written(tmp_path, page=template, part="{{ wild }}", macros=macros)
+    assert render(page, wild=WILD) == HARMLESS
+
+
+def test_html_of_a_template_goes_into_another_as_it_is(tmp_path: Path) -> None:
+    page = written(tmp_path, page="<p>{{ inner }}</p>", inner="<b>{{ wild }}</b>")
+    assert render(page, inner=render(tmp_path / "inner", wild=WILD)) == f"<p><b>{HARMLESS}</b></p>"
+    assert isinstance(render(page, inner=Markup("")), Markup)
+
+
+@pytest.mark.parametrize("template", ["{{ missing }}", "{{ known.missing }}"])
+def test_what_is_missing_is_an_error(tmp_path: Path, template: str) -> None:
+    with pytest.raises(UndefinedError):
+        render(written(tmp_path, page=template), known="")
+
+
+@pytest.mark.parametrize("module", ["course_kit.grading", "course_kit.classroom.exports", "course_kit.quiz"])
+def test_jinja_is_loaded_only_when_something_is_rendered(module: str) -> None:
+    program = f"import sys, {module}; sys.exit('jinja2' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
