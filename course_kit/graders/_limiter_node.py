@@ -109,7 +109,7 @@ class Limiter:
 
         Args:
             burst: the commands that are sent at once.
-            then: the one after them.
+            then: the one before and after them, which drives backwards.
             evidence: what the check has so far.
         """
         self.react(then, evidence)
@@ -228,7 +228,7 @@ def require_refused(outcome: SetResult, values: Mapping[str, Any], expected: str
         outcome: how the attempt went.
         values: what was tried.
         expected: in words.
-        accepted: the diagnosis and the message where it was accepted.
+        accepted: the code where it was accepted.
 
     Raises:
         Failed: with the code `accepted`, or parameter.bad_callback.

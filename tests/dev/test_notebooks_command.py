@@ -26,7 +26,7 @@ sys.meta_path.insert(0, Absent())
 OUR_MODULES = sorted(
     ".".join(path.relative_to(environment.PACKAGE.parent).with_suffix("").parts)
     for path in environment.PACKAGE.rglob("*.py")
-    if path.name not in ("__init__.py", "__main__.py") and path.stem != "nbval_plugin"
+    if path.name not in ("__init__.py", "__main__.py") and path.stem not in ("nbval_plugin", "nbval_kernel")
 )
 
 

@@ -89,7 +89,7 @@ def test_a_long_queue_leaves_the_whole_time_for_the_grading(
     clock: StandInClock, line: tuple[Channel, Channel], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     waits_s = 0.9 * limits.QUEUE_S
-    assert waits_s > JOB.limits.wall_s + supervisor._PROBE_GRACE_S
+    assert waits_s > JOB.limits.wall_s + supervisor._GRADER_GRACE_S
     monkeypatch.setattr(environment, "exclusive_domain", StandInQueue(clock, waits_s))
     assert problem_of(line, 1) == ""
     assert line[1].receive(10.0) == {"domain": 7, "queued_s": waits_s}

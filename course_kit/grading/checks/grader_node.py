@@ -75,6 +75,14 @@ class Heard:
         self.messages.append(bounded(message))
         self.times.append(info["received_timestamp"] / 1e9)
 
+    def after(self, moment: float) -> list[Any]:
+        """The messages that were received from a moment on, as far as they are kept.
+
+        Args:
+            moment: in seconds of the system's clock.
+        """
+        return [message for message, time in zip(self.messages, self.times, strict=True) if time >= moment]
+
     def since(self, count: int) -> list[Any]:
         """The messages after the first `count`, as far as they are kept."""
         forgotten = self.count - len(self.messages)

@@ -48,7 +48,7 @@ def call_many(
         context: the check's.
         service: which service.
         requests: what is asked.
-        load: how many at a time, and within how many seconds.
+        load: by how many clients, and within how many seconds.
         evidence: what the check has so far.
 
     Raises:

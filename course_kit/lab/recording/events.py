@@ -95,7 +95,7 @@ class Taps:
             where: node, channel and type name.
             message: what crossed.
             sequence: which request it belongs to.
-            at: when, in seconds of the system's clock; now when None.
+            at: when, in nanoseconds of the monotonic clock; now when 0.
         """
         if self._observers:
             self.forward(Event(kind, *where, snapshot(message), sequence, at or time.monotonic_ns()))
