@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, NoReturn
 
 import pytest
 
+from course_kit.environment import paths
 from course_kit.grading import CheckReport, Report
 from course_kit.learner import progress
+from tests.course_copy import SOLUTION, TEMPERATURE, copy_course
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -72,11 +74,28 @@ def test_off_keeps_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert list(tmp_path.iterdir()) == []
 
 
-def test_without_a_choice_it_lies_in_the_state_directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_belongs_to_the_course_and_not_to_the_user(tmp_path: Path) -> None:
+    """Who passed everything in one clone has passed nothing in a fresh one."""
+    first, fresh = copy_course(tmp_path / "first"), copy_course(tmp_path / "fresh")
+    mine = {"COURSE_KIT_PROGRESS": "", "XDG_STATE_HOME": str(tmp_path)}
+    first.run("grade", TEMPERATURE, str(SOLUTION), **mine)
+    assert "1 of 4 passed" in first.run("list", **mine).stdout
+    assert "0 of 4 passed" in fresh.run("list", **mine).stdout
+    assert (first.root / ".course" / "progress.json").is_file()
+
+
+def test_in_courses_that_are_not_theirs_it_is_kept_with_the_user_one_for_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.delenv(progress.VARIABLE)
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    assert progress.record(a_report(8.0)) == ""
-    assert (tmp_path / "ros2-course-kit" / "progress.json").is_file()
+    monkeypatch.setattr(paths, "is_writable", lambda *_, **__: False)
+    monkeypatch.setattr(paths, "state_dir", lambda: tmp_path / "state")
+    for name in ("one", "another"):
+        monkeypatch.setattr(paths, "checkout", lambda name=name: tmp_path / name)
+        assert progress.read() == {}
+        assert progress.record(a_report(8.0)) == ""
+        assert progress.read()["exercise"].best == 8.0
+    assert len([*(tmp_path / "state").rglob("progress.json")]) == 2
 
 
 def test_graders_at_the_same_time_lose_nothing(file: Path) -> None:

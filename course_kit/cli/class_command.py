@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.gradebook import Gradebook
+    from course_kit.grading.exercise import Exercise
 
 FAILED, INTERRUPTED = 2, 130
 _MOST_NAMED = 20  # students in a sentence; the class page has them all
@@ -106,7 +107,19 @@ def _run(options: argparse.Namespace) -> int:
         grading = ClassRun(plan, tally, stops)
         book = grading.grade(lambda: _executor(options, [one.grader for one in chosen.values()]))
     tally.end()
+    for one in chosen.values():
+        if practised := _practised(book, one, plan.seeds):
+            _say(
+                f"course-kit: {one.id}: {_many(practised, 'submission')} graded with the practice questions (seed "
+                f"{one.seed}), whose answers every student has. For a grade that counts, give each a seed: --seeds."
+            )
     return _finish(book, options.out)
+
+
+def _practised(book: Gradebook, task: Exercise, seeds: Mapping[str, int]) -> list[str]:
+    """Whose submissions of an exercise were graded with what everybody practises with."""
+    graded = [record.entry.student for record in book.records if record.entry.exercise == task.id]
+    return [] if task.seed is None else [one for one in graded if seeds.get(one, task.seed) == task.seed]
 
 
 def _finish(book: Gradebook, out: Path) -> int:

@@ -133,11 +133,11 @@ def course_folder() -> Finding:
 
 
 def own_files() -> Finding:
-    """Where progress, logs and the like are kept."""
+    """Where logs and the like are kept."""
     folder = environment.state_dir()
     if folder == environment.usual_state_dir():
-        return Finding("your files", f"progress and logs are kept in {folder}")
-    found = f"progress and logs are kept in {folder}, because your home directory cannot be written"
+        return Finding("your files", f"logs and the like are kept in {folder}")
+    found = f"logs and the like are kept in {folder}, because your home directory cannot be written"
     advice = "They may be gone after a restart. Set XDG_STATE_HOME to a folder that you can write to and that is kept."
     return Finding("your files", found, "note", advice)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import tempfile
 from functools import lru_cache
@@ -85,6 +86,16 @@ def run_dir() -> Path:
         return root / ".course"
     elsewhere = state_dir() / "run"
     elsewhere.mkdir(parents=True, exist_ok=True)
+    return elsewhere
+
+
+def own_run_dir() -> Path:
+    """This user's folder for what belongs to this checkout alone: `run_dir`, or one a course they cannot write."""
+    root, folder = checkout(), run_dir()
+    if root is None or folder.is_relative_to(root):
+        return folder
+    elsewhere = folder / hashlib.sha256(os.fsencode(root)).hexdigest()[:16]
+    elsewhere.mkdir(exist_ok=True)
     return elsewhere
 
 

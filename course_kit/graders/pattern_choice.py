@@ -1,7 +1,8 @@
 """Exercise 4: which communication pattern fits. The answers are read and marked; no ROS is involved.
 
 What is wanted: answers to the ten scenarios of the seed; half a point for each pattern, half for each reason. Missing,
-unknown and malformed answers are named, and the others count.
+unknown and malformed answers are named, and the others count. A student edition lacks the answers to what counts: there
+nothing is marked, and what is said is whether the submission is complete.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from course_kit import quiz
 from course_kit.graders import _answers
 from course_kit.grading.checks.check import Check, Evidence, Failed
 from course_kit.grading.diagnosis import exits
+from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
     from course_kit.graders._answers import FoundAnswers
@@ -54,6 +56,8 @@ class _Sheet:
     def read(self, context: CheckContext) -> Evidence:
         entries = _read(context)
         self._result = quiz.mark(self._scenarios, entries)
+        if not self._result.is_final:
+            raise GradingError(_not_here(self._result))
         return Evidence("", _SHAPE, f"a dictionary with {len(entries)} entries")
 
     def known_ids(self, context: CheckContext) -> Evidence:
@@ -87,6 +91,22 @@ class _Sheet:
         if self._result is None:
             raise RuntimeError("the answers were not read")
         return self._result
+
+
+def _not_here(result: MarkedAnswers) -> str:
+    """Why there are no marks, and what still can be said of the answers."""
+    unfinished = [
+        f"{marks.scenario.id} ({(marks.pattern if marks.pattern.code else marks.reason).explanation.rstrip('.')})"
+        for marks in result.marks
+        if marks.pattern.code or marks.reason.code
+    ]
+    said = f"{result.complete} of {len(result.marks)} answers are complete."
+    if unfinished:
+        said += f" Still to do: {'; '.join(unfinished)}."
+    return (
+        "your instructor marks the scenarios of this seed, whose answers are not in this edition of the course. "
+        f"{said} To practise, leave the seed out."
+    )
 
 
 def _verdict(half: Half, sent: str, expected: str, got: str | None = None) -> Evidence:

@@ -1,9 +1,9 @@
-"""What a learner has reached, kept in one file of the user's state directory.
+"""What a learner has reached, kept in one file of the course's folder.
 
-One file for a user, not one for each folder: who unpacks next week's edition beside the old one goes on where they
-were. The commands record (`grade`, `%grade`, `watch`); the engine does not, so grading a class marks nothing as the
-instructor's own. COURSE_KIT_PROGRESS names another file; `off` keeps nothing, as for the tests. The file is the
-learner's and proves nothing to anybody: marks come from reports.
+Progress belongs to a checkout: a fresh clone has passed nothing. Where several users share a folder that they cannot
+write, each has a file for it in their own state directory. The commands record (`grade`, `%grade`, `watch`); the engine does
+not, so grading a class marks nothing as the instructor's own. COURSE_KIT_PROGRESS names another file; `off` keeps
+nothing, as for the tests. The file is the learner's and proves nothing to anybody: marks come from reports.
 """
 
 from __future__ import annotations
@@ -166,7 +166,7 @@ def _file() -> Path | None:
     chosen = os.environ.get(VARIABLE, "")
     if chosen == _OFF:
         return None
-    return Path(chosen) if chosen else environment.state_dir() / "progress.json"
+    return Path(chosen) if chosen else environment.own_run_dir() / "progress.json"
 
 
 def _sentence(problem: OSError) -> str:

@@ -46,7 +46,7 @@ class Kept:
     """
 
     def __init__(self, seed: int) -> None:
-        self._path = environment.run_dir() / "quiz" / f"seed_{seed}.json"
+        self._path = environment.own_run_dir() / "quiz" / f"seed_{seed}.json"
 
     def load(self) -> Any:
         """What was kept; None when nothing was, or it cannot be read."""

@@ -167,7 +167,9 @@ class QuizPanel(Panel):
         return {name for name, pair in self.answers.items() if all(pair)}
 
     def _show_marks(self) -> None:
-        shown = [marks for marks in self.result.marks if marks.scenario.id in self._marked]
+        shown = [
+            marks for marks in self.result.marks if marks.scenario.id in self._marked and marks.scenario.has_answer
+        ]
         self._form.marks = {
             marks.scenario.id: {"pattern": _half(marks.pattern), "reason": _half(marks.reason)} for marks in shown
         }
@@ -191,6 +193,8 @@ def _summary(answered: int, result: quiz.MarkedAnswers, marked: list[Marks]) -> 
     """The line above the form; what is not marked tells nothing about its points."""
     said = f"{answered} of {len(result.marks)} answered."
     needed = f"{quiz.PASS_SHARE * result.max_points:g} of {result.max_points:g}"
+    if not result.is_final:
+        return f"{said} Your instructor marks these; to pass: {needed} points."
     if not marked:
         return f"{said} To pass: {needed} points."
     if len(marked) < len(result.marks):

@@ -1,4 +1,8 @@
-"""The bank of scenarios, read from `data/scenarios.toml` and checked when it is read.
+"""The bank of scenarios, read from `data/` and checked when it is read.
+
+Ten scenarios are for practice (`practice.toml`): everybody has their answers. The others count for a grade; their
+questions (`scenarios.toml`) are with everybody, their answers (`answers.toml`) with the instructor alone: a student
+edition has no such file. Nothing that a student has tells what is right there, the order of the reasons included.
 
 What decides between the patterns is told by the ROS 2 documentation, "Topics vs Services vs Actions": topics for
 continuous streams of data; services for remote calls that end quickly; actions for whatever runs for longer,
@@ -7,6 +11,7 @@ gives feedback and can be cancelled.
 
 from __future__ import annotations
 
+import dataclasses
 import re
 import sys
 from dataclasses import dataclass
@@ -25,9 +30,9 @@ if TYPE_CHECKING:
 PATTERNS = ("topic", "service", "action")
 REASONS = 4  # to choose from in each scenario
 FORMAT_VERSION = 1
-_FILE = Path(__file__).parent / "data" / "scenarios.toml"
+_DATA = Path(__file__).parent / "data"
+QUESTIONS, ANSWERS, PRACTICE = (_DATA / name for name in ("scenarios.toml", "answers.toml", "practice.toml"))
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
-_TEXTS = ("title", "field", "text", "source", "why")
 
 
 class BankError(ValueError):
@@ -43,10 +48,10 @@ class Scenario:
         title: a few words for people.
         field: where such robots work.
         text: the situation, with every fact that decides.
-        source: the real package and interface it comes from.
+        reasons: the four reasons to choose from, by id.
+        source: the real package and interface it comes from; empty, as all that follows, where there is no answer.
         why: why the accepted patterns fit; for several, why each can be defended.
         accepted: each accepted pattern with the ids of the reasons that decide for it.
-        reasons: the four reasons to choose from, by id.
         wrong: why not: an explanation for each pattern that is not accepted and each reason that never decides.
     """
 
@@ -54,11 +59,16 @@ class Scenario:
     title: str
     field: str
     text: str
-    source: str
-    why: str
-    accepted: Mapping[str, tuple[str, ...]]
     reasons: Mapping[str, str]
-    wrong: Mapping[str, str]
+    source: str = ""
+    why: str = ""
+    accepted: Mapping[str, tuple[str, ...]] = dataclasses.field(default_factory=dict)
+    wrong: Mapping[str, str] = dataclasses.field(default_factory=dict)
+
+    @property
+    def has_answer(self) -> bool:
+        """Whether it can be marked here."""
+        return bool(self.accepted)
 
     @property
     def deciding(self) -> frozenset[str]:
@@ -67,56 +77,112 @@ class Scenario:
 
 
 @lru_cache(maxsize=1)
-def bank() -> Mapping[str, Scenario]:
-    """All scenarios by id, in the file's order.
+def practice() -> Mapping[str, Scenario]:
+    """The scenarios to practise with, by id, in the file's order; each with its answer.
 
     Raises:
         BankError: the file cannot be read or has a mistake.
     """
-    try:
-        text = _FILE.read_text(encoding="utf-8")
-    except OSError as problem:
-        raise BankError(f"The scenarios of the quiz cannot be read: {problem.strerror}.") from problem
-    return parse(text)
+    return parse(_text_of(PRACTICE))
 
 
-def parse(text: str) -> Mapping[str, Scenario]:
-    """The scenarios in a TOML text.
+@lru_cache(maxsize=1)
+def graded() -> Mapping[str, Scenario]:
+    """The scenarios that count for a grade, by id; each without an answer in a student edition.
 
     Raises:
-        BankError: it has a mistake.
+        BankError: a file cannot be read or has a mistake.
+    """
+    return parse(_text_of(QUESTIONS), _text_of(ANSWERS) if ANSWERS.exists() else None)
+
+
+def bank() -> Mapping[str, Scenario]:
+    """All scenarios by id.
+
+    Raises:
+        BankError: a file cannot be read or has a mistake.
+    """
+    return {**practice(), **graded()}
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as problem:
+        raise BankError(f"The scenarios of the quiz cannot be read: {problem.strerror}.") from problem
+
+
+def parse(text: str, answers: str | None = "") -> Mapping[str, Scenario]:
+    """The scenarios in a TOML text.
+
+    Args:
+        text: the scenarios.
+        answers: a second TOML text with their answers; empty where they stand beside the questions, None where
+            nobody is to know them.
+
+    Raises:
+        BankError: there is a mistake.
     """
     try:
-        tables = tomllib.loads(text)
-        version = tables["format_version"]
-        scenarios = [_scenario(table) for table in tables["scenario"]]
+        found = _by_id(_tables(text, "scenario"))
+        if answers is None:
+            return {name: _question(name, table) for name, table in found.items()}
+        right = _right(_tables(answers, "answer") if answers else found, found)
+        return {name: _scenario(name, table, right.get(name, {})) for name, table in found.items()}
     except (ValueError, KeyError, TypeError, AttributeError) as problem:
         what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
         raise BankError(f"The scenarios of the quiz cannot be used: {what}.") from problem
+
+
+def _tables(text: str, name: str) -> Any:
+    tables = tomllib.loads(text)
+    version = tables["format_version"]
     if version != FORMAT_VERSION:
-        raise BankError(
-            f"The scenarios of the quiz have format_version {version}, and this kit reads {FORMAT_VERSION}."
-        )
-    found = {scenario.id: scenario for scenario in scenarios}
-    if len(found) < len(scenarios):
-        raise BankError("The scenarios of the quiz cannot be used: two have the same id.")
+        raise ValueError(f"they have format_version {version}, and this kit reads {FORMAT_VERSION}")
+    return tables[name]
+
+
+def _by_id(tables: Any) -> dict[str, dict[str, Any]]:
+    found = {str(table["id"]): table for table in tables}
+    if len(found) < len(tables):
+        raise ValueError("two have the same id")
     return found
 
 
-def _scenario(table: dict[str, Any]) -> Scenario:
-    name = str(table["id"])
+def _right(answers: Any, questions: Mapping[str, Any]) -> Any:
+    if strangers := sorted(set(answers) - set(questions)):
+        raise ValueError(f"there are answers to {', '.join(strangers)}, and no such questions")
+    return answers
+
+
+def _question(name: str, table: dict[str, Any]) -> Scenario:
     try:
-        texts = {key: _text(table[key]) for key in _TEXTS}
         made = Scenario(
             id=name,
-            accepted={pattern: tuple(reasons) for pattern, reasons in table["accepted"].items()},
+            title=_text(table["title"]),
+            field=_text(table["field"]),
+            text=_text(table["text"]),
             reasons={reason: _text(text) for reason, text in table["reasons"].items()},
-            wrong={choice: _text(text) for choice, text in table["wrong"].items()},
-            **texts,
         )
     except KeyError as missing:
         raise ValueError(f"in '{name}', '{missing.args[0]}' is missing") from missing
-    if problem := _problem(made):
+    if problem := _unlike_a_question(made):
+        raise ValueError(f"in '{name}', {problem}")
+    return made
+
+
+def _scenario(name: str, table: dict[str, Any], answer: dict[str, Any]) -> Scenario:
+    try:
+        made = dataclasses.replace(
+            _question(name, table),
+            source=_text(answer["source"]),
+            why=_text(answer["why"]),
+            accepted={pattern: tuple(reasons) for pattern, reasons in answer["accepted"].items()},
+            wrong={choice: _text(text) for choice, text in answer["wrong"].items()},
+        )
+    except KeyError as missing:
+        raise ValueError(f"in '{name}', '{missing.args[0]}' is missing") from missing
+    if problem := _unlike_an_answer(made):
         raise ValueError(f"in '{name}', {problem}")
     return made
 
@@ -128,15 +194,20 @@ def _text(value: Any) -> str:
     return " ".join(value.split())
 
 
-def _problem(scenario: Scenario) -> str:
-    """What is wrong with a scenario, or nothing."""
+def _unlike_a_question(scenario: Scenario) -> str:
+    """What is wrong with a scenario's question, or nothing."""
     for identifier in (scenario.id, *scenario.reasons):
         if not _IDENTIFIER.match(identifier) or identifier in PATTERNS:
             return f"'{identifier}' cannot be an id"
-    if not scenario.accepted or not set(scenario.accepted) <= set(PATTERNS):
-        return f"the accepted patterns are none of {', '.join(PATTERNS)}"
     if len(scenario.reasons) != REASONS:
         return f"there are {len(scenario.reasons)} reasons instead of {REASONS}"
+    return ""
+
+
+def _unlike_an_answer(scenario: Scenario) -> str:
+    """What is wrong with a scenario's answer, or nothing."""
+    if not scenario.accepted or not set(scenario.accepted) <= set(PATTERNS):
+        return f"the accepted patterns are none of {', '.join(PATTERNS)}"
     if not all(reasons and set(reasons) <= set(scenario.reasons) for reasons in scenario.accepted.values()):
         return "a deciding reason is missing or is none of the four"
     wrong = (set(PATTERNS) - set(scenario.accepted)) | (set(scenario.reasons) - scenario.deciding)

@@ -21,6 +21,7 @@ PASS_SHARE = 0.8  # of all points
 HALF = 0.5
 EXAMPLE = '("topic", "reason_id")'
 MISSING, UNKNOWN, MALFORMED = "quiz.missing", "quiz.unknown", "quiz.malformed"
+_NOT_HERE = "Only your instructor can mark this: the answers are not in this edition of the course."
 _NEAR = 0.75  # how alike two ids are that one may have been meant for the other; 1.0 is the same
 _SHOWN = 60  # characters of an answer that are repeated
 _MOST = 200  # ids that are compared: it takes the square of their length
@@ -88,6 +89,16 @@ class MarkedAnswers:
         return 2 * HALF * len(self.marks)
 
     @property
+    def is_final(self) -> bool:
+        """Whether all could be marked here: the answers are known."""
+        return all(marks.scenario.has_answer for marks in self.marks)
+
+    @property
+    def complete(self) -> int:
+        """How many scenarios have an answer that can be marked, right or wrong."""
+        return sum(marks.pattern.code is None and marks.reason.code is None for marks in self.marks)
+
+    @property
     def passed(self) -> bool:
         """Whether the points reach the pass mark."""
         return self.points >= PASS_SHARE * self.max_points
@@ -141,6 +152,8 @@ def _pattern(scenario: Scenario, given: str) -> Half:
         return Half(False, "", "The pattern is still empty.", MISSING)
     if given not in PATTERNS:
         return Half(False, _shown(given), _no_choice(given, "pattern", PATTERNS), MALFORMED)
+    if not scenario.has_answer:
+        return Half(False, given, _NOT_HERE)
     if given in scenario.accepted:
         return Half(True, given, scenario.why)
     return Half(False, given, scenario.wrong[given])
@@ -151,6 +164,8 @@ def _reason(scenario: Scenario, pattern: str, given: str) -> Half:
         return Half(False, "", "The reason is still empty.", MISSING)
     if given not in scenario.reasons:
         return Half(False, _shown(given), _no_choice(given, "reason", tuple(scenario.reasons)), MALFORMED)
+    if not scenario.has_answer:
+        return Half(False, given, _NOT_HERE)
     if given in scenario.wrong:
         return Half(False, given, scenario.wrong[given])
     if pattern in scenario.accepted and given not in scenario.accepted[pattern]:

@@ -40,5 +40,10 @@ def test_lesson_one_begins_and_exercise_one_is_graded(tmp_path: Path) -> None:
     assert f"it keeps its files below {spare}" in log
     assert "Traceback" not in log
     [state] = spare.glob("ros2-course-kit-*")
-    assert json.loads((state / "progress.json").read_text())["exercises"]["temperature_service"]["tries"] == 1
+    assert (
+        json.loads((someone.root / ".course" / "progress.json").read_text())["exercises"]["temperature_service"][
+            "tries"
+        ]
+        == 1
+    )
     assert (state / "jupyter" / "ipythondir" / "profile_default").is_dir()

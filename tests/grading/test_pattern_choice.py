@@ -9,11 +9,14 @@ import pytest
 
 from course_kit import grading, quiz
 from course_kit.grading import exercise
+from tests.course_copy import copy_course
 from tests.grading.conftest import ROOT
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
+
+    from tests.course_copy import Course
 
 EXERCISE = "pattern_choice"
 SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
@@ -200,3 +203,31 @@ def test_report_fits_a_terminal_and_a_notebook(grade: Callable[..., grading.Repo
     report = grade("answers = {'weld_seam': ('topic', 'many_points'), 'unicorn': 1}")
     assert max(map(len, grading.render_text(report).splitlines())) <= 80
     assert "unicorn" in grading.render_html(report)
+
+
+@pytest.fixture(scope="module")
+def students(tmp_path_factory: pytest.TempPathFactory) -> Course:
+    """A course without the answers, as students have it."""
+    course = copy_course(tmp_path_factory.mktemp("students"))
+    (course.root / "course_kit" / "quiz" / "data" / "answers.toml").unlink()
+    return course
+
+
+def test_without_the_answers_the_practice_questions_are_marked(students: Course) -> None:
+    done = students.run("grade", EXERCISE, str(SOLUTION), "--format", "json")
+    assert (json.loads(done.stdout)["score"], done.returncode) == (10.0, 0)
+
+
+def test_without_the_answers_no_other_seed_is_marked_and_what_is_missing_is_said(
+    students: Course, tmp_path: Path
+) -> None:
+    drawn = quiz.draw(7)
+    pairs = {scenario.id: ("topic", next(iter(scenario.reasons))) for scenario in drawn}
+    pairs[drawn[0].id] = ("topic", "")
+    mine = tmp_path / "mine.py"
+    mine.write_text(f"answers = {pairs!r}", encoding="utf-8")
+    done = students.run("grade", EXERCISE, str(mine), "--seed", "7", "--format", "json")
+    report = json.loads(done.stdout)
+    assert (report["status"], report["score"], done.returncode) == ("error", 0.0, 2)
+    assert "your instructor marks the scenarios of this seed" in report["stderr"]
+    assert f"9 of 10 answers are complete. Still to do: {drawn[0].id} (The reason is still empty)." in report["stderr"]

@@ -10,6 +10,7 @@ import pytest
 
 from course_kit import environment, grading, panels, quiz
 from course_kit.panels import quiz_answers
+from course_kit.quiz.bank import QUESTIONS, parse
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -26,7 +27,7 @@ pytestmark = pytest.mark.usefixtures("own_lab")
 def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is kept in the course."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(environment, "run_dir", lambda: tmp_path)
+    monkeypatch.setattr(environment, "own_run_dir", lambda: tmp_path)
 
 
 def right(scenario: quiz.Scenario) -> tuple[str, str]:
@@ -212,3 +213,13 @@ def test_its_words_are_the_same_whatever_is_chosen() -> None:
     assert "quiz.show(seed=5)" in repr(panels.quiz(SEED))
     with pytest.raises(TypeError, match="seed=17"):
         panels.quiz(seed="7")  # type: ignore[arg-type]
+
+
+def test_where_there_are_no_answers_nothing_is_marked(monkeypatch: pytest.MonkeyPatch) -> None:
+    questions = parse(QUESTIONS.read_text(encoding="utf-8"), None)
+    monkeypatch.setattr("course_kit.quiz.drawing.graded", lambda: questions)
+    panel = answered(lambda scenario: ("topic", next(iter(scenario.reasons))))
+    assert panel.widget.marks == {}
+    assert panel.widget.summary == "10 of 10 answered. Your instructor marks these; to pass: 8 of 10 points."
+    panel.mark()
+    assert panel.widget.marks == {}

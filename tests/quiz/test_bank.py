@@ -8,7 +8,7 @@ from collections import Counter
 import pytest
 
 from course_kit import quiz
-from course_kit.quiz.bank import parse
+from course_kit.quiz.bank import PRACTICE, QUESTIONS, parse
 
 BANK = quiz.bank()
 SCENARIOS = list(BANK.values())
@@ -29,7 +29,29 @@ wrong = { service = "S", action = "A", b = "B", c = "C", d = "D" }
 """
 
 
+QUESTION = """
+format_version = 1
+[[scenario]]
+id = "one"
+title = "t"
+field = "f"
+text = "x"
+reasons = { a = "A", b = "B", c = "C", d = "D" }
+"""
+ANSWER = """
+format_version = 1
+[answer.one]
+source = "s"
+why = "w"
+accepted = { topic = ["a"] }
+wrong = { service = "S", action = "A", b = "B", c = "C", d = "D" }
+"""
+
+
 def test_it_is_large_and_balanced() -> None:
+    assert len(quiz.graded()) >= 30
+    assert len(quiz.practice()) == 10
+    assert not set(quiz.graded()) & set(quiz.practice())
     alone = Counter(tuple(scenario.accepted) for scenario in SCENARIOS)
     assert len(SCENARIOS) >= 36
     assert len({alone[pattern,] for pattern in quiz.PATTERNS}) == 1
@@ -114,3 +136,37 @@ def test_a_mistake_is_named(before: str, after: str, told: str) -> None:
 def test_two_scenarios_of_one_name_are_refused() -> None:
     with pytest.raises(quiz.BankError, match="two have the same id"):
         parse(GOOD + GOOD.replace("format_version = 1", ""))
+
+
+def test_questions_and_answers_may_stand_apart() -> None:
+    assert parse(QUESTION, ANSWER) == parse(GOOD)
+    alone = parse(QUESTION, None)["one"]
+    assert (alone.has_answer, alone.accepted, alone.deciding) == (False, {}, frozenset())
+
+
+@pytest.mark.parametrize(
+    ("answers", "told"),
+    [
+        (ANSWER.replace("answer.one", "answer.two"), "there are answers to two, and no such questions"),
+        (ANSWER.replace('why = "w"\n', ""), "in 'one', 'why' is missing"),
+        ("format_version = 1\n[answer]\n", "in 'one', 'source' is missing"),
+        (ANSWER.replace("format_version = 1", "format_version = 2"), "format_version 2"),
+    ],
+)
+def test_a_mistake_in_the_answers_is_named(answers: str, told: str) -> None:
+    with pytest.raises(quiz.BankError, match=re.escape(told)):
+        parse(QUESTION, answers)
+
+
+def test_what_students_have_tells_nothing_about_what_is_right() -> None:
+    """Neither a word of an answer, nor the order in which scenarios and reasons are written down."""
+    questions = QUESTIONS.read_text(encoding="utf-8")
+    flat = " ".join(questions.split())
+    for scenario in quiz.graded().values():
+        assert scenario.why not in flat
+        assert scenario.source not in flat
+        assert not [text for text in scenario.wrong.values() if text in flat]
+        assert scenario.id not in PRACTICE.read_text(encoding="utf-8")
+    in_file = parse(questions, None)
+    assert list(in_file) == sorted(in_file)
+    assert all(list(scenario.reasons) == sorted(scenario.reasons) for scenario in in_file.values())

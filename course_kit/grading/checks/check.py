@@ -10,6 +10,7 @@ import inspect
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from course_kit.grading.errors import GradingError
 from course_kit.grading.exchange_log import GRADER
 from course_kit.ros.arrows import Arrow
 
@@ -143,6 +144,9 @@ def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[Result]:
 
     A check that fails or times out leaves the others to be graded. After one that breaks there is no grade, and nothing
     more is run.
+
+    Raises:
+        GradingError: a check says that this cannot be graded here.
     """
     passed: set[str] = set()
     titles = {one.id: one.title for one in checks}
@@ -172,6 +176,8 @@ def _run(one: Check, context: CheckContext) -> Result:
         seen = verdict.evidence
         status, diagnosis, message = "failed", verdict.diagnosis, verdict.message
         steps = _exchange(context, seen)
+    except GradingError:
+        raise
     except NotRun as reason:
         return Result(one.id, one.title, "skipped", one.points, message=f"Not run: {reason}")
     except Exception as problem:  # noqa: BLE001 - whatever it is, it is our fault and must not cost any points

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading import bounds, limits, machine
 from course_kit.grading.checks.check import run_all
 from course_kit.grading.checks.context import CheckContext
+from course_kit.grading.errors import GradingError
 from course_kit.grading.workers.ipc import ChannelClosedError
 from course_kit.process.parent import set_name
 
@@ -62,6 +63,8 @@ def main(supervisor: Channel, job: Job) -> None:
         told["timings"] = _run(supervisor, job)
     except ChannelClosedError:
         return
+    except GradingError as problem:
+        told["problem"] = bounds.cut(str(problem))
     except Exception as problem:  # noqa: BLE001 - a broken grader or installation; the report says so
         told["problem"] = bounds.cut(f"{type(problem).__name__}: {problem}")
     supervisor.send(told)
