@@ -120,15 +120,15 @@ def _have_it_accepted(context: CheckContext, goal: CheckedGoal, length: float, e
     clock = context.clock()
     answer = goal.cancel()
     try:
-        context.wait_until(answer.done, allowed_s(length))
+        context.wait_until(answer.answered, allowed_s(length))
     except SubmissionEndedError as ended:
         evidence = Evidence(goal.shown, expected, "no answer: the program ended")
         diagnosis, message = goals.of_program(ended.process, context.job)
         raise Failed(evidence, message, diagnosis) from None
-    if not answer.done():
+    if not answer.answered():
         raise hangs.unanswered(context, goal.shown, expected, clock.fair())
     waited_s, late = clock.wall(), clock.past(_PROMPT_S)
-    if goal.is_cancelled_by(answer.result()):
+    if goal.is_cancelled_by(answer.response()):
         if late:
             evidence = Evidence(goal.shown, expected, f"accepted after {waited_s:.1f} s")
             message = (

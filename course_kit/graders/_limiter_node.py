@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.grader_node import Heard
+    from course_kit.ros.topic import Inbox
 
 NODE = "/velocity_limiter"
 COMMAND = Topic("/cmd_vel_in", Twist, "geometry_msgs/msg/Twist")
@@ -120,8 +120,8 @@ class Limiter:
         velocities, wheels = (heard.count - count for heard, count in zip(self._heard(), before, strict=True))
         return velocities, wheels
 
-    def _heard(self) -> tuple[Heard, Heard]:
-        hear = self._context.grader_node.hear
+    def _heard(self) -> tuple[Inbox, Inbox]:
+        hear = self._context.grader_node.inbox
         return (hear(LIMITED.interface, LIMITED.name), hear(WHEEL.interface, WHEEL.name))
 
     def expect(
@@ -174,9 +174,9 @@ class Limiter:
         return settings
 
 
-def endpoints(context: CheckContext) -> tuple[TopicExchange, Heard]:
+def endpoints(context: CheckContext) -> tuple[TopicExchange, Inbox]:
     """The grader's ends of the four topics; the sooner they are made, the sooner they are connected."""
-    return TopicExchange(context, COMMAND, (LIMITED, WHEEL)), context.grader_node.hear(STATUS.interface, STATUS.name)
+    return TopicExchange(context, COMMAND, (LIMITED, WHEEL)), context.grader_node.inbox(STATUS.interface, STATUS.name)
 
 
 def drawn(context: CheckContext, low: float, high: float) -> float:

@@ -102,7 +102,7 @@ VERBS: dict[str, tuple[Callable[[CheckContext], Any], float]] = {
     "node that serves its parameters": (lambda context: expect_served(context, NODE), ANSWER_S),
     "exchange": (lambda context: TopicExchange(context, SENT, [HEARD]).send(Twist(), EVIDENCE), HEARD_S),
     "next message": (
-        lambda context: await_next(context, context.grader_node.hear(Twist, "/cmd_vel"), 1, 9.0, EVIDENCE),
+        lambda context: await_next(context, context.grader_node.inbox(Twist, "/cmd_vel"), 1, 9.0, EVIDENCE),
         9.0,
     ),
     "endpoints": (lambda context: expect_endpoints(context, [OTHER], []), 2.0),

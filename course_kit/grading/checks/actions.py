@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
@@ -16,14 +16,13 @@ from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import discovery, retry
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.ros.topic import Inbox
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from rclpy.client import Client
+    from collections.abc import Mapping
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.grader_node import Listener
+    from course_kit.ros.messages import ActionType, Message
 
 _MOST_FEEDBACK = 10_000  # messages about one goal that are kept
 _MOST_CHANGES = 20  # of the status of one goal
@@ -42,7 +41,7 @@ class WantedAction:
     """
 
     name: str
-    interface: Any
+    interface: ActionType
     type: str
 
     @property
@@ -55,70 +54,65 @@ class WantedAction:
 class ReceivedFeedback:
     """Feedback, and when it was received, in seconds of the system's clock."""
 
-    feedback: Any
+    feedback: Message
     came_s: float
 
 
-class Feedback:
+class Feedback(Inbox):
     """What has come as feedback about goals that are followed; of one without end the beginning and the last."""
 
     def __init__(self) -> None:
-        self.count = 0  # about whatever goal
+        super().__init__()
         self._of_goals: dict[bytes, list[ReceivedFeedback]] = {}
 
     def of(self, goal: bytes) -> list[ReceivedFeedback]:
         """All about a goal, oldest first, from the first question for it on."""
         return self._of_goals.setdefault(goal, [])
 
-    def take(self, message: Any, info: Any) -> None:
-        """Keep one message; `info` is rclpy's."""
-        self.count += 1
+    def keep(self, message: Message, received_s: float) -> None:
+        """See `Inbox`."""
         all_told = self._of_goals.get(bytes(message.goal_id.uuid))
         if all_told is not None:
             del all_told[_MOST_FEEDBACK - 1 :]
-            all_told.append(ReceivedFeedback(bounded(message.feedback), info["received_timestamp"] / 1e9))
+            all_told.append(ReceivedFeedback(bounded(message.feedback), received_s))
 
 
-class Statuses:
+class Statuses(Inbox):
     """How the statuses of goals that are followed have changed."""
 
     def __init__(self) -> None:
+        super().__init__()
         self._of_goals: dict[bytes, list[tuple[float, int]]] = {}
 
     def of(self, goal: bytes) -> list[tuple[float, int]]:
         """Each change, with its time on the system's clock, from the first question for the goal on."""
         return self._of_goals.setdefault(goal, [])
 
-    def take(self, message: Any, info: Any) -> None:
-        """Keep what one message has of news; `info` is rclpy's."""
+    def keep(self, message: Message, received_s: float) -> None:
+        """See `Inbox`; of a message only what is news."""
         for entry in bounded(message).status_list:
             changes = self._of_goals.get(bytes(entry.goal_info.goal_id.uuid))
             if changes is not None and len(changes) < _MOST_CHANGES and entry.status not in [one for _, one in changes]:
-                changes.append((info["received_timestamp"] / 1e9, entry.status))
+                changes.append((received_s, entry.status))
 
 
 class ActionChannels:
     """The grader's connections with an action; made on first use, and the same as long as the grader's node."""
 
     def __init__(self, context: CheckContext, action: WantedAction) -> None:
-        parts, self._grader_node, self._name = action.interface.Impl, context.grader_node, action.name
-        self.goals = self._client(parts.SendGoalService, "send_goal")
-        self.cancels = self._client(parts.CancelGoalService, "cancel_goal")
-        self.results = self._client(parts.GetResultService, "get_result")  # the last: see `_wait_for_match`
-        self.feedback = self._listen(Feedback, parts.FeedbackMessage, "feedback", _FEEDBACK)
-        self.statuses = self._listen(Statuses, parts.GoalStatusMessage, "status", _STATUS)
+        node, parts, self._below = context.grader_node, action.interface.Impl, f"{action.name}/_action"
+        self._node = node.node
+        self.goals = node.client(parts.SendGoalService, f"{self._below}/send_goal")
+        self.cancels = node.client(parts.CancelGoalService, f"{self._below}/cancel_goal")
+        self.results = node.client(parts.GetResultService, f"{self._below}/get_result")  # the last: `_wait_for_match`
+        self.feedback = node.inbox_of(Feedback, parts.FeedbackMessage, f"{self._below}/feedback", _FEEDBACK)
+        self.statuses = node.inbox_of(Statuses, parts.GoalStatusMessage, f"{self._below}/status", _STATUS)
 
     def ready(self) -> bool:
         """Whether a goal can be sent and everything about it will be heard."""
-        return all(client.service_is_ready() for client in (self.goals, self.results, self.cancels)) and all(
-            self._grader_node.node.count_publishers(f"{self._name}/_action/{topic}") for topic in ("feedback", "status")
+        return all(client.is_ready() for client in (self.goals, self.results, self.cancels)) and all(
+            self._node.count_publishers(f"{self._below}/{topic}") for topic in ("feedback", "status")
         )
-
-    def _client(self, interface: Any, part: str) -> Client:
-        return self._grader_node.client(interface, f"{self._name}/_action/{part}")
-
-    def _listen(self, make: Callable[[], Listener], interface: Any, part: str, qos: QoSProfile) -> Listener:
-        return self._grader_node.hear_with(make, interface, f"{self._name}/_action/{part}", qos)
 
 
 def expect_action(context: CheckContext, action: WantedAction) -> Evidence:

@@ -66,7 +66,7 @@ class Remote:
 
     def ready(self) -> bool:
         """Whether all its parameter services can be called."""
-        return all(client.service_is_ready() for client in self._clients.values())
+        return all(client.is_ready() for client in self._clients.values())
 
     def names(self) -> list[str]:
         """The names of all parameters of the node."""
@@ -92,15 +92,15 @@ class Remote:
         return parameters.driven(steps, self._answer)
 
     def _answer(self, question: Question) -> Any:
-        context, request = self._context, question.interface.Request(**question.fields)
+        context, request = self._context, question.request
         evidence = _evidence(question)
         context.require_time(evidence)
         turn = context.record.sent(evidence.sent, minor=question.service in _QUESTIONS)
         clock = context.clock()
         with exceptions.explained(context, evidence):
-            future = self._clients[question.service].call_async(request)
-            if context.wait_until(future.done, hangs.ANSWER_S):
-                response = bounded(future.result())
+            sent = self._clients[question.service].send(request)
+            if context.wait_until(sent.answered, hangs.ANSWER_S):
+                response = bounded(sent.response())
                 turn.came(_told(request, response))
                 return response
             raise exceptions.unanswered(context, evidence, clock.fair())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.checks import discovery
 from course_kit.grading.checks.check import Evidence, Failed
@@ -14,9 +14,9 @@ from course_kit.grading.diagnosis import hangs
 from course_kit.grading.exchange_log import in_one_line
 
 if TYPE_CHECKING:
-    from rclpy.client import Client
-
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.ros.messages import Message, ServiceType
+    from course_kit.ros.service import ServiceClient
 
 _STUCK_S = 3.0  # a callback seen waiting in rclpy for so long waits for itself
 
@@ -32,7 +32,7 @@ class Service:
     """
 
     name: str
-    interface: Any
+    interface: ServiceType
     type: str
 
 
@@ -40,11 +40,11 @@ class Service:
 class Answer:
     """A response and how long it took, in seconds, fairly counted."""
 
-    response: Any
+    response: Message
     latency_s: float
 
 
-def expect_offered(context: CheckContext, service: Service, request: Any) -> Evidence:
+def expect_offered(context: CheckContext, service: Service, request: Message) -> Evidence:
     """The service is on the graph, with its type, and its program is there to be asked.
 
     Args:
@@ -58,7 +58,7 @@ def expect_offered(context: CheckContext, service: Service, request: Any) -> Evi
     """
     expected = f"the service {service.name} of type {service.type}"
     client = _client(context, service)
-    await_offer(context, _wanted(service), client.service_is_ready, context.grader_node.services)
+    await_offer(context, _wanted(service), client.is_ready, context.grader_node.services)
     try:
         wait_for_match(context, client, request)
     except SubmissionEndedError as ended:
@@ -88,10 +88,10 @@ def ensure_ready(context: CheckContext, service: Service) -> None:
     Raises:
         Failed: it does not come up a second time.
     """
-    ensure_running(context, _wanted(service), lambda: _client(context, service).service_is_ready())
+    ensure_running(context, _wanted(service), lambda: _client(context, service).is_ready())
 
 
-def call(context: CheckContext, service: Service, request: Any, shown: str, expected: str) -> Answer:
+def call(context: CheckContext, service: Service, request: Message, shown: str, expected: str) -> Answer:
     """Send one request and wait for its answer.
 
     Args:
@@ -131,7 +131,7 @@ def call(context: CheckContext, service: Service, request: Any, shown: str, expe
     raise hangs.unanswered(context, shown, expected, clock.fair())
 
 
-def _client(context: CheckContext, service: Service, number: int = 0) -> Client:
+def _client(context: CheckContext, service: Service, number: int = 0) -> ServiceClient:
     return context.grader_node.client(service.interface, service.name, number)
 
 
