@@ -84,7 +84,7 @@ def send(context: CheckContext) -> CheckedGoal:
 
 
 def cancel(context: CheckContext) -> None:
-    assert not context.wait_until(send(context).cancel().done, ANSWER_S)
+    assert not context.wait_until(send(context).cancel().answered, ANSWER_S)
 
 
 # Each asks the silent node for something, and how long it would wait by itself.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import rclpy
 from example_interfaces.srv import AddTwoInts
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -33,7 +34,7 @@ class Pair:
         for node in (self.server, self.asking):
             self.executor.add_node(node)
         self.asked, self.forgotten = 0, 0
-        self.server.create_service(AddTwoInts, "/ns/add", self.add)
+        self.server.create_service(AddTwoInts, "/ns/add", self.add, callback_group=ReentrantCallbackGroup())
         self.client = ServiceClient(self.asking, AddTwoInts, "ns/add")
         self.spin_until(self.client.is_ready)
 
