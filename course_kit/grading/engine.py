@@ -17,7 +17,6 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.job import Job
 from course_kit.grading.reading import Reader
 from course_kit.grading.report import CheckReport, Report
-from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.workers.worker import Worker
 from course_kit.ros.arrows import Arrow
 
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.exercise import Exercise
+    from course_kit.grading.sandbox.isolation import Isolation
     from course_kit.grading.submission import Submission
 
 _NOT_STARTED = ("start.", "limit.")
@@ -153,7 +153,7 @@ def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadab
 
 def _grade(task: Exercise, job: Job, shown: str, worker: Worker, require_isolation: bool) -> Report:
     began = time.monotonic()
-    found = Isolation.from_mapping(worker.ready())
+    found = worker.ready()
     if require_isolation:
         found.require()
     isolation = _told(found, job.mode)

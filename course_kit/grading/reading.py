@@ -19,16 +19,15 @@ import course_kit
 from course_kit.grading.errors import GradingError
 from course_kit.grading.submission import Facts, Submission, SyntaxFault, UnreadableError
 from course_kit.process.child import INTO_STDOUT, Child
+from course_kit.process.closing import Closing
 from course_kit.process.output import LastWords
 from course_kit.reader import limits, packets
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
-
-    from typing_extensions import Self
 
     from course_kit.grading.exercise import Exercise
+    from course_kit.grading.plain_data import Record
     from course_kit.grading.submission import Copy
 
 # No folder but the kit's own and the standard library's is looked at for modules, whatever lies in them.
@@ -44,7 +43,7 @@ class ReadingStoppedError(Exception):
     """Somebody has asked to stop."""
 
 
-class Reader:
+class Reader(Closing):
     """The process. For one thread at a time."""
 
     def __init__(self, stopped: Callable[[], bool] = lambda: False) -> None:
@@ -58,14 +57,6 @@ class Reader:
         """
         self._stopped = stopped
         self._start()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def read(self, copy: Copy, exercise: Exercise) -> Submission:
         """The program that somebody has handed in for an exercise.
@@ -85,7 +76,7 @@ class Reader:
             source=told["source"],
             places=tuple((int(cell), int(lines)) for cell, lines in told["places"]),
             fault=SyntaxFault(*fault) if fault else None,
-            facts=Facts.from_mapping(facts) if facts else Facts(),
+            facts=_facts(facts) if facts else Facts(),
             literal=told["literal"],
         )
 
@@ -225,6 +216,12 @@ def _checked(answer: bytes) -> dict[str, Any]:
     if not isinstance(told, dict):
         raise GradingError("The process that reads submissions sent an answer that makes no sense.")
     return told
+
+
+def _facts(told: Record) -> Facts:
+    """What the reader's child says of a text; it has read what a stranger wrote."""
+    functions = tuple((int(first), int(last), bool(waits)) for first, last, waits in told["functions"])
+    return Facts(bool(told["awaits"]), bool(told["floor_divides"]), bool(told["loops"]), functions)
 
 
 def _program_name(name: str) -> str:

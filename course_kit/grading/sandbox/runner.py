@@ -19,7 +19,7 @@ import sys
 import tempfile
 import threading
 import traceback
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
@@ -66,16 +66,6 @@ class Program:
     command: tuple[str, ...] = ()
     folder: str = ""
     variable: str = ""
-
-    @classmethod
-    def from_mapping(cls, values: Mapping[str, Any]) -> Program:
-        """The inverse of `to_mapping`."""
-        program = cls(**values)
-        return replace(program, arguments=tuple(program.arguments), command=tuple(program.command))
-
-    def to_mapping(self) -> dict[str, Any]:
-        """The program as plain data."""
-        return asdict(self)
 
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:

@@ -22,6 +22,7 @@ from course_kit.grading.sandbox.output_collector import OutputCollector
 from course_kit.grading.sandbox.sandbox import Sandbox
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.process import tree
+from course_kit.process.fork import fork
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -73,7 +74,6 @@ class Supervisor:
         self._extra: dict[str, Any] = {}
         self._fault = ""
         self._killed_before = memory.oom_kills()
-        self._probe_id = 0
         self._again = False  # whether this may go better the next time: something was killed that should not be
 
     def run(self) -> dict[str, Any]:
@@ -110,17 +110,16 @@ class Supervisor:
         return {**self._extra, **times}
 
     def _start_probe(self) -> Channel:
-        ours, theirs = Channel.pair()
-        self._probe_id = os.fork()
-        if self._probe_id == 0:
-            from course_kit.grading.workers import grader_process
+        from course_kit.grading.workers import grader_process
 
+        ours, theirs = Channel.pair()
+
+        def run() -> None:
             ours.close()
-            try:
-                die_with_parent()
-                grader_process.main(theirs, self._job)
-            finally:
-                os._exit(init_process.FAILED)
+            die_with_parent()
+            grader_process.main(theirs, self._job)
+
+        fork(run)
         theirs.close()
         return ours
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 import time
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import bounds, limits, machine
@@ -76,7 +77,7 @@ def _run(supervisor: Channel, job: Job) -> dict[str, Any]:
         context.launch()
     try:
         for result in run_all(checks_of(grader, job), context):
-            supervisor.send({"do": "result", "result": bounds.results([result.to_mapping()])[0]})
+            supervisor.send({"do": "result", "result": bounds.results([asdict(result)])[0]})
             times[result.id] = time.monotonic() - began
     finally:
         if (

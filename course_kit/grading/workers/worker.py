@@ -7,18 +7,18 @@ once and forks. Several workers grade side by side. This is the handle in the tr
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import limits
 from course_kit.grading.errors import GradingError
+from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.grading.workers.warm_process import WarmProcess, variables_of
+from course_kit.process.closing import Closing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from types import TracebackType
-
-    from typing_extensions import Self
 
     from course_kit.grading.job import Job
 
@@ -26,7 +26,7 @@ _START_S = 60.0  # importing everything from a cold disk on a loaded machine
 _GRACE_S = 60.0  # beyond the queue and the wall time; a worker that is later than that hangs, by a fault of ours
 
 
-class Worker:
+class Worker(Closing):
     """A worker process. Start many ahead of time; each takes one job at a time, from one thread at a time."""
 
     def __init__(
@@ -50,14 +50,6 @@ class Worker:
         self._closing = False
         self._greeting: dict[str, Any] | None = None
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
     @property
     def process_id(self) -> int:
         """Of the worker process.
@@ -68,7 +60,7 @@ class Worker:
         self.ready()
         return int((self._greeting or {})["process"])
 
-    def ready(self) -> dict[str, Any]:
+    def ready(self) -> Isolation:
         """Wait until it can take a job; returns the isolation it has found.
 
         Raises:
@@ -81,7 +73,7 @@ class Worker:
                 raise GradingError(f"The grader could not start. {self._last_words()}") from problem
         if problem_text := self._greeting.get("problem"):
             raise GradingError(str(problem_text))
-        return dict(self._greeting["isolation"])
+        return Isolation(**self._greeting["isolation"])
 
     def grade(self, job: Job) -> dict[str, Any]:
         """Grade one submission; returns the outcome as the supervisor describes it.
@@ -91,7 +83,7 @@ class Worker:
         """
         self.ready()
         try:
-            self._channel.send({"job": job.to_mapping()})
+            self._channel.send({"job": asdict(job)})
             outcome = self._channel.receive(limits.QUEUE_S + job.limits.wall_s + _GRACE_S)
         except (ChannelClosedError, TimeoutError) as problem:
             raise GradingError(f"The grader ended while it was grading. {self._last_words()}") from problem

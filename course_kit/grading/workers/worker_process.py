@@ -12,7 +12,8 @@ import signal
 import socket
 import sys
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import needs
@@ -24,6 +25,7 @@ from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.process import freezing, tree
+from course_kit.process.fork import fork
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -81,7 +83,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
         _work(channels[0], launchers[0], common, keep=(starter,))
         return
     lines = list(zip(channels, launchers, strict=True))
-    children = [_fork_worker(line, lines, common) for line in lines]
+    children = [fork(partial(_work_apart, line, lines, common)) for line in lines]
     for channel, launcher in lines:
         channel.close()
         launcher.close()
@@ -100,20 +102,18 @@ def _fork_launchers(
     """
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     freezing.freeze()
-    if child := os.fork():
-        theirs.close()
-        return child, ours
-    try:
+
+    def serve_launchers() -> None:
         ours.close()
         for channel in channels:
             channel.close()
         for launcher, _ in pairs:
             launcher.close()
         launchers.serve_all(theirs, [end for _, end in pairs])
-    except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the file of last words has it
-        sys.excepthook(*sys.exc_info())
-    finally:
-        os._exit(0)
+
+    child = fork(serve_launchers)
+    theirs.close()
+    return child, ours
 
 
 def _interfaces(graders: Sequence[Any]) -> list[tuple[str, str]]:
@@ -121,26 +121,17 @@ def _interfaces(graders: Sequence[Any]) -> list[tuple[str, str]]:
     return sorted({(one.__module__, one.__name__) for grader in graders for one in grader.INTERFACES})
 
 
-def _fork_worker(line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], common: _Common) -> int:
-    child = os.fork()
-    if child:
-        return child
-    status = 1
-    try:
-        os.setsid()  # Linux shares a busy machine out among sessions; each worker is to have its part
-        die_with_parent()
-        adopt_orphans()
-        for other in lines:
-            if other is not line:
-                other[0].close()  # else nobody would notice the end of that worker
-                other[1].close()
-        with suppress(ChannelClosedError):
-            _work(*line, common)
-        status = 0
-    except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the file of last words has it
-        sys.excepthook(*sys.exc_info())
-    finally:
-        os._exit(status)
+def _work_apart(line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], common: _Common) -> None:
+    """A worker that is a fork of this process, one of several."""
+    os.setsid()  # Linux shares a busy machine out among sessions; each worker is to have its part
+    die_with_parent()
+    adopt_orphans()
+    for other in lines:
+        if other is not line:
+            other[0].close()  # else nobody would notice the end of that worker
+            other[1].close()
+    with suppress(ChannelClosedError):
+        _work(*line, common)
 
 
 def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container[int] = ()) -> None:
@@ -160,9 +151,9 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
         folder.chmod(0o711)  # that user finds its own directory in it, and sees no other
     os.environ["ROS_LOG_DIR"] = str(folder)  # of the grader process, which logs nothing
     try:
-        channel.send({"isolation": found.to_mapping(), "process": os.getpid()})
+        channel.send({"isolation": asdict(found), "process": os.getpid()})
         while True:
-            job = Job.from_mapping(channel.receive()["job"])
+            job = Job.from_record(channel.receive()["job"])
             job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
             _load(job.grader)
             for _ in range(_TRIES):
@@ -183,17 +174,12 @@ def _load(module: str) -> Any:
 
 def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> dict[str, Any]:
     ours, theirs = Channel.pair()
-    child = os.fork()
-    if child == 0:
-        status = 1
-        try:
-            ours.close()
-            theirs.send(_run(job, launcher, view))
-            status = 0
-        except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the worker reports it
-            sys.excepthook(*sys.exc_info())
-        finally:
-            os._exit(status)
+
+    def supervise() -> None:
+        ours.close()
+        theirs.send(_run(job, launcher, view))
+
+    fork(supervise)
     theirs.close()
     try:
         return _outcome(ours, channel)
