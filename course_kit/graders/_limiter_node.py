@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from course_kit.ros.topic import Inbox
 
 NODE = "/velocity_limiter"
-COMMAND = Topic("/cmd_vel_in", Twist, "geometry_msgs/msg/Twist")
-LIMITED = Topic("/cmd_vel", Twist, "geometry_msgs/msg/Twist")
-WHEEL = Topic("/wheel_speed", Float64, "std_msgs/msg/Float64")
-STATUS = Topic("/status", String, "std_msgs/msg/String")
+COMMAND = Topic("/cmd_vel_in", Twist)
+LIMITED = Topic("/cmd_vel", Twist)
+WHEEL = Topic("/wheel_speed", Float64)
+STATUS = Topic("/status", String)
 VELOCITY, WHEELS, BOTH = "velocity", "wheels", "both"
 _TRIES = 2  # a node that follows its parameters through /parameter_events may be one message late
 _ACCEPTED = "accepted: the value is valid"

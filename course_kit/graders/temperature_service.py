@@ -22,8 +22,9 @@ from course_kit.graders._temperature import (
     right_value,
 )
 from course_kit.grading.checks.check import Check, Evidence, Failed, check
+from course_kit.grading.checks.discovery import ensure_ready, expect_node, expect_offered
 from course_kit.grading.checks.load_test import Load, call_many
-from course_kit.grading.checks.services import Answer, Service, call, expect_node, expect_offered
+from course_kit.grading.checks.services import Answer, Service, call
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 INTERFACES = (ConvertTemperature,)
 NODE = "/temperature_service"
-SERVICE = Service("/convert_temperature", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
+SERVICE = Service("/convert_temperature", ConvertTemperature)
 _FIRST = Sample(100.0, CELSIUS, FAHRENHEIT)
 _SLOW_S = 1.5  # one answer; the exercise wants fifty in 5 s
 _EDGE = 0.01  # degrees; how near to absolute zero we test
@@ -52,7 +53,7 @@ def offered(context: CheckContext) -> Evidence:
 @check(points=0.5, depends_on=["offered"])
 def node_name(context: CheckContext) -> Evidence:
     """The node is called temperature_service."""
-    return expect_node(context, NODE, SERVICE)
+    return expect_node(context, NODE, lambda: ensure_ready(context, SERVICE))
 
 
 @check(points=1.0, depends_on=["offered"])

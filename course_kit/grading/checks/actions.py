@@ -1,4 +1,4 @@
-"""What graders ask of an action server before they send it goals: is it there, and does the grader hear it.
+"""The grader's connections with an action server: what it sends and what it hears.
 
 An action is three services and two topics below its name ("Actions" in the ROS 2 design articles). The grader uses
 these themselves, not rclpy's ActionClient: that one drops feedback which arrives after the result, and hides the rest.
@@ -6,48 +6,26 @@ these themselves, not rclpy's ActionClient: that one drops feedback which arrive
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
 from course_kit.grading.bounds import bounded
-from course_kit.grading.checks import discovery, retry
-from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.discovery import Server
+from course_kit.grading.checks.retry import wait_for_match
+from course_kit.ros.messages import ActionType
 from course_kit.ros.topic import Inbox
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.ros.messages import ActionType, Message
+    from course_kit.grading.checks.grader_node import GraderNode, Offer
+    from course_kit.ros.messages import Message
 
 _MOST_FEEDBACK = 10_000  # messages about one goal that are kept
 _MOST_CHANGES = 20  # of the status of one goal
 _FEEDBACK = QoSProfile(depth=1000)
 _STATUS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
-
-
-@dataclass(frozen=True)
-class WantedAction:
-    """An action as the exercise names it.
-
-    Attributes:
-        name: its full name.
-        interface: its class.
-        type: the interface's name, `package/action/Name`.
-    """
-
-    name: str
-    interface: ActionType
-    type: str
-
-    @property
-    def wanted(self) -> discovery.Wanted:
-        """What is to be on the graph."""
-        return discovery.Wanted("action", self.name, self.type)
 
 
 @dataclass(frozen=True)
@@ -99,12 +77,12 @@ class Statuses(Inbox):
 class ActionChannels:
     """The grader's connections with an action; made on first use, and the same as long as the grader's node."""
 
-    def __init__(self, context: CheckContext, action: WantedAction) -> None:
-        node, parts, self._below = context.grader_node, action.interface.Impl, f"{action.name}/_action"
+    def __init__(self, node: GraderNode, action: WantedAction) -> None:
+        parts, self._below = action.interface.Impl, f"{action.name}/_action"
         self._node = node.node
         self.goals = node.client(parts.SendGoalService, f"{self._below}/send_goal")
         self.cancels = node.client(parts.CancelGoalService, f"{self._below}/cancel_goal")
-        self.results = node.client(parts.GetResultService, f"{self._below}/get_result")  # the last: `_wait_for_match`
+        self.results = node.client(parts.GetResultService, f"{self._below}/get_result")  # the last: see `meet`
         self.feedback = node.inbox_of(Feedback, parts.FeedbackMessage, f"{self._below}/feedback", _FEEDBACK)
         self.statuses = node.inbox_of(Statuses, parts.GoalStatusMessage, f"{self._below}/status", _STATUS)
 
@@ -115,52 +93,22 @@ class ActionChannels:
         )
 
 
-def expect_action(context: CheckContext, action: WantedAction) -> Evidence:
-    """The action is on the graph, with its type, and its program is there to be sent goals.
+@dataclass(frozen=True)
+class WantedAction(Server[ActionType]):
+    """An action as the exercise names it."""
 
-    Raises:
-        Failed: it is not; with start.*, name.action, type.interface or limit.*.
-    """
-    expected = f"the action {action.name} of type {action.type}"
-    line = ActionChannels(context, action)
-    discovery.await_offer(context, action.wanted, line.ready, context.grader_node.actions)
-    try:
-        _wait_for_match(context, action)
-    except SubmissionEndedError as ended:
-        if ended.diagnosis == "start.exit":
-            evidence = Evidence("", expected, "a program that has ended")
-            raise Failed(evidence, ended.message, ended.diagnosis) from None
-    return Evidence("", expected, expected)
+    kind: ClassVar[str] = "action"
 
+    def ready(self, node: GraderNode) -> bool:
+        """See `Server`; everything about a goal will be heard, too."""
+        return ActionChannels(node, self).ready()
 
-def ensure_ready(context: CheckContext, action: WantedAction) -> None:
-    """Have a running submission that offers the action: one that has died or hangs is started again.
+    def offers(self, node: GraderNode) -> list[Offer]:
+        """See `Server`."""
+        return node.actions()
 
-    Raises:
-        Failed: it does not come up a second time.
-    """
-    if context.spoiled:
-        start_again(context, action)
-
-
-def start_again(context: CheckContext, action: WantedAction, variables: Mapping[str, str] | None = None) -> None:
-    """Start the submission anew, with other environment variables if wanted.
-
-    Args:
-        context: the check's.
-        action: what it is to offer.
-        variables: environment variables that differ from the exercise's own.
-
-    Raises:
-        Failed: it does not come up a second time.
-    """
-    discovery.start_again(context, action.wanted, lambda: ActionChannels(context, action).ready(), variables)
-    with suppress(SubmissionEndedError):  # whoever needs it will notice
-        _wait_for_match(context, action)
-
-
-def _wait_for_match(context: CheckContext, action: WantedAction) -> None:
-    """Ask for the result of a goal that does not exist; whether that is answered does not matter."""
-    retry.wait_for_match(
-        context, ActionChannels(context, action).results, action.interface.Impl.GetResultService.Request()
-    )
+    def meet(self, context: CheckContext, request: Message = None) -> None:
+        """See `Server`; asks for the result of a goal that does not exist, and whether that is answered is the same."""
+        del request
+        request = self.interface.Impl.GetResultService.Request()
+        wait_for_match(context, ActionChannels(context.grader_node, self).results, request)

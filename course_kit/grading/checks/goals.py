@@ -11,11 +11,13 @@ from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.bounds import bounded
-from course_kit.grading.checks.actions import ActionChannels, ensure_ready
+from course_kit.grading.checks.actions import ActionChannels
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.discovery import ensure_ready
 from course_kit.grading.checks.retry import RESEND_AFTER_S
-from course_kit.grading.diagnosis import goals, hangs
+from course_kit.grading.diagnosis import exits, goals, hangs
+from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
 from course_kit.ros.arrows import Arrow
 from course_kit.ros.goal import status_name
@@ -62,7 +64,8 @@ class CheckedGoal:
         ensure_ready(context, action)
         context.require_time(Evidence(shown, "an answer to the goal"))
         self.shown = shown
-        self._context, self._parts, self._line = context, action.interface.Impl, ActionChannels(context, action)
+        self._context, self._parts = context, action.interface.Impl
+        self._line = ActionChannels(context.grader_node, action)
         self._stderr = context.process().stderr
         self._id = uuid.uuid4().bytes
         self._result: SentRequest | None = None
@@ -119,11 +122,9 @@ class CheckedGoal:
                 self._line.results.send(self._parts.GetResultService.Request())
             return self.answered
 
-        try:
+        evidence = Evidence(self.shown, expected)
+        with explained(self._context, evidence, exits.of_call, "no answer: the program ended"):
             found = self._context.wait_until(decided, seconds)
-        except SubmissionEndedError as ended:
-            evidence = Evidence(self.shown, expected, "no answer: the program ended")
-            raise Failed(evidence, ended.message, ended.diagnosis) from None
         if not found:
             raise hangs.unanswered(self._context, self.shown, expected, self.clock.fair())
         self._turn.came("accepted" if self.accepted else "rejected")

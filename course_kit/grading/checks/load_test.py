@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.discovery import ensure_ready
 from course_kit.grading.checks.retry import RESEND_AFTER_S
-from course_kit.grading.checks.services import Service, ensure_ready
+from course_kit.grading.diagnosis import exits
+from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.diagnosis.hangs import unanswered
 from course_kit.grading.sandbox import scheduling
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.services import Service
     from course_kit.ros.messages import Message
     from course_kit.ros.service import SentRequest, ServiceClient
 
@@ -57,16 +59,14 @@ def call_many(
         Failed: not all were answered in time, with service.blocks when they came one by one but too slowly.
     """
     ensure_ready(context, service)
-    clients = [context.grader_node.client(service.interface, service.name, number) for number in range(load.clients)]
-    try:
+    clients = [service.client(context.grader_node, number) for number in range(load.clients)]
+    with explained(context, evidence, exits.of_call):
         context.wait_until(lambda: all(client.is_ready() for client in clients), load.seconds, step_s=_STEP_S)
         turn = context.record.sent(evidence.sent)
         late = Lateness()
         clock = context.clock(late.seconds)
         responses = _run(context, clients, requests, load, late)
         spent = clock.fair()
-    except SubmissionEndedError as ended:
-        raise Failed(replace(evidence, got="the program ended"), ended.message, ended.diagnosis) from None
     answered = sum(response is not None for response in responses)
     if answered:
         turn.came(f"{answered} of {len(requests)} responses within {spent:.1f} s")

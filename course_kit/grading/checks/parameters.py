@@ -13,7 +13,7 @@ from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, Set
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.discovery import ENDED, has_settled, other_nodes
 from course_kit.grading.checks.retry import wait_for_match
 from course_kit.grading.diagnosis import exceptions, hangs
 from course_kit.ros import parameters
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
 _VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
 _QUESTIONS = _VERBS[:2]
-_SETTLED_S = 2.0  # a node that is up and spinning for so long has the name it will have
 T = TypeVar("T")
 
 
@@ -120,12 +119,8 @@ def expect_served(context: CheckContext, node: str) -> Evidence:
     expected = f"a node called {node}"
     remote = Remote(context, node)
     clock = context.clock()
-
-    def settled() -> bool:
-        return clock.past(_SETTLED_S) and bool(context.grader_node.nodes()) and hangs.spins(context)
-
-    try:
-        context.wait_for_start(lambda: remote.ready() or settled())
+    with exceptions.explained(context, Evidence("", expected), exceptions.of_start, ENDED):
+        context.wait_for_start(lambda: remote.ready() or has_settled(context, clock))
         if not remote.ready():
             raise _not_served(context, node, expected)
         client = context.grader_node.client(
@@ -134,9 +129,6 @@ def expect_served(context: CheckContext, node: str) -> Evidence:
         clock = context.clock()
         if not wait_for_match(context, client, ListParameters.Request(), hangs.ANSWER_S):
             raise exceptions.unanswered(context, Evidence("list_parameters", expected), clock.fair())
-    except SubmissionEndedError as ended:
-        diagnosis, message = exceptions.of_start(ended.process, context.job)
-        raise Failed(Evidence("", expected, "a program that has ended"), message, diagnosis) from None
     return Evidence("", expected, expected)
 
 
@@ -171,8 +163,7 @@ def _not_served(context: CheckContext, node: str, expected: str) -> Failed:
         )
         return Failed(evidence, message)
     if nodes:
-        message = f"The graph has {graph.listed(nodes, 'node')}, but none is called {node}.{graph.closest(node, nodes)}"
-        return Failed(evidence, message, "name.node")
+        return other_nodes(node, nodes, evidence)
     return Failed(evidence, *graph.why_empty(context, node)[::-1])
 
 

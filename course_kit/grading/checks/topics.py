@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from rclpy.duration import Infinite
 from rclpy.qos import (
@@ -19,14 +19,16 @@ from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S
 from course_kit.grading.checks.grader_node import DEPTH
+from course_kit.grading.checks.named import Named
 from course_kit.grading.diagnosis import exceptions, exits, hangs
 from course_kit.grading.exchange_log import Exchange, in_one_line
+from course_kit.ros.messages import MessageType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.ros.messages import Message, MessageType
+    from course_kit.ros.messages import Message
     from course_kit.ros.topic import Endpoint, Inbox
 
 HEARD_S = 3.0  # how long the message that answers another one is waited for
@@ -46,18 +48,10 @@ _DEFAULT = QoSProfile(
 
 
 @dataclass(frozen=True)
-class Topic:
-    """A topic as the exercise names it.
+class Topic(Named[MessageType]):
+    """A topic as the exercise names it."""
 
-    Attributes:
-        name: its full name.
-        interface: its class.
-        type: the interface's name, `package/msg/Name`.
-    """
-
-    name: str
-    interface: MessageType
-    type: str
+    kind: ClassVar[str] = "topic"
 
 
 def expect_endpoints(context: CheckContext, published: Sequence[Topic], subscribed: Sequence[Topic]) -> Evidence:
