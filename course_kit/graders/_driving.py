@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_interfaces.action import MoveRobot
 from geometry_msgs.msg import Point
@@ -214,7 +214,7 @@ def told(ended: Ended) -> str:
     )
 
 
-def is_blank(result: Any) -> bool:
+def is_blank(result: MoveRobot.Result) -> bool:
     """Whether a result is as ROS 2 makes it: nobody has filled in anything."""
     return bool(result == MoveRobot.Result())
 

@@ -13,7 +13,7 @@ import socket
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 import course_kit
 from course_kit.grading.errors import GradingError
@@ -110,7 +110,7 @@ class Reader(Closing):
         except OSError as problem:
             raise GradingError(f"The process that reads submissions could not start: {problem.strerror}.") from problem
 
-    def _ask(self, what: str, copy: Copy, exercise: Exercise) -> dict[str, Any]:
+    def _ask(self, what: str, copy: Copy, exercise: Exercise) -> Record:
         request = {
             "do": what,
             "name": copy.name,
@@ -133,7 +133,7 @@ class Reader(Closing):
             self._start()
         raise GradingError(f"The process that reads submissions ended while it was reading. {words}".strip())
 
-    def _exchange(self, request: dict[str, Any], copy: Copy) -> tuple[dict[str, Any], bytes]:
+    def _exchange(self, request: Record, copy: Copy) -> tuple[Record, bytes]:
         """How the reader's child has ended, and what it has written.
 
         Raises:
@@ -145,7 +145,7 @@ class Reader(Closing):
             answer.seek(0)
             return ended, answer.read(limits.ANSWER_BYTES)
 
-    def _await_end(self) -> dict[str, Any]:
+    def _await_end(self) -> Record:
         """How the reader's child has ended.
 
         Raises:
@@ -162,7 +162,7 @@ class Reader(Closing):
                 raise EOFError("the reader hangs")
         return packets.receive(self._line)[0]
 
-    def _understood(self, copy: Copy, ended: dict[str, Any]) -> bool:
+    def _understood(self, copy: Copy, ended: Record) -> bool:
         """Whether there is an answer; False when the child was ended by somebody else, or has failed.
 
         Raises:
@@ -203,7 +203,7 @@ def _file_in_memory() -> BinaryIO:
         raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
 
 
-def _checked(answer: bytes) -> dict[str, Any]:
+def _checked(answer: bytes) -> Record:
     """What a child has written.
 
     Raises:

@@ -10,13 +10,15 @@ import hashlib
 import os
 import stat
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
 from course_kit.process.closing import Closing
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from course_kit.grading.plain_data import Record
 
 
 _MB = 1 << 20
@@ -85,7 +87,7 @@ class Submission:
     places: tuple[tuple[int, int], ...] = ()
     fault: SyntaxFault | None = None
     facts: Facts = Facts()
-    literal: dict[str, Any] | None = None
+    literal: Record | None = None
 
     def where(self, line: int) -> str:
         """`line 12`, for notebooks `cell 3, line 2`."""

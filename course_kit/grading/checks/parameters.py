@@ -21,7 +21,10 @@ from course_kit.ros import parameters
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from rcl_interfaces.msg import ParameterValue, SetParametersResult
+
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.ros.messages import Message
     from course_kit.ros.parameters import Question, Steps
 
 INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
@@ -75,13 +78,13 @@ class Remote:
         """The values of these parameters; one that is not declared, or has no value yet, counts as not set."""
         return dict(zip(names, map(_value, self._ask(parameters.values(names))), strict=True))
 
-    def set(self, name: str, value: Any) -> SetResult:
+    def set(self, name: str, value: object) -> SetResult:
         """Set one parameter."""
         self.changed = True
         results = self._ask(parameters.set_each([parameters.to_message(name, value)]))
         return _result(results[0]) if results else SetResult(successful=False, reason="")
 
-    def set_together(self, values: Mapping[str, Any]) -> SetResult:
+    def set_together(self, values: Mapping[str, object]) -> SetResult:
         """Set several at once, all or none, in this order."""
         self.changed = True
         messages = [parameters.to_message(*pair) for pair in values.items()]
@@ -90,7 +93,7 @@ class Remote:
     def _ask(self, steps: Steps[T]) -> T:
         return parameters.driven(steps, self._answer)
 
-    def _answer(self, question: Question) -> Any:
+    def _answer(self, question: Question) -> Message:
         context, request = self._context, question.request
         evidence = _evidence(question)
         context.require_time(evidence)
@@ -105,7 +108,7 @@ class Remote:
             raise exceptions.unanswered(context, evidence, clock.fair())
 
 
-def shown(values: Mapping[str, Any]) -> str:
+def shown(values: Mapping[str, object]) -> str:
     """`max_velocity=2.5, enabled=False`."""
     return ", ".join(f"{name}={value!r}" for name, value in values.items())
 
@@ -177,7 +180,7 @@ def _evidence(question: Question) -> Evidence:
     return Evidence(f"{question.service}: {shown(values)}", "an answer: accepted, or refused and why")
 
 
-def _told(request: Any, response: Any) -> str:
+def _told(request: Message, response: Message) -> str:
     """A response of one of the services as the learner is shown it."""
     if isinstance(response, ListParameters.Response):
         return f"names: {', '.join(response.result.names)}"
@@ -190,9 +193,9 @@ def _told(request: Any, response: Any) -> str:
     return "; ".join(_result(one).shown() for one in results)
 
 
-def _result(message: Any) -> SetResult:
+def _result(message: SetParametersResult) -> SetResult:
     return SetResult(message.successful, message.reason)
 
 
-def _value(message: Any) -> Value:
+def _value(message: ParameterValue) -> Value:
     return Value(parameters.type_of(message), parameters.from_message(message))

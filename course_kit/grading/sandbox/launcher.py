@@ -20,7 +20,7 @@ import socket
 from contextlib import suppress
 from dataclasses import asdict
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.plain_data import rebuilt
 from course_kit.grading.sandbox import init_process, namespaces
@@ -33,7 +33,7 @@ from course_kit.process.fork import fork
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
 _START, _END, _ENDED = b"start", b"end", b"ended"
 _LARGEST_ORDER = 16 * 1024  # bytes
@@ -196,6 +196,6 @@ def _gate(line: socket.socket, descriptors: Sequence[int]) -> None:
 
 def _receive(descriptor: int) -> tuple[Program, Conditions]:
     channel = Channel(socket.socket(fileno=descriptor))
-    request: Mapping[str, Any] = channel.receive(_REQUEST_S)
+    request = channel.receive(_REQUEST_S)
     channel.close()
     return rebuilt(Program, request["program"]), Conditions.from_record(request["cell"])

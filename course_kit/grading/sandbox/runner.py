@@ -177,7 +177,7 @@ def _has_made_nodes() -> bool:
     return False
 
 
-def _find_class(module: ModuleType, wanted: str, evidence: int) -> Any:
+def _find_class(module: ModuleType, wanted: str, evidence: int) -> type | None:
     from rclpy.node import Node
 
     own = {
@@ -196,7 +196,7 @@ def _find_class(module: ModuleType, wanted: str, evidence: int) -> Any:
     return None
 
 
-def _spin(node_class: Any) -> None:
+def _spin(node_class: type) -> None:
     import rclpy
     from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 
@@ -220,7 +220,7 @@ def _spin(node_class: Any) -> None:
         return
 
 
-def _exit_status(code: Any) -> int:
+def _exit_status(code: object) -> int:
     if code is None:
         return 0
     if isinstance(code, int):
@@ -264,7 +264,7 @@ def _type_name(value: object) -> str:
     return "None" if value is None else type(value).__name__
 
 
-def _note(evidence: int, **what: Any) -> None:
+def _note(evidence: int, **what: object) -> None:
     os.write(evidence, b"\n" + json.dumps({"note": what}).encode() + b"\n")
 
 

@@ -12,7 +12,7 @@ import shutil
 import tempfile
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.limits import Limits
 from course_kit.grading.plain_data import Record, rebuilt
@@ -70,7 +70,7 @@ class Streams:
         """All of them, in the order of the arguments."""
         return (self.stdout, self.stderr, self.status, self.evidence, self.control)
 
-    def tell(self, **what: Any) -> None:
+    def tell(self, **what: object) -> None:
         """From the inside: tell the supervisor facts, on the stream for them."""
         with suppress(OSError):
             os.write(self.status, json.dumps(what).encode() + b"\n")

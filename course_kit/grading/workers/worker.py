@@ -8,7 +8,7 @@ once and forks. Several workers grade side by side. This is the handle in the tr
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 from course_kit.grading import limits
 from course_kit.grading.errors import GradingError
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.job import Job
+    from course_kit.grading.plain_data import Record
+    from course_kit.grading.workers.outcome import Outcome
 
 _START_S = 60.0  # importing everything from a cold disk on a loaded machine
 _GRACE_S = 60.0  # beyond the queue and the wall time; a worker that is later than that hangs, by a fault of ours
@@ -48,7 +50,7 @@ class Worker(Closing):
             at = (process, process.channels[0])
         self._process, self._channel = at
         self._closing = False
-        self._greeting: dict[str, Any] | None = None
+        self._greeting: Record | None = None
 
     @property
     def process_id(self) -> int:
@@ -75,7 +77,7 @@ class Worker(Closing):
             raise GradingError(str(problem_text))
         return Isolation(**self._greeting["isolation"])
 
-    def grade(self, job: Job) -> dict[str, Any]:
+    def grade(self, job: Job) -> Outcome:
         """Grade one submission; returns the outcome as the supervisor describes it.
 
         Raises:
@@ -89,7 +91,7 @@ class Worker(Closing):
             raise GradingError(f"The grader ended while it was grading. {self._last_words()}") from problem
         if "results" not in outcome:  # its last words
             raise GradingError(str(outcome.get("problem", "The grader ended while it was grading.")))
-        return outcome
+        return cast("Outcome", outcome)
 
     def has_ended(self) -> bool:
         """Whether its process has gone, for one that is not at work."""

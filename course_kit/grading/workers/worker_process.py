@@ -14,7 +14,7 @@ import sys
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 from course_kit.grading import needs
 from course_kit.grading.job import Job
@@ -30,9 +30,11 @@ from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence
+    from types import ModuleType
 
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.isolation import Isolation
+    from course_kit.grading.workers.outcome import Outcome
 
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
 _FIRST_SERVED = -19  # nice value
@@ -116,7 +118,7 @@ def _fork_launchers(
     return child, ours
 
 
-def _interfaces(graders: Sequence[Any]) -> list[tuple[str, str]]:
+def _interfaces(graders: Sequence[ModuleType]) -> list[tuple[str, str]]:
     """Module and name of each interface that some graders use, for a process that must not load the graders."""
     return sorted({(one.__module__, one.__name__) for grader in graders for one in grader.INTERFACES})
 
@@ -166,13 +168,13 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
         scratch.remove(folder)
 
 
-def _load(module: str) -> Any:
+def _load(module: str) -> ModuleType | None:
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
         return grader_process.load(module)
     return None
 
 
-def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> dict[str, Any]:
+def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> Outcome:
     ours, theirs = Channel.pair()
 
     def supervise() -> None:
@@ -189,7 +191,7 @@ def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep:
         launcher.end()
 
 
-def _run(job: Job, launcher: Launcher, view: FileView) -> dict[str, Any]:
+def _run(job: Job, launcher: Launcher, view: FileView) -> Outcome:
     if problem := needs.lacking(job.limits, guest=job.user != 0, disk="" if job.isolation.files else job.scratch):
         return _broken_off(problem, again=False)
     try:
@@ -198,12 +200,12 @@ def _run(job: Job, launcher: Launcher, view: FileView) -> dict[str, Any]:
         return _broken_off(f"the submission could not be run: {problem}")
 
 
-def _broken_off(problem: str, *, again: bool = True) -> dict[str, Any]:
+def _broken_off(problem: str, *, again: bool = True) -> Outcome:
     """The outcome, as `Supervisor.run` gives it, of a grading that came to nothing by no fault of the submission."""
     return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": again}
 
 
-def _outcome(supervisor: Channel, parent: Channel) -> dict[str, Any]:
+def _outcome(supervisor: Channel, parent: Channel) -> Outcome:
     poll = select.poll()
     poll.register(supervisor.fileno(), select.POLLIN)
     poll.register(parent.fileno(), select.POLLIN)
@@ -211,7 +213,7 @@ def _outcome(supervisor: Channel, parent: Channel) -> dict[str, Any]:
     if parent.fileno() in ready:
         raise ChannelClosedError("the parent process has ended, or sent a message out of turn")
     try:
-        return supervisor.receive()
+        return cast("Outcome", supervisor.receive())
     except ChannelClosedError:
         return _broken_off("the process that supervises it was killed")
 
