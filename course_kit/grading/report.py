@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
     from course_kit.grading.diagnosis.catalogue import Diagnosis
+    from course_kit.grading.plain_data import Record
     from course_kit.ros.arrows import Arrow
 
 FORMAT_VERSION = 1
@@ -82,9 +83,9 @@ class Report:
     stderr: str = ""
     problem: str = ""
     isolation: str = ""
-    timings: dict[str, Any] = field(default_factory=dict)
+    timings: Record = field(default_factory=dict)
 
-    def to_mapping(self) -> dict[str, Any]:
+    def to_mapping(self) -> Record:
         """The report as JSON has it: exactly these names."""
         return {
             "format_version": FORMAT_VERSION,
@@ -105,7 +106,7 @@ class Report:
         return encodable(json.dumps(self.to_mapping(), indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def _check_mapping(check: CheckReport) -> dict[str, Any]:
+def _check_mapping(check: CheckReport) -> Record:
     return {
         "id": check.id,
         "title": check.title,

@@ -2,7 +2,52 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol, TypeAlias
+
+# An object of a generated class: a message, a request, a goal. Its fields are those of its definition, which is read
+# while the program runs: a type checker cannot know them.
+Message: TypeAlias = Any
+
+
+class MessageType(Protocol):
+    """The class of a message."""
+
+    def __call__(self, **fields: object) -> Message:
+        """Make a message."""
+
+    def get_fields_and_field_types(self) -> dict[str, str]:
+        """The type of each field, in rosidl's words."""
+
+
+class ServiceType(Protocol):
+    """The class of a service."""
+
+    Request: type[Message]
+    Response: type[Message]
+
+
+class ActionType(Protocol):
+    """The class of an action.
+
+    Attributes:
+        Impl: the services and messages it is made of.
+    """
+
+    Goal: type[Message]
+    Result: type[Message]
+    Feedback: type[Message]
+    Impl: ActionParts
+
+
+class ActionParts(Protocol):
+    """The services and messages an action is made of."""
+
+    SendGoalService: ServiceType
+    CancelGoalService: ServiceType
+    GetResultService: ServiceType
+    FeedbackMessage: MessageType
+    GoalStatusMessage: MessageType
+
 
 # As `get_fields_and_field_types` has them, and as a definition spells them.
 _WORDS = {"boolean": "bool", "double": "float64", "float": "float32", "octet": "byte"}
@@ -14,17 +59,17 @@ def type_name(interface: Any) -> str:
     return "/".join([*module[:2], interface.__name__]) if len(module) > 1 else str(interface.__name__)
 
 
-def is_service_type(interface: Any) -> bool:
+def is_service_type(interface: object) -> bool:
     """Whether this is a service's class, with a Request and a Response."""
     return isinstance(interface, type) and hasattr(interface, "Request") and hasattr(interface, "Response")
 
 
-def is_action_type(interface: Any) -> bool:
+def is_action_type(interface: object) -> bool:
     """Whether this is an action's class, with a Goal, a Result and a Feedback."""
     return isinstance(interface, type) and all(hasattr(interface, part) for part in ("Goal", "Result", "Feedback"))
 
 
-def is_message_type(interface: Any) -> bool:
+def is_message_type(interface: object) -> bool:
     """Whether this is a message's class."""
     return isinstance(interface, type) and hasattr(interface, "get_fields_and_field_types")
 

@@ -13,6 +13,7 @@ import stat
 import subprocess
 import sys
 import tempfile
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +50,7 @@ def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
     first, *rows = (json.loads(line) for line in done.stdout.splitlines())
     by_name = {row["name"]: row for row in rows}
     assert set(by_name) == set(programs)
-    return {"isolation": isolation.Isolation.from_mapping(first["isolation"]), **by_name}
+    return {"isolation": isolation.Isolation(**first["isolation"]), **by_name}
 
 
 def main() -> None:
@@ -73,7 +74,7 @@ def main() -> None:
     end.close()
     programs = json.load(sys.stdin)
     seed = programs.pop("seed")
-    print(json.dumps({"isolation": found.to_mapping()}), flush=True)
+    print(json.dumps({"isolation": asdict(found)}), flush=True)
     for name, source in programs.items():
         user = isolation.guest(os.getpid()) if found.user else 0
         job = Job(
@@ -84,8 +85,8 @@ def main() -> None:
             source=source,
             class_name="TemperatureService",
             isolation=found,
+            user=user,
         )
-        job = Job.from_mapping({**job.to_mapping(), "user": user})
         sys.stdout.flush()
         if os.fork() == 0:
             outcome = Supervisor(job, handle).run()
