@@ -3,8 +3,8 @@
 One run of `course-kit class` over the mixed submissions of `class.py` (right, wrong, crashing, greedy, one in 50 that
 never ends), all different. Meanwhile it is counted, every few seconds, what the run holds: processes, open files and
 memory of those that live as long as the run (the command, the warm process, the workers, and the processes that start
-submissions), processes that nobody has reaped, files in /dev/shm, what lies in the temporary folder, and leases of ROS
-domains. The table shows what was held at the beginning, in the middle and at the end of the run, and after it.
+submissions), processes that nobody has reaped, files in /dev/shm, and what lies in the temporary folder. A lease of a ROS
+domain is a socket, and so among the open files. The table shows what was held at the beginning, in the middle and at the end of the run, and after it.
 Beginning, middle and end are the medians of a fifth of the samples each; what was there before the run is taken off.
 """
 
@@ -24,8 +24,6 @@ import psutil
 from class_rivals import FULL, Ours
 from class_submissions import large
 from class_usage import resident
-
-from course_kit import environment
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,7 +50,6 @@ class Sample:
     not_reaped: float
     shared_memory: float
     temporary: float
-    leases: float
 
 
 def main() -> None:
@@ -112,7 +109,6 @@ def look(command: int | None, temporary: Path) -> Sample:
         not_reaped=sum(_is_zombie(one) for one in family),
         shared_memory=_entries(Path("/dev/shm")),  # noqa: S108 - it is only counted
         temporary=_entries(temporary),
-        leases=_entries(environment.run_dir()),
     )
 
 
