@@ -19,6 +19,14 @@ if TYPE_CHECKING:
 
     from tests.course_clone import Clone
 
+# Is killed when it makes a link: what led somewhere before has to lead there still.
+KILLED_AT_A_LINK = """
+import os, pathlib, signal, sys
+from course_setup.environments import Environment, Environments
+root, second = map(pathlib.Path, sys.argv[1:])
+pathlib.Path.symlink_to = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
+Environments(root, "wheels").put_in_force(Environment(second))
+"""
 WAITS = "import sys; print('up', flush=True); sys.stdin.read()"
 
 
@@ -114,6 +122,17 @@ def test_an_update_that_is_stopped_leaves_the_course_as_it_was(
     assert clone.calls() == ["venv", "pip", "pip"]
     assert clone.course("test").stderr.count("ready") == 1
     assert clone.environments() == {clone.environment}
+
+
+def test_an_update_that_is_killed_at_the_last_step_leaves_the_course_as_it_was(clone: Clone) -> None:
+    before = used(clone.course("doctor"))
+    second = clone.root / ".venvs" / "wheels-second"
+    second.mkdir()
+    killed = subprocess.run([BASE_PYTHON, "-c", KILLED_AT_A_LINK, clone.root, second], cwd=clone.root, check=False)
+    assert killed.returncode == -signal.SIGKILL
+    assert str(clone.environment) == before
+    assert used(clone.course("doctor")) == before
+    assert clone.calls() == ["venv", "pip"]
 
 
 def test_who_deletes_the_link_gets_a_new_environment(clone: Clone) -> None:
