@@ -46,7 +46,7 @@ class Constant:
 
     name: str
     type: FieldType
-    value: Any
+    value: Any  # by its type
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from course_kit.interfaces.live_record import LiveRecord, class_of, source_of
 
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 
 def make_service_class(
-    definition: ServiceDefinition, request: type[Any], response: type[Any], event: type[Any], text: str | None = None
-) -> type[Any]:
+    definition: ServiceDefinition, request: type, response: type, event: type, text: str | None = None
+) -> type:
     """Make the class of a service out of those of its parts.
 
     Args:
@@ -27,7 +27,7 @@ def make_service_class(
     return _bundle(definition, "service", parts, text)
 
 
-def make_action_class(definition: ActionDefinition, parts: dict[str, type[Any]], text: str) -> type[Any]:
+def make_action_class(definition: ActionDefinition, parts: dict[str, type], text: str) -> type:
     """Make the class of an action.
 
     Args:
@@ -47,8 +47,8 @@ def make_action_class(definition: ActionDefinition, parts: dict[str, type[Any]],
 
 
 def _bundle(
-    definition: ServiceDefinition | ActionDefinition, what: str, parts: dict[str, type[Any]], text: str | None
-) -> type[Any]:
+    definition: ServiceDefinition | ActionDefinition, what: str, parts: dict[str, type], text: str | None
+) -> type:
     name = definition.name.name
     module = f"{definition.name.package}.{definition.name.kind}.{definition.module}"
     metaclass = type(
@@ -67,18 +67,18 @@ def _bundle(
     def __init__(_: object) -> NoReturn:  # noqa: N807
         raise NotImplementedError(f"{what.capitalize()} classes can not be instantiated")
 
-    cls: type[Any] = metaclass(name, (), {"__module__": module, "__init__": __init__, **parts})
+    cls: type = metaclass(name, (), {"__module__": module, "__init__": __init__, **parts})
     LiveRecord(source_of(definition.name.kind, text)).attach(cls)
     return cls
 
 
-def _import_service_support(metaclass: Any) -> None:
+def _import_service_support(metaclass: type) -> None:
     from course_kit.interfaces.type_support import add_service_support
 
     add_service_support(class_of(metaclass))
 
 
-def _import_action_support(metaclass: Any) -> None:
+def _import_action_support(metaclass: type) -> None:
     from course_kit.interfaces.type_support import add_action_support
 
     add_action_support(class_of(metaclass))
