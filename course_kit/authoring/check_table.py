@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 from course_kit.authoring import rules
 from course_kit.grading.diagnosis import catalogue
@@ -89,7 +89,7 @@ def as_json(found: ProofOutcome) -> str:
     )
 
 
-def _run(run: Run) -> dict[str, Any]:
+def _run(run: Run) -> dict[str, object]:
     return {
         "seed": run.seed,
         "submissions": [

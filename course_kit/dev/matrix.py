@@ -134,7 +134,14 @@ def _add(combination: Combination, chosen: list[Combination], notes: list[str], 
 
 
 def run(root: Path, combination: Combination, runner: StepRunner, uv: str | None) -> list[StepResult]:
-    """Everything on one combination; where the set-up fails the rest is not run."""
+    """Everything on one combination; where the set-up fails the rest is not run.
+
+    Args:
+        root: the course's folder.
+        combination: the Python and the installer.
+        runner: runs the steps.
+        uv: the program, where there is one.
+    """
     print(f"\ncourse: {combination}", flush=True)
     with tempfile.TemporaryDirectory(prefix="course matrix ", ignore_cleanup_errors=True) as folder:
         course = Path(folder) / "my course"

@@ -18,7 +18,7 @@ import tempfile
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import nbformat
 
@@ -83,7 +83,13 @@ class Otter:
     """Otter's commands, in a folder of their own."""
 
     def __init__(self, folder: Path, exercise: str, domain: int) -> None:
-        """Make the autograder of an exercise."""
+        """Make the autograder of an exercise.
+
+        Args:
+            folder: where Otter works.
+            exercise: its id.
+            domain: the ROS domain of what is graded.
+        """
         self._folder = folder
         private = {name: str(folder / "jupyter") for name in ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "IPYTHONDIR")}
         self._environment = environment.child_environment(ROS_DOMAIN_ID=str(domain), **private)
@@ -91,7 +97,7 @@ class Otter:
         (folder / "tests" / f"{exercise}.py").write_text(otter.case_file(exercise, _SEED), encoding="utf-8")
         self._run("generate", "--tests-dir", "tests", "--output-path", "autograder.zip")
 
-    def points(self, notebook: Any) -> float:
+    def points(self, notebook: nbformat.NotebookNode) -> float:
         """What it gives to a notebook."""
         nbformat.write(notebook, self._folder / "notebook.ipynb")
         results = self._folder / "results.json"
@@ -146,7 +152,7 @@ def _halves(text: str) -> tuple[str, str]:
     return "\n".join(lines[:last]), "\n".join(lines[last:])
 
 
-def _notebook(exercise: Corpus, cells: Sequence[str]) -> Any:
+def _notebook(exercise: Corpus, cells: Sequence[str]) -> nbformat.NotebookNode:
     """The exercise's notebook with `cells` as its submission, and Otter's check where it was graded."""
     notebook = nbformat.read(exercise.task.folder / exercise.task.notebook, as_version=4)
     mark = f"%%submission {exercise.task.id}\n"

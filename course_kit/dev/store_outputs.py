@@ -8,7 +8,6 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import Any
 
 import nbformat
 from nbclient import NotebookClient
@@ -33,7 +32,7 @@ def run(path: Path) -> None:
     nbformat.write(normalised(notebook), path)
 
 
-def normalised(notebook: Any) -> Any:
+def normalised(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
     """The notebook with times, kernel versions and widget models of this run left out."""
     notebook.metadata = {"kernelspec": KERNEL, "language_info": {"name": "python"}}
     number_anew(notebook)

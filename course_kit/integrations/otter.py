@@ -10,7 +10,7 @@ and hide cases there.
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
 
@@ -114,7 +114,7 @@ def _checks(exercise: str, seed: int | None) -> Sequence[Check]:
     return in_order(grader_process.checks_of(grader_process.load(task.grader), job))
 
 
-def add_to(verbs: Any) -> None:
+def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the verb to the command line's parser."""
     parser = verbs.add_parser("otter", help="print an exercise's test file for Otter-Grader, one test case a check")
     parser.add_argument("exercise", help="the exercise's id")

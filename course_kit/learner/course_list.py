@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import textwrap
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading import exercise
@@ -36,7 +36,7 @@ class Row:
             return "passed"
         return "not passed yet" if self.known.tries else "not tried yet"
 
-    def to_mapping(self) -> dict[str, Any]:
+    def to_mapping(self) -> dict[str, object]:
         """The row as JSON shows it."""
         return {
             "id": self.task.id,

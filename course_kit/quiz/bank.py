@@ -121,7 +121,7 @@ def _scenario(table: dict[str, Any]) -> Scenario:
     return made
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     """A text in one line; in the file it may be broken anywhere."""
     if not isinstance(value, str) or not value.strip():
         raise ValueError(f"{value!r} is not a text")
