@@ -25,6 +25,7 @@ import nbformat
 from course_kit import environment, grading
 from course_kit.authoring import corpus
 from course_kit.integrations import otter
+from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,14 +54,11 @@ def main(arguments: Sequence[str]) -> int:
     options = parser.parse_args(arguments)
     root = environment.checkout()
     if root is None or not (root / "solutions").is_dir() or importlib.util.find_spec("otter") is None:
-        needs = 'course-kit: this needs a clone of the course and, in its environment, pip install -e ".[bench]"'
-        print(needs, file=sys.stderr)
-        return 2
+        return cannot('this needs a clone of the course and, in its environment, pip install -e ".[bench]"')
     try:
         chosen = [corpus.load(name, root) for name in options.exercises or corpus.all_exercises(root)]
     except grading.GradingError as problem:
-        print(f"course-kit: {problem}", file=sys.stderr)
-        return 2
+        return cannot(problem)
     print(f"{'exercise':<20} {'handed in':<34} {'ours':>6} {'Otter':>6}")
     return min(1, sum(not _agrees(one) for one in chosen))
 

@@ -14,6 +14,7 @@ from nbclient import NotebookClient
 
 from course_kit import environment
 from course_kit.authoring.release import number_anew
+from course_kit.text.console import cannot
 
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 CELL_TIMEOUT_S = 60
@@ -55,8 +56,7 @@ def main(arguments: list[str]) -> int:
                 run(Path(name))
                 print(f"stored {name}")
     except environment.DomainError as problem:
-        print(f"course-kit: {problem}", file=sys.stderr)
-        return 2
+        return cannot(problem)
     return 0
 
 

@@ -13,6 +13,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
+from course_kit.text.console import WIDTH, cannot
 
 if TYPE_CHECKING:
     import argparse
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from course_kit.grading import Report
     from course_kit.grading.checks.check import Check
 
-_WIDTH = 80
 _HEAD = """\
 # Made by: course-kit otter {command}
 from course_kit.otter import check
@@ -78,7 +78,7 @@ def feedback(report: Report, name: str) -> str:
     if found is None:
         known = ", ".join(one.id for one in report.checks)
         raise GradingError(f"There is no check '{name}' in {report.exercise}. There are: {known}.")
-    return "" if found.status == "passed" else "\n".join(check_lines(found, _WIDTH))
+    return "" if found.status == "passed" else "\n".join(check_lines(found, WIDTH))
 
 
 def case_file(exercise: str, seed: int | None = None) -> str:
@@ -126,7 +126,6 @@ def _run(options: argparse.Namespace) -> int:
     try:
         text = case_file(options.exercise, options.seed)
     except GradingError as problem:
-        sys.stderr.write(f"course-kit: {problem}\n")
-        return 2
+        return cannot(problem)
     sys.stdout.write(text)
     return 0
