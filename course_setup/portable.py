@@ -48,9 +48,9 @@ def make_portable(environment: Path) -> None:
             _take_place_out(program)
     activate = environment / "bin" / "activate"
     place = shlex.quote(str(environment)).encode()
-    _replace(activate, _PLACE.sub(lambda found: found[1] + place, activate.read_bytes()))
+    replace(activate, _PLACE.sub(lambda found: found[1] + place, activate.read_bytes()))
     for way in environment.glob("lib/python3*/site-packages/*ros2_course_kit.pth"):
-        _replace(way, _WAY_TO_THE_COURSE)
+        replace(way, _WAY_TO_THE_COURSE)
 
 
 def adapt(environment: Path) -> None:
@@ -86,6 +86,15 @@ def copy(source: Path, target: Path) -> None:
     adapt(target)
 
 
+def replace(path: Path, content: bytes) -> None:
+    """Write a file: as it was or as it will be, never in between; other names it has keep the old content."""
+    fresh = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    fresh.write_bytes(content)
+    if path.exists():
+        shutil.copymode(path, fresh)
+    fresh.replace(path)
+
+
 def _link_or_copy(source: Path, target: Path) -> None:
     try:
         target.hardlink_to(source)
@@ -99,12 +108,4 @@ def _take_place_out(program: Path) -> None:
     content = program.read_bytes()
     found = _WRITTEN.match(content)
     if found:
-        _replace(program, _HEAD + content[found.end() :])
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Write a file anew: as it was or as it will be, never in between; its other names keep the old content."""
-    fresh = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-    fresh.write_bytes(content)
-    shutil.copymode(path, fresh)
-    fresh.replace(path)
+        replace(program, _HEAD + content[found.end() :])

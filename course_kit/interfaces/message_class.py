@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, cast
 
 from course_kit.interfaces.field_checks import checks_by_default, field_check
 from course_kit.interfaces.field_types import FieldType, to_slot_type
-from course_kit.interfaces.live_record import LiveRecord, class_of, source_of
+from course_kit.interfaces.live_record import LiveRecord, source_of
 from course_kit.interfaces.message_fields import MessageField, default_text, message_fields
+from course_kit.interfaces.metaclass import make_metaclass, python_module
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from course_kit.interfaces.message_fields import Message
 
 _CHECK_SLOT = "_check_fields"
-_CAPSULES = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE", "_TYPE_SUPPORT")
+_CAPSULES = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE")
 
 
 def make_message_class(
@@ -38,14 +39,10 @@ def make_message_class(
     defaults = {field.name: field.default for field in definition.fields if field.default is not None}
     values = {constant.name: _python_value(constant.type, constant.value) for constant in definition.constants}
     name = definition.name.name
-    module = f"{definition.name.package}.{definition.name.kind}.{definition.module}"
-    metaclass = type(
-        f"Metaclass_{name}",
-        (type,),
+    metaclass = make_metaclass(
+        definition,
+        "message",
         {
-            "__module__": module,
-            "__doc__": f"Metaclass of message '{name}'.",
-            "__import_type_support__": classmethod(_import_type_support),
             **dict.fromkeys(_CAPSULES),
             **{key: _constant(value) for key, value in values.items()},
             **{
@@ -56,7 +53,7 @@ def make_message_class(
         },
     )
     body: dict[str, object] = {
-        "__module__": module,
+        "__module__": python_module(definition),
         "__doc__": _documentation(name, list(values)),
         "__slots__": [*(f"_{field.name}" for field in fields), _CHECK_SLOT],
         "_fields_and_field_types": {field.name: str(field.type) for field in fields},
@@ -77,12 +74,6 @@ def make_message_class(
     cls = cast("type[Message]", metaclass(name, (), body))
     LiveRecord(source_of(definition.name.kind, text), fields).attach(cls)
     return cls
-
-
-def _import_type_support(metaclass: type) -> None:
-    from course_kit.interfaces.type_support import add_message_support
-
-    add_message_support(class_of(metaclass))
 
 
 def _get_fields_and_field_types(cls: Any) -> dict[str, str]:
