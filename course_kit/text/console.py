@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 import textwrap
 
+from course_kit.text.sanitize import printable
+
 WIDTH = 80  # columns
 CANNOT = 2  # the exit code of a command that could not be carried out
 
@@ -29,7 +31,7 @@ def cannot(sentence: object) -> int:
 def wrapped(
     text: str, first: str = "", following: str = "", *, width: int = WIDTH, whole_words: bool = False
 ) -> list[str]:
-    """Text in lines, never broken at a hyphen: ids and options have some.
+    """Text in lines, never broken at a hyphen (ids have some), and harmless for the terminal, whoever wrote it.
 
     Args:
         text: the text.
@@ -39,7 +41,7 @@ def wrapped(
         whole_words: let a word that is longer than a line stand out, so that an address can be clicked or copied.
     """
     return textwrap.wrap(
-        text,
+        printable(text),
         width,
         initial_indent=first,
         subsequent_indent=following,
