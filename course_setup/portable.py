@@ -37,8 +37,6 @@ import sys, venv
 builder = venv.EnvBuilder(prompt=sys.argv[2])
 builder.setup_scripts(builder.ensure_directories(sys.argv[1]))
 """
-# What uv writes besides the scripts of Python's own venv, with the place of the environment in it.
-_SCRIPTS_OF_UV = ("activate.bat", "activate.nu", "activate.ps1", "activate.xsh")
 
 
 def make_portable(environment: Path) -> None:
@@ -60,8 +58,10 @@ def adapt(environment: Path) -> None:
         OSError: it cannot be written.
         SetUpError: its Python cannot write the scripts that activate it.
     """
-    for name in _SCRIPTS_OF_UV:
-        (environment / "bin" / name).unlink(missing_ok=True)
+    # Written over, they would change under their other names, too; and uv has more of them than are written anew.
+    for pattern in ("[aA]ctivate", "[aA]ctivate.*"):
+        for script in (environment / "bin").glob(pattern):
+            script.unlink()
     python = environment / "bin" / "python"
     done = subprocess.run([python, "-I", "-S", "-c", _ACTIVATION, environment, PROMPT], check=False)
     if done.returncode:
