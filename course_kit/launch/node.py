@@ -28,7 +28,7 @@ class Node(Action):
 
     Args:
         executable: of the package, or the path of a program when there is no package.
-        package: see `course_kit.ros2cli.executables.find`.
+        package: see `course_kit.launch.executables.find`.
         name: the node's name instead of the program's own.
         namespace: the node's namespace.
         parameters: dicts of values, and paths of parameter files; later ones win.
