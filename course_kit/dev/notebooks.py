@@ -50,7 +50,7 @@ def main(arguments: Sequence[str]) -> int:
     if find_spec("nbval") is None:
         return cannot(
             "nbval, which compares the outputs, is not installed here. It comes with the test tools: run "
-            "./course test tests/environment once, then this again."
+            "./course test tests/text once, then this again."
         )
     root = environment.checkout()
     if root is None:
