@@ -9,6 +9,7 @@ import subprocess
 from typing import TYPE_CHECKING
 
 from course_setup import running
+from course_setup.portable import replace
 from course_setup.problems import SetUpError
 
 if TYPE_CHECKING:
@@ -60,8 +61,8 @@ class Environment:
         """Note that it is whole, and what it was made from."""
         if extra:
             (self.path / f".course-has-{extra}").touch()
-        _write(self.path / _PYTHON, made_with)
-        _write(self.path / _STAMP, stamp)
+        for name, text in ((_PYTHON, made_with), (_STAMP, stamp)):
+            replace(self.path / name, f"{text}\n".encode("utf-8", "surrogateescape"))
 
 
 class Environments:
@@ -160,9 +161,3 @@ def _read(path: Path) -> str:
         return path.read_text("utf-8", "surrogateescape").rstrip("\n")
     except OSError:
         return ""
-
-
-def _write(path: Path, text: str) -> None:
-    fresh = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-    fresh.write_text(f"{text}\n", "utf-8", "surrogateescape")
-    fresh.replace(path)  # whole or not at all; and the file may have a second name in another environment

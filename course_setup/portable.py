@@ -37,8 +37,6 @@ import sys, venv
 builder = venv.EnvBuilder(prompt=sys.argv[2])
 builder.setup_scripts(builder.ensure_directories(sys.argv[1]))
 """
-# What uv writes besides the scripts of Python's own venv, with the place of the environment in it.
-_SCRIPTS_OF_UV = ("activate.bat", "activate.nu", "activate.ps1", "activate.xsh")
 
 
 def make_portable(environment: Path) -> None:
@@ -48,9 +46,9 @@ def make_portable(environment: Path) -> None:
             _take_place_out(program)
     activate = environment / "bin" / "activate"
     place = shlex.quote(str(environment)).encode()
-    _replace(activate, _PLACE.sub(lambda found: found[1] + place, activate.read_bytes()))
+    replace(activate, _PLACE.sub(lambda found: found[1] + place, activate.read_bytes()))
     for way in environment.glob("lib/python3*/site-packages/*ros2_course_kit.pth"):
-        _replace(way, _WAY_TO_THE_COURSE)
+        replace(way, _WAY_TO_THE_COURSE)
 
 
 def adapt(environment: Path) -> None:
@@ -60,8 +58,10 @@ def adapt(environment: Path) -> None:
         OSError: it cannot be written.
         SetUpError: its Python cannot write the scripts that activate it.
     """
-    for name in _SCRIPTS_OF_UV:
-        (environment / "bin" / name).unlink(missing_ok=True)
+    # Written over, they would change under their other names, too; and uv has more of them than are written anew.
+    for pattern in ("[aA]ctivate", "[aA]ctivate.*"):
+        for script in (environment / "bin").glob(pattern):
+            script.unlink()
     python = environment / "bin" / "python"
     done = subprocess.run([python, "-I", "-S", "-c", _ACTIVATION, environment, PROMPT], check=False)
     if done.returncode:
@@ -86,6 +86,15 @@ def copy(source: Path, target: Path) -> None:
     adapt(target)
 
 
+def replace(path: Path, content: bytes) -> None:
+    """Write a file: as it was or as it will be, never in between; other names it has keep the old content."""
+    fresh = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    fresh.write_bytes(content)
+    if path.exists():
+        shutil.copymode(path, fresh)
+    fresh.replace(path)
+
+
 def _link_or_copy(source: Path, target: Path) -> None:
     try:
         target.hardlink_to(source)
@@ -99,12 +108,4 @@ def _take_place_out(program: Path) -> None:
     content = program.read_bytes()
     found = _WRITTEN.match(content)
     if found:
-        _replace(program, _HEAD + content[found.end() :])
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Write a file anew: as it was or as it will be, never in between; its other names keep the old content."""
-    fresh = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-    fresh.write_bytes(content)
-    shutil.copymode(path, fresh)
-    fresh.replace(path)
+        replace(program, _HEAD + content[found.end() :])

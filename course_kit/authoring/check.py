@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.authoring import check_table, corpus, gradings, rules
 from course_kit.grading import GradingError, Report
+from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -157,8 +158,7 @@ def main(arguments: Sequence[str]) -> int:
     options = _parser().parse_args(arguments)
     root = environment.checkout()
     if root is None or not (root / "tests").is_dir():
-        print("course-kit: the submissions belong to the course's folder; run this in a clone of it.", file=sys.stderr)
-        return 2
+        return cannot("the submissions belong to the course's folder; run this in a clone of it.")
     processors = gradings.processors()
     try:
         found = check(
@@ -171,8 +171,7 @@ def main(arguments: Sequence[str]) -> int:
             progress=check_table.progress(sys.stderr),
         )
     except GradingError as problem:
-        print(f"course-kit: {problem}", file=sys.stderr)
-        return 2
+        return cannot(problem)
     print(check_table.as_json(found) if options.format == "json" else check_table.as_text(found))
     return 1 if found.faults else 0
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-import textwrap
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 from course_kit.authoring import rules
 from course_kit.grading.diagnosis import catalogue
+from course_kit.text.console import wrapped
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -65,7 +65,7 @@ def as_text(found: ProofOutcome) -> str:
     if found.faults:
         lines += ["", "What does not hold:"]
     for fault in found.faults:
-        lines += textwrap.wrap(f"✗ {fault}", _WIDTH, subsequent_indent="    ", break_on_hyphens=False)
+        lines += wrapped(f"✗ {fault}", following="    ", width=_WIDTH)
     return "\n".join([*lines, "", _summary(found)])
 
 
@@ -89,7 +89,7 @@ def as_json(found: ProofOutcome) -> str:
     )
 
 
-def _run(run: Run) -> dict[str, Any]:
+def _run(run: Run) -> dict[str, object]:
     return {
         "seed": run.seed,
         "submissions": [

@@ -32,6 +32,7 @@ LEFT_OUT = (
     "tests/slips",
     "tests/grading",
     "tests/proof",
+    "tests/authoring",
     "tests/dev",
     "tests/robot_parameters",
     ".ci",

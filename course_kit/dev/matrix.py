@@ -23,6 +23,7 @@ from course_kit.dev import matrix_table, notebooks, pythons
 from course_kit.dev.steps import CommandStep, StepResult, StepRunner
 from course_kit.grading import exercise
 from course_kit.ros2cli import delegation
+from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -67,13 +68,11 @@ def main(arguments: Sequence[str]) -> int:
     options = _parser().parse_args(arguments)
     root = environment.checkout()
     if root is None:
-        print("course-kit: the matrix belongs to the course's folder; run this in a clone of it.", file=sys.stderr)
-        return 2
+        return cannot("the matrix belongs to the course's folder; run this in a clone of it.")
     found = pythons.find()
     here = [one.minor for one in found]
     if absent := [version for version in options.python or () if version not in here]:
-        print(f"course-kit: there is no Python {', '.join(absent)} here; there is {', '.join(here)}.", file=sys.stderr)
-        return 2
+        return cannot(f"there is no Python {', '.join(absent)} here; there is {', '.join(here)}.")
     uv = _find_uv()
     chosen, notes = choose(found, options, has_uv=uv is not None)
     for note in notes:
@@ -134,7 +133,14 @@ def _add(combination: Combination, chosen: list[Combination], notes: list[str], 
 
 
 def run(root: Path, combination: Combination, runner: StepRunner, uv: str | None) -> list[StepResult]:
-    """Everything on one combination; where the set-up fails the rest is not run."""
+    """Everything on one combination; where the set-up fails the rest is not run.
+
+    Args:
+        root: the course's folder.
+        combination: the Python and the installer.
+        runner: runs the steps.
+        uv: the program, where there is one.
+    """
     print(f"\ncourse: {combination}", flush=True)
     with tempfile.TemporaryDirectory(prefix="course matrix ", ignore_cleanup_errors=True) as folder:
         course = Path(folder) / "my course"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import time
 from queue import Empty
-from typing import Any
 
 from nbval.kernel import RunningKernel
 
@@ -15,7 +14,7 @@ _POLL_S = 1.0
 class CourseKernel(RunningKernel):  # type: ignore[misc]  # it has no types
     """A kernel that is asked to end, and whose death ends the wait for it."""
 
-    def __init__(self, *arguments: Any, **options: Any) -> None:
+    def __init__(self, *arguments: object, **options: object) -> None:
         # Inherited by the kernel, it would silence what its native libraries print.
         current = os.environ.pop("PYTEST_CURRENT_TEST", None)
         try:

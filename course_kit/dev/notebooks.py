@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -47,16 +48,13 @@ def requirement() -> str:
 def main(arguments: Sequence[str]) -> int:
     """Run the notebooks named on the command line, or all."""
     if find_spec("nbval") is None:
-        print(
-            "course-kit: nbval, which compares the outputs, is not installed here. It comes with the test tools: run "
-            "./course test tests/environment once, then this again.",
-            file=sys.stderr,
+        return cannot(
+            "nbval, which compares the outputs, is not installed here. It comes with the test tools: run "
+            "./course test tests/text once, then this again."
         )
-        return 2
     root = environment.checkout()
     if root is None:
-        print("course-kit: the notebooks belong to the course's folder; run this in a clone of it.", file=sys.stderr)
-        return 2
+        return cannot("the notebooks belong to the course's folder; run this in a clone of it.")
     paths = [Path(name).resolve() for name in arguments]
     os.chdir(root)
     return run(

@@ -18,13 +18,14 @@ import tempfile
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import nbformat
 
 from course_kit import environment, grading
 from course_kit.authoring import corpus
 from course_kit.integrations import otter
+from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,14 +54,11 @@ def main(arguments: Sequence[str]) -> int:
     options = parser.parse_args(arguments)
     root = environment.checkout()
     if root is None or not (root / "solutions").is_dir() or importlib.util.find_spec("otter") is None:
-        needs = 'course-kit: this needs a clone of the course and, in its environment, pip install -e ".[bench]"'
-        print(needs, file=sys.stderr)
-        return 2
+        return cannot('this needs a clone of the course and, in its environment, pip install -e ".[bench]"')
     try:
         chosen = [corpus.load(name, root) for name in options.exercises or corpus.all_exercises(root)]
     except grading.GradingError as problem:
-        print(f"course-kit: {problem}", file=sys.stderr)
-        return 2
+        return cannot(problem)
     print(f"{'exercise':<20} {'handed in':<34} {'ours':>6} {'Otter':>6}")
     return min(1, sum(not _agrees(one) for one in chosen))
 
@@ -83,7 +81,13 @@ class Otter:
     """Otter's commands, in a folder of their own."""
 
     def __init__(self, folder: Path, exercise: str, domain: int) -> None:
-        """Make the autograder of an exercise."""
+        """Make the autograder of an exercise.
+
+        Args:
+            folder: where Otter works.
+            exercise: its id.
+            domain: the ROS domain of what is graded.
+        """
         self._folder = folder
         private = {name: str(folder / "jupyter") for name in ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "IPYTHONDIR")}
         self._environment = environment.child_environment(ROS_DOMAIN_ID=str(domain), **private)
@@ -91,7 +95,7 @@ class Otter:
         (folder / "tests" / f"{exercise}.py").write_text(otter.case_file(exercise, _SEED), encoding="utf-8")
         self._run("generate", "--tests-dir", "tests", "--output-path", "autograder.zip")
 
-    def points(self, notebook: Any) -> float:
+    def points(self, notebook: nbformat.NotebookNode) -> float:
         """What it gives to a notebook."""
         nbformat.write(notebook, self._folder / "notebook.ipynb")
         results = self._folder / "results.json"
@@ -146,7 +150,7 @@ def _halves(text: str) -> tuple[str, str]:
     return "\n".join(lines[:last]), "\n".join(lines[last:])
 
 
-def _notebook(exercise: Corpus, cells: Sequence[str]) -> Any:
+def _notebook(exercise: Corpus, cells: Sequence[str]) -> nbformat.NotebookNode:
     """The exercise's notebook with `cells` as its submission, and Otter's check where it was graded."""
     notebook = nbformat.read(exercise.task.folder / exercise.task.notebook, as_version=4)
     mark = f"%%submission {exercise.task.id}\n"

@@ -8,13 +8,13 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import Any
 
 import nbformat
 from nbclient import NotebookClient
 
 from course_kit import environment
 from course_kit.authoring.release import number_anew
+from course_kit.text.console import cannot
 
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 CELL_TIMEOUT_S = 60
@@ -33,7 +33,7 @@ def run(path: Path) -> None:
     nbformat.write(normalised(notebook), path)
 
 
-def normalised(notebook: Any) -> Any:
+def normalised(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
     """The notebook with times, kernel versions and widget models of this run left out."""
     notebook.metadata = {"kernelspec": KERNEL, "language_info": {"name": "python"}}
     number_anew(notebook)
@@ -56,8 +56,7 @@ def main(arguments: list[str]) -> int:
                 run(Path(name))
                 print(f"stored {name}")
     except environment.DomainError as problem:
-        print(f"course-kit: {problem}", file=sys.stderr)
-        return 2
+        return cannot(problem)
     return 0
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.integrations import jupyter_folders, terminals
 from course_kit.learner import workspace
+from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,12 +30,12 @@ def run_lab(arguments: Sequence[str]) -> int:
     """
     root = environment.checkout()
     if root is None:
-        return _cannot("the notebooks are missing. Run ./course lab in the course's folder.")
+        return cannot("the notebooks are missing. Run ./course lab in the course's folder.")
     try:
         folder = _own_folder(root)
     except OSError as problem:
         what = f"{problem.filename or workspace.copy_folder()} could not be written: {problem.strerror or problem}"
-        return _cannot(f"{root} is read-only for you, and your copy could not be made: {what}.")
+        return cannot(f"{root} is read-only for you, and your copy could not be made: {what}.")
     return serve(folder, FIRST_LESSON, arguments)
 
 
@@ -51,9 +52,8 @@ def serve(root: Path, first: str, arguments: Sequence[str], **variables: str) ->
         as_root = root_arguments(arguments, os.geteuid(), environment.sign_of_container())
         environ = environment.child_environment(**{**_folders(), **terminals.variables(), **variables})
     except (LabStartError, environment.DomainError) as problem:
-        return _cannot(str(problem))
-    if told := environment.middleware.unsupported():
-        _tell(told)
+        return cannot(problem)
+    tell(environment.middleware.unsupported())
     command = [
         sys.executable,
         "-m",
@@ -83,7 +83,7 @@ def root_arguments(arguments: Sequence[str], user: int, container: str) -> list[
     if user != 0 or any("allow-root" in word or "allow_root" in word for word in arguments):
         return []
     if container:
-        _tell(f"you are root in a container ({container}), so JupyterLab is started with {_ALLOW_ROOT}.")
+        tell(f"you are root in a container ({container}), so JupyterLab is started with {_ALLOW_ROOT}.")
         return [_ALLOW_ROOT]
     raise LabStartError(
         "JupyterLab does not run as root: a program in a notebook could change anything on this machine. Log in as an "
@@ -101,7 +101,7 @@ def _own_folder(root: Path) -> Path:
         return root
     target = workspace.copy_folder()
     workspace.make_copy(root, target)
-    _tell(f"{root} is read-only for you, so JupyterLab opens your copy: {target}. Your changes there are kept.")
+    tell(f"{root} is read-only for you, so JupyterLab opens your copy: {target}. Your changes there are kept.")
     return target
 
 
@@ -110,7 +110,7 @@ def _folders() -> dict[str, str]:
     found = jupyter_folders.replacements()
     if found:
         spare = environment.state_dir()
-        _tell(f"Jupyter's folders in your home directory cannot be written; it keeps its files below {spare} instead.")
+        tell(f"Jupyter's folders in your home directory cannot be written; it keeps its files below {spare} instead.")
     return found
 
 
@@ -121,12 +121,3 @@ def _terminals() -> list[str]:
         return []
     settings = {"shell_command": command}
     return [f"--ServerApp.terminado_settings={settings}"]
-
-
-def _cannot(sentence: str) -> int:
-    _tell(sentence)
-    return 2
-
-
-def _tell(sentence: str) -> None:
-    print(f"course-kit: {sentence}", file=sys.stderr)

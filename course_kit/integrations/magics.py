@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import shlex
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import LabError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from IPython.core.interactiveshell import InteractiveShell
 
 _SCRIPT_USAGE = (
@@ -37,7 +39,7 @@ def register(shell: InteractiveShell) -> None:
     shell.register_magic_function(ros_stop, "line", "ros_stop")
 
 
-def interface_magic(shell: InteractiveShell) -> Any:
+def interface_magic(shell: InteractiveShell) -> Callable[[str, str], None]:
     """The `%%interface` magic for a shell."""
 
     def interface(line: str, cell: str) -> None:

@@ -10,9 +10,10 @@ and hide cases there.
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
+from course_kit.text.console import WIDTH, cannot
 
 if TYPE_CHECKING:
     import argparse
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from course_kit.grading import Report
     from course_kit.grading.checks.check import Check
 
-_WIDTH = 80
 _HEAD = """\
 # Made by: course-kit otter {command}
 from course_kit.otter import check
@@ -78,7 +78,7 @@ def feedback(report: Report, name: str) -> str:
     if found is None:
         known = ", ".join(one.id for one in report.checks)
         raise GradingError(f"There is no check '{name}' in {report.exercise}. There are: {known}.")
-    return "" if found.status == "passed" else "\n".join(check_lines(found, _WIDTH))
+    return "" if found.status == "passed" else "\n".join(check_lines(found, WIDTH))
 
 
 def case_file(exercise: str, seed: int | None = None) -> str:
@@ -114,7 +114,7 @@ def _checks(exercise: str, seed: int | None) -> Sequence[Check]:
     return in_order(grader_process.checks_of(grader_process.load(task.grader), job))
 
 
-def add_to(verbs: Any) -> None:
+def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the verb to the command line's parser."""
     parser = verbs.add_parser("otter", help="print an exercise's test file for Otter-Grader, one test case a check")
     parser.add_argument("exercise", help="the exercise's id")
@@ -126,7 +126,6 @@ def _run(options: argparse.Namespace) -> int:
     try:
         text = case_file(options.exercise, options.seed)
     except GradingError as problem:
-        sys.stderr.write(f"course-kit: {problem}\n")
-        return 2
+        return cannot(problem)
     sys.stdout.write(text)
     return 0

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.integrations import terminals
+
+if TYPE_CHECKING:
+    from jupyter_server.serverapp import ServerApp
 
 
 def _jupyter_server_extension_points() -> list[dict[str, str]]:
@@ -19,7 +22,7 @@ def _jupyter_server_extension_points() -> list[dict[str, str]]:
     return [{"module": __name__}]
 
 
-def _link_jupyter_server_extension(server: Any) -> None:
+def _link_jupyter_server_extension(server: ServerApp) -> None:
     """Called before any extension is loaded, so before the one that starts terminals reads its settings."""
     environment.put_scripts_first()
     os.environ.update(terminals.variables())
@@ -31,5 +34,5 @@ def _link_jupyter_server_extension(server: Any) -> None:
         server.terminado_settings = {**settings, "shell_command": command}
 
 
-def _load_jupyter_server_extension(server: Any) -> None:
+def _load_jupyter_server_extension(server: ServerApp) -> None:
     """Called when it is loaded: all is done already."""

@@ -9,12 +9,9 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from course_kit.interfaces.sources import KINDS, first_text
 
-KINDS = ("msg", "srv", "action")
 _INDEX = os.path.join("share", "ament_index", "resource_index", "rosidl_interfaces")  # noqa: PTH118 - light at start
 
 
@@ -35,7 +32,9 @@ def installed_packages() -> set[str]:
 
 def installed_types(package: str) -> set[str]:
     """The full names of a package's interfaces, such as "std_srvs/srv/SetBool"."""
-    return {f"{package}/{stem}" for stem in _listed(package)}
+    listed = first_text(prefixes(), _INDEX, package) or ""  # the first that has it hides the others, as with ament
+    lines = (line.rpartition(".") for line in listed.split())
+    return {f"{package}/{stem}" for stem, _, ending in lines if ending in KINDS}
 
 
 def installed_text(package: str, kind: str, name: str) -> str | None:
@@ -46,25 +45,4 @@ def installed_text(package: str, kind: str, name: str) -> str | None:
         kind: `msg`, `srv` or `action`.
         name: its name.
     """
-    for prefix in prefixes():
-        path = os.path.join(prefix, "share", package, kind, f"{name}.{kind}")  # noqa: PTH118
-        try:
-            with open(path, encoding="utf-8") as file:  # noqa: PTH123
-                return file.read()
-        except OSError:
-            continue
-    return None
-
-
-def _listed(package: str) -> Iterator[str]:
-    for prefix in prefixes():
-        try:
-            with open(os.path.join(prefix, _INDEX, package), encoding="utf-8") as file:  # noqa: PTH118, PTH123
-                lines = file.read().split()
-        except OSError:
-            continue
-        for line in lines:
-            stem, _, ending = line.rpartition(".")
-            if ending in KINDS:
-                yield stem
-        return  # the first prefix that has the package hides the others, as with ament
+    return first_text(prefixes(), "share", package, kind, f"{name}.{kind}")

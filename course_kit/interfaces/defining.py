@@ -6,7 +6,7 @@ import importlib
 import textwrap
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from course_kit import environment
 from course_kit.interfaces import catalogue, finder, sources
@@ -37,7 +37,7 @@ def define(type_name: str, text: str) -> type[Any]:
     owner = _other_owner(name.package)
     if owner is not None:
         return _unchanged(type_name, text, owner)
-    cls: type[Any] = finder.installed().library.define(name, text).find(name.name)
+    cls = cast("type[Any]", finder.installed().library.define(name, text).find(name.name))
     _refuse_hidden_package(type_name, name.package)
     _save(Path(name.package, name.kind, f"{name.name}.{name.kind}"), text)
     return cls

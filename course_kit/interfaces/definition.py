@@ -46,7 +46,7 @@ class Constant:
 
     name: str
     type: FieldType
-    value: Any
+    value: Any  # by its type
 
 
 @dataclass(frozen=True)
@@ -62,11 +62,6 @@ class MessageDefinition:
     module: str
     fields: tuple[Field, ...] = ()
     constants: tuple[Constant, ...] = ()
-
-    @property
-    def wire_fields(self) -> tuple[Field, ...]:
-        """The fields as they are described and sent: never none."""
-        return self.fields or (Field(EMPTY_MEMBER, FieldType("uint8")),)
 
 
 @dataclass(frozen=True)
@@ -88,12 +83,6 @@ class ServiceDefinition:
         )
         event = MessageDefinition(_with_suffix(self.name, "_Event"), self.module, fields)
         object.__setattr__(self, "event", event)
-
-    @property
-    def wire_fields(self) -> tuple[Field, ...]:
-        """What the type description of a service lists."""
-        parts = {"request_message": self.request, "response_message": self.response, "event_message": self.event}
-        return tuple(Field(name, FieldType(str(part.name))) for name, part in parts.items())
 
 
 @dataclass(frozen=True)
@@ -127,19 +116,6 @@ class ActionDefinition:
         """The message on the action's feedback topic."""
         fields = (_goal_id(), Field("feedback", FieldType(str(self.feedback.name))))
         return MessageDefinition(_with_suffix(self.name, "_FeedbackMessage"), self.module, fields)
-
-    @property
-    def wire_fields(self) -> tuple[Field, ...]:
-        """What the type description of an action lists."""
-        parts = {
-            "goal": self.goal.name,
-            "result": self.result.name,
-            "feedback": self.feedback.name,
-            "send_goal_service": self.send_goal.name,
-            "get_result_service": self.get_result.name,
-            "feedback_message": self.feedback_message.name,
-        }
-        return tuple(Field(name, FieldType(str(part))) for name, part in parts.items())
 
     def _service(self, suffix: str, request: tuple[Field, ...], response: tuple[Field, ...]) -> ServiceDefinition:
         name = _with_suffix(self.name, suffix)

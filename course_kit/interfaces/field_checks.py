@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _LARGEST = {"float": 3.402823466e38, "double": 1.7976931348623157e308}
 
-Check = Callable[[Any], None]
+Check = Callable[[object], None]
 
 
 def checks_by_default() -> bool:
@@ -48,8 +48,8 @@ def _refuse(name: str, expected: str) -> NoReturn:
     raise AssertionError(f"The '{name}' field must be {expected}")
 
 
-def _instance_check(name: str, cls: type[Any], expected: str) -> Check:
-    def check(value: Any) -> None:
+def _instance_check(name: str, cls: type, expected: str) -> Check:
+    def check(value: object) -> None:
         if not isinstance(value, cls):
             _refuse(name, expected)
 
@@ -57,7 +57,7 @@ def _instance_check(name: str, cls: type[Any], expected: str) -> Check:
 
 
 def _bounded_string_check(name: str, bound: int) -> Check:
-    def check(value: Any) -> None:
+    def check(value: object) -> None:
         if not isinstance(value, (str, UserString)) or len(value) > bound:
             _refuse(name, f"string value not longer than {bound}")
 
@@ -75,7 +75,7 @@ def _primitive_check(name: str, primitive: Primitive) -> Check:
 
 
 def _octet_check(name: str) -> Check:
-    def check(value: Any) -> None:
+    def check(value: object) -> None:
         if not isinstance(value, (bytes, bytearray)) or len(value) != 1:
             _refuse(name, "of type 'bytes' or 'ByteString' with length 1")
 
@@ -85,7 +85,7 @@ def _octet_check(name: str) -> Check:
 def _integer_check(name: str, primitive: Primitive, smallest: int, largest: int) -> Check:
     article = "an unsigned integer" if primitive.idl.startswith("u") else "an integer"
 
-    def check(value: Any) -> None:
+    def check(value: object) -> None:
         if not isinstance(value, int):
             _refuse(name, "of type 'int'")
         if not smallest <= value <= largest:
@@ -95,7 +95,7 @@ def _integer_check(name: str, primitive: Primitive, smallest: int, largest: int)
 
 
 def _float_check(name: str, idl: str, largest: float) -> Check:
-    def check(value: Any) -> None:
+    def check(value: object) -> None:
         if not isinstance(value, float):
             _refuse(name, "of type 'float'")
         if abs(value) > largest and not math.isinf(value):
@@ -109,18 +109,19 @@ def _container_check(field: MessageField) -> Check:
     value_type = field.nested or (kind.primitive.python if kind.primitive else str)
     expected = _container_words(kind, value_type)
 
-    def check(value: Any) -> None:
+    def check(value: object) -> None:
         if _is_accepted_as_is(name, kind, value):
             return
-        fits = isinstance(value, (Sequence, AbstractSet, UserList)) and not isinstance(value, (str, UserString))
-        fits = fits and _fits_size(kind, len(value)) and all(isinstance(item, value_type) for item in value)
-        if not fits or not all(_fits_value(kind, item) for item in value):
+        if not isinstance(value, (Sequence, AbstractSet, UserList)) or isinstance(value, (str, UserString)):
+            _refuse(name, expected)
+        fit = (isinstance(item, value_type) and _fits_value(kind, item) for item in value)
+        if not _fits_size(kind, len(value)) or not all(fit):
             _refuse(name, expected)
 
     return check
 
 
-def _is_accepted_as_is(name: str, kind: FieldType, value: Any) -> bool:
+def _is_accepted_as_is(name: str, kind: FieldType, value: object) -> bool:
     """Whether the value is the very container of numbers the field keeps; refuses one of the wrong kind."""
     primitive = kind.primitive
     if primitive is None or not kind.is_numeric_container:
@@ -166,7 +167,7 @@ def _fits_value(kind: FieldType, value: Any) -> bool:
     return largest_float is None or not abs(value) > largest_float or math.isinf(value)
 
 
-def _container_words(kind: FieldType, value_type: type[Any]) -> str:
+def _container_words(kind: FieldType, value_type: type) -> str:
     words = ["a set or sequence"]
     if kind.container == "array":
         words.append(f"with length {kind.size}")

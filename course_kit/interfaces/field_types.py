@@ -6,7 +6,7 @@ from `FieldType` here and nowhere else.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rosidl_parser import definition as rosidl
 
@@ -112,7 +112,7 @@ class FieldType(NamedTuple):
         return value
 
 
-def from_slot_type(slot: Any) -> FieldType:
+def from_slot_type(slot: rosidl.AbstractType) -> FieldType:
     """Translate one of a class's SLOT_TYPES."""
     value = slot.value_type if isinstance(slot, rosidl.AbstractNestedType) else slot
     bound = 0
@@ -130,7 +130,7 @@ def from_slot_type(slot: Any) -> FieldType:
     return FieldType(base, string_bound=bound)
 
 
-def to_slot_type(field: FieldType) -> Any:
+def to_slot_type(field: FieldType) -> rosidl.AbstractType:
     """Make the object a message class carries in SLOT_TYPES."""
     value = _slot_value(field)
     if field.container == "array":
@@ -140,7 +140,7 @@ def to_slot_type(field: FieldType) -> Any:
     return value
 
 
-def _slot_value(field: FieldType) -> Any:
+def _slot_value(field: FieldType) -> rosidl.AbstractNestableType:
     if field.is_nested:
         *namespaces, name = field.base.split("/")
         return rosidl.NamespacedType(namespaces, name)

@@ -78,7 +78,7 @@ class LiveFinder:
     def exec_module(self, module: ModuleType) -> None:
         """Nothing to run: types are made when they are asked for."""
 
-    def find(self, module: str, name: str) -> Any:
+    def find(self, module: str, name: str) -> type | None:
         """The class `name` of a module such as "my_interfaces.srv" or "my_interfaces.srv._person_info"."""
         package, kind, *_ = module.split(".")
         built = self._built(package, kind, name)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.interfaces import hints
 from course_kit.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition, TypeName
@@ -29,11 +29,11 @@ class Built:
         nested: full names of the messages of other definitions in it.
     """
 
-    def __init__(self, text: str, definition: Definition, nested: dict[str, type[Any]]) -> None:
+    def __init__(self, text: str, definition: Definition, nested: dict[str, type]) -> None:
         self.text, self.module, self.nested = text, definition.module, nested
-        self.classes: dict[str, type[Any]] = {}
+        self.classes: dict[str, type] = {}
 
-    def find(self, name: str) -> Any:
+    def find(self, name: str) -> type | None:
         """A class or its metaclass by the name it has in its module, None if there is none."""
         cls = self.classes.get(name.removeprefix("Metaclass_"))
         return type(cls) if cls is not None and name.startswith("Metaclass_") else cls
@@ -101,7 +101,7 @@ class Library:
             self._being_built.pop()
         return _build_classes(Built(text, definition, nested), definition)
 
-    def _nested(self, owner: TypeName, field: Field) -> type[Any]:
+    def _nested(self, owner: TypeName, field: Field) -> type:
         """The class of a field's messages, live or compiled."""
         if self._contains(field.type.base, owner):
             expected = "Expected another type: a message cannot contain itself, directly or not."
@@ -150,7 +150,7 @@ def _build_classes(built: Built, definition: Definition) -> Built:
     return built
 
 
-def _add_message(built: Built, definition: MessageDefinition, text: str | None = None) -> type[Any]:
+def _add_message(built: Built, definition: MessageDefinition, text: str | None = None) -> type:
     """Make the class of a message whose nested messages are those of the definition, its own parts, or ROS's."""
     nested = {}
     for field in definition.fields:
@@ -166,7 +166,7 @@ def _is_part(full_name: str) -> bool:
     return full_name.split("/")[1] != "msg"
 
 
-def _add_service(built: Built, definition: ServiceDefinition, text: str | None = None) -> type[Any]:
+def _add_service(built: Built, definition: ServiceDefinition, text: str | None = None) -> type:
     for part in (definition.request, definition.response, definition.event):
         if part.name.name not in built.classes:
             _add_message(built, part)

@@ -39,13 +39,13 @@ def parse_value(kind: FieldType, text: str) -> Any:
     return [_element(kind, element) for element in elements]
 
 
-def _element(kind: FieldType, text: str) -> Any:
+def _element(kind: FieldType, text: str) -> bool | int | float | str:
     if kind.is_string:
         return _bounded(kind, text)
     return _single(kind.element, text)
 
 
-def _single(kind: FieldType, text: str) -> Any:
+def _single(kind: FieldType, text: str) -> bool | int | float | str:
     primitive = kind.primitive
     if primitive is None:
         return _bounded(kind, _unquoted(text))

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    import ctypes
+
     from course_kit.interfaces.message_fields import MessageField
 
 _ATTRIBUTE = "_live"
+
+
+class LiveType(NamedTuple):
+    """A type in the table of one copy of the native helper."""
+
+    helper: ctypes.PyDLL
+    address: int
 
 
 @dataclass
@@ -24,23 +33,24 @@ class LiveRecord:
 
     source: tuple[str, str]
     fields: tuple[MessageField, ...] = ()
-    cls: Any = None
-    native: Any = None
+    cls: type | None = None
+    native: LiveType | None = None
 
-    def attach(self, cls: Any) -> None:
+    def attach(self, cls: type) -> None:
         """Remember this for a class just made."""
         self.cls = cls
         setattr(type(cls), _ATTRIBUTE, self)
 
 
-def record_of(cls: Any) -> LiveRecord | None:
+def record_of(cls: type) -> LiveRecord | None:
     """The record of a live class; None for a compiled one."""
     return getattr(type(cls), _ATTRIBUTE, None)
 
 
-def class_of(metaclass: Any) -> Any:
+def class_of(metaclass: type) -> type:
     """The live class a metaclass was made for; rclpy asks metaclasses for type support."""
-    return getattr(metaclass, _ATTRIBUTE).cls
+    cls: type = getattr(metaclass, _ATTRIBUTE).cls
+    return cls
 
 
 def source_of(kind: str, text: str | None) -> tuple[str, str]:

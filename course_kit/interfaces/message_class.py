@@ -4,25 +4,27 @@ from __future__ import annotations
 
 import array
 from copy import copy
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from course_kit.interfaces.field_checks import checks_by_default, field_check
 from course_kit.interfaces.field_types import FieldType, to_slot_type
-from course_kit.interfaces.live_record import LiveRecord, class_of, source_of
+from course_kit.interfaces.live_record import LiveRecord, source_of
 from course_kit.interfaces.message_fields import MessageField, default_text, message_fields
+from course_kit.interfaces.metaclass import make_metaclass, python_module
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from course_kit.interfaces.definition import Field, MessageDefinition
+    from course_kit.interfaces.message_fields import Message
 
 _CHECK_SLOT = "_check_fields"
-_CAPSULES = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE", "_TYPE_SUPPORT")
+_CAPSULES = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE")
 
 
 def make_message_class(
-    definition: MessageDefinition, nested: Mapping[str, type[Any]], text: str | None = None
-) -> type[Any]:
+    definition: MessageDefinition, nested: Mapping[str, type[Message]], text: str | None = None
+) -> type[Message]:
     """Make the class of a message, or of a part of a service or an action.
 
     Args:
@@ -37,14 +39,10 @@ def make_message_class(
     defaults = {field.name: field.default for field in definition.fields if field.default is not None}
     values = {constant.name: _python_value(constant.type, constant.value) for constant in definition.constants}
     name = definition.name.name
-    module = f"{definition.name.package}.{definition.name.kind}.{definition.module}"
-    metaclass = type(
-        f"Metaclass_{name}",
-        (type,),
+    metaclass = make_metaclass(
+        definition,
+        "message",
         {
-            "__module__": module,
-            "__doc__": f"Metaclass of message '{name}'.",
-            "__import_type_support__": classmethod(_import_type_support),
             **dict.fromkeys(_CAPSULES),
             **{key: _constant(value) for key, value in values.items()},
             **{
@@ -54,8 +52,8 @@ def make_message_class(
             },
         },
     )
-    body: dict[str, Any] = {
-        "__module__": module,
+    body: dict[str, object] = {
+        "__module__": python_module(definition),
         "__doc__": _documentation(name, list(values)),
         "__slots__": [*(f"_{field.name}" for field in fields), _CHECK_SLOT],
         "_fields_and_field_types": {field.name: str(field.type) for field in fields},
@@ -73,15 +71,9 @@ def make_message_class(
         },
         **{field.name: _property(field) for field in fields},
     }
-    cls: type[Any] = metaclass(name, (), body)
+    cls = cast("type[Message]", metaclass(name, (), body))
     LiveRecord(source_of(definition.name.kind, text), fields).attach(cls)
     return cls
-
-
-def _import_type_support(metaclass: Any) -> None:
-    from course_kit.interfaces.type_support import add_message_support
-
-    add_message_support(class_of(metaclass))
 
 
 def _get_fields_and_field_types(cls: Any) -> dict[str, str]:
@@ -132,7 +124,7 @@ def _initialiser(fields: Sequence[MessageField], defaults: Mapping[str, Any]) ->
     return __init__
 
 
-def _initial_value(field: MessageField, default: Any) -> Callable[[], Any]:
+def _initial_value(field: MessageField, default: Any) -> Callable[[], object]:
     """A function that makes the value a new message has in a field."""
     kind, primitive = field.type, field.type.primitive
     if default is not None:
@@ -143,7 +135,7 @@ def _initial_value(field: MessageField, default: Any) -> Callable[[], Any]:
         return lambda: _numpy_zeros(kind.size, primitive.numpy)
     if kind.container == "sequence":
         return list
-    one: Callable[[], Any] = field.nested or (primitive.python if primitive else str)
+    one: Callable[[], object] = field.nested or (primitive.python if primitive else str)
     if primitive and primitive.python is bytes:
         one = lambda: b"\0"  # noqa: E731
     if kind.container == "array":
@@ -151,17 +143,17 @@ def _initial_value(field: MessageField, default: Any) -> Callable[[], Any]:
     return one
 
 
-def _numpy_zeros(size: int, dtype: str) -> Any:
+def _numpy_zeros(size: int, dtype: str) -> object:
     import numpy as np  # here, since most messages have no fixed array
 
     return np.zeros(size, dtype=dtype)
 
 
-def _python_value(kind: FieldType, value: Any) -> Any:
+def _python_value(kind: FieldType, value: Any) -> object:
     """A parsed constant or default in the form the field keeps it in; a new object each time."""
     if not isinstance(value, list):
         return bytes([value]) if kind.base == "octet" else value
-    elements = [bytes([item]) if kind.base == "octet" else item for item in value]
+    elements: list[Any] = [bytes([item]) if kind.base == "octet" else item for item in value]
     if not kind.is_numeric_container or kind.primitive is None:
         return elements
     if kind.container == "sequence":
@@ -174,15 +166,15 @@ def _python_value(kind: FieldType, value: Any) -> Any:
 def _property(field: MessageField) -> property:
     slot, check, kind = f"_{field.name}", field_check(field), field.type
 
-    def getter(self: Any) -> Any:
+    def getter(self: Message) -> object:
         return getattr(self, slot)
 
-    def setter(self: Any, value: Any) -> None:
+    def setter(self: Any, value: object) -> None:
         if self._check_fields:
             check(value)
         setattr(self, slot, value)
 
-    def number_setter(self: Any, value: Any) -> None:
+    def number_setter(self: Any, value: object) -> None:
         if self._check_fields:
             check(value)
         setattr(self, slot, _own_container(kind, value, keep=self._check_fields))
@@ -192,7 +184,7 @@ def _property(field: MessageField) -> property:
     )
 
 
-def _own_container(kind: FieldType, value: Any, *, keep: bool) -> Any:
+def _own_container(kind: FieldType, value: Any, *, keep: bool) -> object:
     """A list of numbers in the container the field uses; `keep` takes a fitting container as it is."""
     code = kind.primitive.array_code if kind.primitive else ""
     if kind.container == "sequence":
@@ -204,11 +196,11 @@ def _own_container(kind: FieldType, value: Any, *, keep: bool) -> Any:
     return np.array(value, dtype=kind.primitive.numpy if kind.primitive else None)
 
 
-def _equality(fields: Sequence[MessageField]) -> Callable[[Any, object], bool]:
+def _equality(fields: Sequence[MessageField]) -> Callable[[Message, object], bool]:
     plain = [f"_{field.name}" for field in fields if not _is_numpy(field)]
     arrays = [f"_{field.name}" for field in fields if _is_numpy(field)]
 
-    def __eq__(self: Any, other: object) -> bool:  # noqa: N807
+    def __eq__(self: Message, other: object) -> bool:  # noqa: N807
         if not isinstance(other, self.__class__):
             return False
         if any(getattr(self, slot) != getattr(other, slot) for slot in plain):
@@ -222,7 +214,7 @@ def _is_numpy(field: MessageField) -> bool:
     return field.type.is_numeric_container and field.type.container == "array"
 
 
-def _repr(self: Any) -> str:
+def _repr(self: Message) -> str:
     package, folder, _ = self.__class__.__module__.split(".")
     fields = []
     for field in message_fields(type(self)):

@@ -3,11 +3,30 @@
 from __future__ import annotations
 
 import importlib
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 
 from course_kit.interfaces.definition import module_name
 from course_kit.interfaces.field_types import FieldType, from_slot_type
 from course_kit.interfaces.live_record import record_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosidl_parser.definition import AbstractType
+
+
+class Message(Protocol):
+    """A message, as far as all have the same: what rosidl_generator_py puts into their classes, and this kit does."""
+
+    SLOT_TYPES: ClassVar[Sequence[AbstractType]]
+
+    @classmethod
+    def get_fields_and_field_types(cls) -> dict[str, str]:
+        """The names of the fields, each with its type as ROS writes it."""
+        ...
+
+
+MessageClass = type[Message]
 
 
 class MessageField(NamedTuple):
@@ -20,11 +39,11 @@ class MessageField(NamedTuple):
 
     name: str
     type: FieldType
-    nested: Any
+    nested: MessageClass | None
     default: str = ""
 
 
-def message_fields(cls: type[Any]) -> tuple[MessageField, ...]:
+def message_fields(cls: type[Message]) -> tuple[MessageField, ...]:
     """The fields of a message class, in order.
 
     A live class knows the classes of its nested messages itself: it goes on using those it was made with, even
@@ -40,7 +59,7 @@ def message_fields(cls: type[Any]) -> tuple[MessageField, ...]:
     )
 
 
-def message_class(full_name: str) -> type[Any]:
+def message_class(full_name: str) -> type[Message]:
     """Import a message class by its full name, such as "geometry_msgs/msg/Point".
 
     The parts of an action are not all exported by its package, but they are by the action's own module.
@@ -53,19 +72,19 @@ def message_class(full_name: str) -> type[Any]:
     module = importlib.import_module(f"{package}.{folder}")
     if not hasattr(module, name) and "_" in name:
         module = importlib.import_module(f"{package}.{folder}.{module_name(name.partition('_')[0])}")
-    cls: type[Any] = getattr(module, name)
+    cls: type[Message] = getattr(module, name)
     return cls
 
 
-def default_text(value: Any) -> str:
+def default_text(value: object) -> str:
     """A default value as type descriptions spell it."""
     if value is None:
         return ""
     return str(tuple(value)) if isinstance(value, list) else str(value)
 
 
-def _compiled_default(cls: type[Any], name: str) -> str:
-    value: Any = getattr(cls, f"{name.upper()}__DEFAULT", None)
+def _compiled_default(cls: type[Message], name: str) -> str:
+    value: object = getattr(cls, f"{name.upper()}__DEFAULT", None)
     if isinstance(value, bytes):
         return str(value[0])
     if hasattr(value, "tolist"):  # numpy.ndarray, array.array

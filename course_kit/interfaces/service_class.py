@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
-from course_kit.interfaces.live_record import LiveRecord, class_of, source_of
+from course_kit.interfaces.live_record import LiveRecord, source_of
+from course_kit.interfaces.metaclass import make_metaclass, python_module
 
 if TYPE_CHECKING:
     from course_kit.interfaces.definition import ActionDefinition, ServiceDefinition
 
 
 def make_service_class(
-    definition: ServiceDefinition, request: type[Any], response: type[Any], event: type[Any], text: str | None = None
-) -> type[Any]:
+    definition: ServiceDefinition, request: type, response: type, event: type, text: str | None = None
+) -> type:
     """Make the class of a service out of those of its parts.
 
     Args:
@@ -27,7 +28,7 @@ def make_service_class(
     return _bundle(definition, "service", parts, text)
 
 
-def make_action_class(definition: ActionDefinition, parts: dict[str, type[Any]], text: str) -> type[Any]:
+def make_action_class(definition: ActionDefinition, parts: dict[str, type], text: str) -> type:
     """Make the class of an action.
 
     Args:
@@ -39,46 +40,20 @@ def make_action_class(definition: ActionDefinition, parts: dict[str, type[Any]],
     internal = {name: parts[name] for name in ("SendGoalService", "GetResultService", "FeedbackMessage")}
     internal["CancelGoalService"] = importlib.import_module("action_msgs.srv").CancelGoal
     internal["GoalStatusMessage"] = importlib.import_module("action_msgs.msg").GoalStatusArray
-    module = f"{definition.name.package}.{definition.name.kind}.{definition.module}"
-    name = definition.name.name
-    implementation = type("Impl", (), {"__module__": module, "__qualname__": f"{name}.Impl", **internal})
+    inner = {"__module__": python_module(definition), "__qualname__": f"{definition.name.name}.Impl"}
+    implementation = type("Impl", (), {**inner, **internal})
     public = {part: parts[part] for part in ("Goal", "Result", "Feedback")}
     return _bundle(definition, "action", {**public, "Impl": implementation}, text)
 
 
 def _bundle(
-    definition: ServiceDefinition | ActionDefinition, what: str, parts: dict[str, type[Any]], text: str | None
-) -> type[Any]:
-    name = definition.name.name
-    module = f"{definition.name.package}.{definition.name.kind}.{definition.module}"
-    metaclass = type(
-        f"Metaclass_{name}",
-        (type,),
-        {
-            "__module__": module,
-            "__doc__": f"Metaclass of {what} '{name}'.",
-            "_TYPE_SUPPORT": None,
-            "__import_type_support__": classmethod(
-                _import_service_support if what == "service" else _import_action_support
-            ),
-        },
-    )
-
+    definition: ServiceDefinition | ActionDefinition, what: str, parts: dict[str, type], text: str | None
+) -> type:
     def __init__(_: object) -> NoReturn:  # noqa: N807
         raise NotImplementedError(f"{what.capitalize()} classes can not be instantiated")
 
-    cls: type[Any] = metaclass(name, (), {"__module__": module, "__init__": __init__, **parts})
+    cls: type = make_metaclass(definition, what, {})(
+        definition.name.name, (), {"__module__": python_module(definition), "__init__": __init__, **parts}
+    )
     LiveRecord(source_of(definition.name.kind, text)).attach(cls)
     return cls
-
-
-def _import_service_support(metaclass: Any) -> None:
-    from course_kit.interfaces.type_support import add_service_support
-
-    add_service_support(class_of(metaclass))
-
-
-def _import_action_support(metaclass: Any) -> None:
-    from course_kit.interfaces.type_support import add_action_support
-
-    add_action_support(class_of(metaclass))

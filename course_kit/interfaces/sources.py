@@ -10,7 +10,7 @@ import sys
 
 TYPE_CHECKING = False  # importing typing would cost more than this module
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
 KINDS = ("msg", "srv", "action")
 PATH_VARIABLE = "COURSE_KIT_INTERFACE_PATH"
@@ -81,11 +81,23 @@ def find_text(package: str, kind: str, name: str) -> str | None:
         kind: `msg`, `srv` or `action`.
         name: its name.
     """
-    for folder in folders():
-        path = os.path.join(folder, package, kind, f"{name}.{kind}")  # noqa: PTH118
-        if os.path.isfile(path):  # noqa: PTH113
+    return first_text(folders(), package, kind, f"{name}.{kind}")
+
+
+def first_text(places: Iterable[str], *parts: str) -> str | None:
+    """What a file holds in the first of some folders that has it, None if none has.
+
+    Args:
+        places: the folders.
+        parts: the way from there to the file.
+    """
+    for place in places:
+        path = os.path.join(place, *parts)  # noqa: PTH118
+        try:
             with open(path, encoding="utf-8") as file:  # noqa: PTH123
                 return file.read()
+        except OSError:
+            continue
     return None
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from course_kit.interfaces.catalogue import installed_text
 from course_kit.interfaces.definition import EMPTY_MEMBER
@@ -45,11 +45,11 @@ class DescribedType(NamedTuple):
 
     type_name: str
     fields: tuple[DescribedField, ...]
-    refers_to: tuple[Any, ...]
+    refers_to: tuple[type, ...]
 
 
 @lru_cache(maxsize=512)
-def describe(cls: Any) -> DescribedType:
+def describe(cls: type) -> DescribedType:
     """Describe a message, service or action class, live or compiled."""
     parts = _parts(cls)
     if parts is None:
@@ -58,14 +58,14 @@ def describe(cls: Any) -> DescribedType:
     return DescribedType(full_name(cls), fields, tuple(parts.values()))
 
 
-def referenced(cls: Any) -> list[DescribedType]:
+def referenced(cls: type) -> list[DescribedType]:
     """Descriptions of all types a type refers to, directly or not, sorted by name."""
     return [describe(other) for other in referenced_classes(cls)]
 
 
-def referenced_classes(cls: Any) -> list[Any]:
+def referenced_classes(cls: type) -> list[type]:
     """The classes a type refers to, directly or not, sorted by full name, without itself."""
-    found: dict[str, Any] = {}
+    found: dict[str, type] = {}
     to_do = [*describe(cls).refers_to]
     while to_do:
         other = to_do.pop()
@@ -75,7 +75,7 @@ def referenced_classes(cls: Any) -> list[Any]:
     return [found[name] for name in sorted(found)]
 
 
-def type_hash(cls: Any) -> bytes:
+def type_hash(cls: type) -> bytes:
     """The 32 bytes of a type's hash; written "RIHS01_" and their hexadecimal digits."""
     text = json.dumps(
         {
@@ -87,14 +87,14 @@ def type_hash(cls: Any) -> bytes:
     return hashlib.sha256(text.encode()).digest()
 
 
-def full_name(cls: Any) -> str:
+def full_name(cls: type) -> str:
     """The full name of a class, such as "my_interfaces/srv/PersonInfo"; its module's name tells it."""
     package, folder, *_ = cls.__module__.split(".")
     return f"{package}/{folder}/{cls.__name__}"
 
 
 @lru_cache(maxsize=512)
-def source_text(cls: Any) -> tuple[str, str]:
+def source_text(cls: type) -> tuple[str, str]:
     """The encoding and text of a type's definition; ("implicit", "") for a part of a service or an action."""
     live = record_of(cls)
     if live is not None:
@@ -104,7 +104,7 @@ def source_text(cls: Any) -> tuple[str, str]:
     return ("implicit", "") if text is None else (kind, text)
 
 
-def _parts(cls: Any) -> dict[str, Any] | None:
+def _parts(cls: type) -> dict[str, type] | None:
     if hasattr(cls, "Impl"):
         parts = {name: getattr(cls, part) for name, part in _ACTION_PARTS.items()}
         return parts | {name: getattr(cls.Impl, part) for name, part in _ACTION_DERIVED_PARTS.items()}
@@ -113,7 +113,7 @@ def _parts(cls: Any) -> dict[str, Any] | None:
     return None
 
 
-def _describe_message(cls: Any) -> DescribedType:
+def _describe_message(cls: type) -> DescribedType:
     fields = message_fields(cls)
     described = tuple(_described(field.name, field.type, field.default) for field in fields)
     nested = tuple(field.nested for field in fields if field.nested is not None)
@@ -140,7 +140,7 @@ def _value_id(kind: FieldType) -> int:
     return _NESTED
 
 
-def _hashed(described: DescribedType) -> dict[str, Any]:
+def _hashed(described: DescribedType) -> dict[str, object]:
     """What of a description enters the hash: all but default values."""
     return {
         "type_name": described.type_name,

@@ -16,6 +16,9 @@ from course_kit.interfaces.native.memory import capsule, pointer
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from course_kit.interfaces.live_record import LiveRecord, LiveType
+    from course_kit.interfaces.message_fields import Message
+
 # Two threads may use a type for the first time at once; what is made for it must be made once.
 _making = threading.RLock()
 # rosidl_service_introspection_info_t: event type, seconds, nanoseconds, client's id, sequence number.
@@ -27,53 +30,53 @@ def _helper() -> Helper:
     return Helper()
 
 
-def add_message_support(cls: Any) -> None:
-    """Fill in what rclpy looks for on a message's metaclass.
+def add_support(cls: Any) -> None:
+    """Fill in what rclpy looks for on the metaclass of a live message, service or action, and of all its parts.
 
     Raises:
         NativeHelperError: the native helper cannot be used here.
     """
-    metaclass, record = type(cls), record_of(cls)
     with _making:
-        if metaclass._TYPE_SUPPORT is not None or record is None:
+        if type(cls)._TYPE_SUPPORT is not None:
             return
-        made = _helper().message(cls, _support_address)
-        metaclass._CREATE_ROS_MESSAGE = capsule(made.create)
-        metaclass._DESTROY_ROS_MESSAGE = capsule(made.destroy)
-        metaclass._CONVERT_FROM_PY = capsule(made.from_python)
-        metaclass._CONVERT_TO_PY = capsule(made.to_python)
-        record.native = made.type
-        metaclass._TYPE_SUPPORT = capsule(made.support)  # last: with it rclpy takes the rest as given
+        if hasattr(cls, "Impl"):
+            support = _action_support(cls)
+        elif hasattr(cls, "Request"):
+            parts = [_support_address(part) for part in (cls.Request, cls.Response, cls.Event)]
+            support = _helper().service(cls, parts, _live_type(cls.Event), _event_maker(cls))
+        else:
+            support = _message_support(cls)
+        type(cls)._TYPE_SUPPORT = capsule(support)  # last: with it rclpy takes the rest as given
 
 
-def add_service_support(cls: Any) -> None:
-    """Fill in what rclpy looks for on a service's metaclass, its three messages included."""
-    metaclass = type(cls)
-    with _making:
-        if metaclass._TYPE_SUPPORT is not None:
-            return
-        parts = [_support_address(part) for part in (cls.Request, cls.Response, cls.Event)]
-        support = _helper().service(cls, parts, native_type(cls.Event), _event_maker(cls))
-        metaclass._TYPE_SUPPORT = capsule(support)
+def _message_support(cls: Any) -> int:
+    metaclass, made = type(cls), _helper().message(cls, _support_address)
+    metaclass._CREATE_ROS_MESSAGE = capsule(made.create)
+    metaclass._DESTROY_ROS_MESSAGE = capsule(made.destroy)
+    metaclass._CONVERT_FROM_PY = capsule(made.from_python)
+    metaclass._CONVERT_TO_PY = capsule(made.to_python)
+    _record(cls).native = made.type
+    return made.support
 
 
-def add_action_support(cls: Any) -> None:
-    """Fill in what rclpy looks for on an action's metaclass and on all its parts."""
-    metaclass = type(cls)
-    with _making:
-        if metaclass._TYPE_SUPPORT is not None:
-            return
-        for part in (cls.Goal, cls.Result, cls.Feedback):
-            add_message_support(part)
-        names = ("SendGoalService", "GetResultService", "CancelGoalService", "FeedbackMessage", "GoalStatusMessage")
-        parts = [_support_address(getattr(cls.Impl, name)) for name in names]
-        metaclass._TYPE_SUPPORT = capsule(_helper().action(cls, parts))
+def _action_support(cls: Any) -> int:
+    for part in (cls.Goal, cls.Result, cls.Feedback):
+        add_support(part)
+    names = ("SendGoalService", "GetResultService", "CancelGoalService", "FeedbackMessage", "GoalStatusMessage")
+    return _helper().action(cls, [_support_address(getattr(cls.Impl, name)) for name in names])
 
 
-def native_type(cls: Any) -> Any:
+def _live_type(cls: type) -> LiveType:
     """The native helper's record of a live message whose type support has been made."""
+    native = _record(cls).native
+    assert native is not None  # noqa: S101 - see above
+    return native
+
+
+def _record(cls: type) -> LiveRecord:
     record = record_of(cls)
-    return None if record is None else record.native
+    assert record is not None  # noqa: S101 - only live classes come here
+    return record
 
 
 def _support_address(cls: Any) -> int:
@@ -89,7 +92,7 @@ def _event_maker(cls: Any) -> Callable[[bytes, bytes | None, bytes | None], byte
     from course_kit.interfaces.codec import make_decoder, make_encoder
 
     @lru_cache(maxsize=1)
-    def codecs() -> tuple[Any, Any, Any]:
+    def codecs() -> tuple[Callable[[Message], bytes], Callable[[bytes], Message], Callable[[bytes], Message]]:
         return make_encoder(cls.Event), make_decoder(cls.Request), make_decoder(cls.Response)
 
     def make_event(info: bytes, request: bytes | None, response: bytes | None) -> bytes:
@@ -101,7 +104,6 @@ def _event_maker(cls: Any) -> Callable[[bytes, bytes | None, bytes | None], byte
         event.info.client_gid = list(client)
         event.request = [] if request is None else [decode_request(request)]
         event.response = [] if response is None else [decode_response(response)]
-        encoded: bytes = encode(event)
-        return encoded
+        return encode(event)
 
     return make_event

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.launch.description import LaunchDescription, PythonLaunchDescriptionSource, load
 from course_kit.launch.errors import LaunchError, refuse
@@ -41,10 +41,10 @@ class DeclareLaunchArgument(Action):
         self,
         name: str,
         *,
-        default_value: Any = None,
+        default_value: Text | None = None,
         description: str | None = None,
         choices: list[str] | None = None,
-        **more: Any,
+        **more: object,
     ) -> None:
         refuse("DeclareLaunchArgument", more)
         self.name, self.default_value, self.choices = name, default_value, choices
@@ -79,7 +79,7 @@ class IncludeLaunchDescription(Action):
         launch_description_source: PythonLaunchDescriptionSource | Text,
         *,
         launch_arguments: Iterable[tuple[Text, Text]] | None = None,
-        **more: Any,
+        **more: object,
     ) -> None:
         refuse("IncludeLaunchDescription", more)
         if not isinstance(launch_description_source, PythonLaunchDescriptionSource):
@@ -102,7 +102,7 @@ class TimerAction(Action):
         actions: what is done then.
     """
 
-    def __init__(self, *, period: Any, actions: Iterable[Any], **more: Any) -> None:
+    def __init__(self, *, period: Text | float, actions: Iterable[object], **more: object) -> None:
         refuse("TimerAction", more)
         self._period, self.actions = period, list(actions)
 
@@ -127,7 +127,7 @@ class LogInfo(Action):
         msg: the text, also as substitutions.
     """
 
-    def __init__(self, *, msg: Text, **more: Any) -> None:
+    def __init__(self, *, msg: Text, **more: object) -> None:
         refuse("LogInfo", more)
         self._message = msg
 
@@ -136,8 +136,13 @@ class LogInfo(Action):
         service.say(f"[INFO] [launch.user]: {as_text(self._message, context)}")
 
 
-def execute_all(entities: Iterable[Any], context: LaunchContext, service: LaunchService) -> None:
+def execute_all(entities: Iterable[object], context: LaunchContext, service: LaunchService) -> None:
     """Run actions in order.
+
+    Args:
+        entities: the actions; also whole launch descriptions.
+        context: of the file they stand in.
+        service: runs the processes.
 
     Raises:
         LaunchError: one of them is no action of the subset, or cannot be done.

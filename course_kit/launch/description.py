@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.substitutions import Text, as_text
@@ -25,10 +25,10 @@ class LaunchDescription:
         initial_entities: the actions.
     """
 
-    def __init__(self, initial_entities: Iterable[Any] | None = None) -> None:
+    def __init__(self, initial_entities: Iterable[object] | None = None) -> None:
         self.entities = list(initial_entities or [])
 
-    def add_action(self, action: Any) -> None:
+    def add_action(self, action: object) -> None:
         """Add an action at the end."""
         self.entities.append(action)
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 
 class LaunchError(Exception):
     """A launch file cannot be run as it is."""
 
 
-def refuse(owner: str, options: dict[str, Any]) -> None:
+def refuse(owner: str, options: Iterable[str]) -> None:
     """Refuse options that launch has and the course kit has not.
 
     Raises:

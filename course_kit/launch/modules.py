@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -50,6 +50,6 @@ def fill(module: ModuleType) -> None:
         # An ImportError, so that `from launch.actions import ...` passes the sentence on.
         raise ImportError(outside(f"{module.__name__}.{name}"), name=module.__name__)
 
-    namespace: dict[str, Any] = vars(module)
+    namespace: dict[str, object] = vars(module)
     namespace["__getattr__"] = missing
     namespace["__all__"] = list(CONTENTS[module.__name__])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import yaml
 
@@ -28,7 +28,7 @@ class Node(Action):
 
     Args:
         executable: of the package, or the path of a program when there is no package.
-        package: see `course_kit.ros2cli.executables.find`.
+        package: see `course_kit.launch.executables.find`.
         name: the node's name instead of the program's own.
         namespace: the node's namespace.
         parameters: dicts of values, and paths of parameter files; later ones win.
@@ -45,12 +45,12 @@ class Node(Action):
         package: Text | None = None,
         name: Text | None = None,
         namespace: Text | None = None,
-        parameters: Iterable[Any] | None = None,
+        parameters: Iterable[object] | None = None,
         remappings: Iterable[tuple[Text, Text]] | None = None,
         arguments: Iterable[Text] | None = None,
         output: Text = "log",
         emulate_tty: bool = False,
-        **more: Any,
+        **more: object,
     ) -> None:
         refuse("Node", more)
         del emulate_tty
@@ -92,7 +92,7 @@ class Node(Action):
             arguments += ["-r", f"{as_text(old, context)}:={as_text(new, context)}"]
         return arguments
 
-    def _parameter_file(self, parameters: Any, context: LaunchContext, temporary: list[Path]) -> str:
+    def _parameter_file(self, parameters: object, context: LaunchContext, temporary: list[Path]) -> str:
         if isinstance(parameters, Mapping):
             values = {as_text(name, context): _value(value, context) for name, value in parameters.items()}
             with tempfile.NamedTemporaryFile("w", prefix="launch_params_", encoding="utf-8", delete=False) as file:
@@ -107,7 +107,7 @@ class Node(Action):
         raise LaunchError(f"Node(parameters=[{parameters!r}]): a dict of values or the path of a file is expected.")
 
 
-def _value(value: Any, context: LaunchContext) -> Any:
+def _value(value: object, context: LaunchContext) -> object:
     """A parameter's value; what substitutions bring is read as YAML, as typed on a command line."""
     if has_substitution(value):
         return yaml.safe_load(as_text(value, context))

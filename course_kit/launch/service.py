@@ -9,7 +9,7 @@ import selectors
 import signal
 import sys
 import time
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.launch.actions import execute_all
@@ -37,7 +37,7 @@ class LaunchService:
         self._log = log
         self._children: list[LaunchedProcess] = []
         self._started = 0
-        self._timers: list[tuple[float, list[Any], LaunchContext]] = []
+        self._timers: list[tuple[float, list[object], LaunchContext]] = []
         self._selector = selectors.DefaultSelector()
         self._stopping = False
         self._environ = environment.child_environment(PYTHONUNBUFFERED="1")
@@ -84,16 +84,23 @@ class LaunchService:
             raise LaunchError(f"{command[0]} cannot be started: {error.strerror}.") from error
         self._children.append(child)
         for stream in child.streams:
-            self._selector.register(stream, selectors.EVENT_READ, child)
+            self._selector.register(stream, selectors.EVENT_READ, (child, stream))
         self.say(f"[INFO] [{child.label}]: process started with pid [{child.process.pid}]")
 
     def make_child(
         self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]
     ) -> LaunchedProcess:
-        """Start a process whose output comes through us."""
+        """Start a process whose output comes through us.
+
+        Args:
+            command: see `start`.
+            label: what its lines begin with.
+            show_stdout: see `start`.
+            temporary: see `start`.
+        """
         return LaunchedProcess(command, label, self._environ, show_stdout=show_stdout, temporary=temporary)
 
-    def later(self, seconds: float, actions: list[Any], context: LaunchContext) -> None:
+    def later(self, seconds: float, actions: list[object], context: LaunchContext) -> None:
         """Run actions after a while.
 
         Args:
@@ -120,9 +127,9 @@ class LaunchService:
             if key.fd == woken:
                 self._take_signals(os.read(woken, 100))
             else:
-                self._take_output(key.data, key.fileobj)
+                self._take_output(*key.data)
 
-    def _take_output(self, child: LaunchedProcess, stream: Any) -> None:
+    def _take_output(self, child: LaunchedProcess, stream: IO[bytes]) -> None:
         lines, shown = child.streams[stream]
         for line in lines.read():
             text = line.rstrip("\r")

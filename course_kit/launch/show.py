@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, TimerAction
 from course_kit.launch.context import LaunchContext
@@ -10,7 +10,7 @@ from course_kit.launch.description import LaunchDescription, load
 from course_kit.launch.substitutions import Substitution
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
 
 
@@ -30,7 +30,7 @@ def _shown(argument: DeclareLaunchArgument) -> str:
     return "\n".join(lines)
 
 
-def _default(value: Any) -> str:
+def _default(value: object) -> str:
     if isinstance(value, Substitution):
         return value.describe()
     if isinstance(value, (list, tuple)):
@@ -38,7 +38,7 @@ def _default(value: Any) -> str:
     return repr(str(value))
 
 
-def _declared(entities: list[Any], context: LaunchContext) -> Iterator[DeclareLaunchArgument]:
+def _declared(entities: Iterable[object], context: LaunchContext) -> Iterator[DeclareLaunchArgument]:
     for entity in entities:
         if isinstance(entity, DeclareLaunchArgument):
             yield entity

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Union
 
 from course_kit.launch.errors import LaunchError
 
@@ -28,7 +28,7 @@ class Substitution:
         return type(self).__name__
 
 
-Text = Union[str, PurePath, Substitution, Iterable[Any]]  # noqa: UP007 - evaluated at run time on Python 3.10, too
+Text = Union[str, PurePath, Substitution, Iterable[object]]  # noqa: UP007 - evaluated at run time on Python 3.10, too
 
 
 class TextSubstitution(Substitution):
@@ -55,7 +55,7 @@ class LaunchConfiguration(Substitution):
         default: used when no such argument has a value.
     """
 
-    def __init__(self, variable_name: Text, *, default: Any = None) -> None:
+    def __init__(self, variable_name: Text, *, default: Text | None = None) -> None:
         self._name, self._default = variable_name, default
 
     def perform(self, context: LaunchContext) -> str:
@@ -98,7 +98,7 @@ class ThisLaunchFileDir(Substitution):
         return str(context.file.parent)
 
 
-def as_text(value: Any, context: LaunchContext) -> str:
+def as_text(value: object, context: LaunchContext) -> str:
     """Text, a substitution, or a list of both, as text."""
     if isinstance(value, Substitution):
         return value.perform(context)
@@ -109,7 +109,7 @@ def as_text(value: Any, context: LaunchContext) -> str:
     return str(value)
 
 
-def has_substitution(value: Any) -> bool:
+def has_substitution(value: object) -> bool:
     """Whether a value is only known when the file runs."""
     return isinstance(value, Substitution) or (
         isinstance(value, (list, tuple)) and any(isinstance(part, Substitution) for part in value)

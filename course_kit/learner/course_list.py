@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-import textwrap
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
 from course_kit.learner import progress, workspace
+from course_kit.text.console import wrapped
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from course_kit.learner.progress import ProgressRecord
 
 FORMAT_VERSION = 1
-_WIDTH = 80
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class Row:
             return "passed"
         return "not passed yet" if self.known.tries else "not tried yet"
 
-    def to_mapping(self) -> dict[str, Any]:
+    def to_mapping(self) -> dict[str, object]:
         """The row as JSON shows it."""
         return {
             "id": self.task.id,
@@ -100,7 +99,7 @@ def _lines(row: Row, width: int, tick: str) -> list[str]:
     best = f"{known.best:g}" if known.tries else "-"
     mark = tick if known.passed else " "
     head = f"[{mark}] {task.order:>2} {task.id:<{width}}  {task.points:>6g}  {task.pass_mark:>7g}  {best:>4}  "
-    title = textwrap.wrap(task.title, _WIDTH, initial_indent=" " * 7, subsequent_indent=" " * 7)
+    title = wrapped(task.title, " " * 7, " " * 7)
     return [f"{head}{known.tries:>5}  {row.state}", *title]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.grading import exercise
 from course_kit.learner import progress
+from course_kit.text.console import wrapped
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from course_kit.grading.exercise import Exercise
     from course_kit.learner.progress import Failure, ProgressRecord
 
-_WIDTH = 80
+_wrap = partial(wrapped, following="  ", whole_words=True)
 _BEGINNING = "the beginning"  # the ladder of who has not been graded yet
 
 
@@ -115,7 +115,3 @@ def _text(task: Exercise, found: HintLadder, first: int, last: int, command: str
     if found.key == _BEGINNING:
         lines += _wrap("Once you have graded your file, the hints are about what fails in it.")
     return "\n".join(lines) + "\n"
-
-
-def _wrap(text: str) -> list[str]:
-    return textwrap.wrap(text, _WIDTH, subsequent_indent="  ", break_on_hyphens=False, break_long_words=False)

@@ -21,6 +21,7 @@ from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
 from course_kit.learner import progress, workspace
 from course_kit.learner.workspace import PRISTINE, STARTERS, shown
+from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
     from course_kit.grading.exercise import Exercise
@@ -160,8 +161,7 @@ def _carry_out(each: Return) -> None:
 def _forget(task: Exercise) -> int:
     trouble = progress.update(task.id, lambda _: None)
     if trouble:
-        print(f"course-kit: {trouble}", file=sys.stderr)
-        return 2
+        return cannot(trouble)
     print(f"The progress of {task.id} is deleted.")
     return 0
 
@@ -184,11 +184,10 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | 
     if not source.is_file():
         raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
     records, trouble = progress.read_or_tell()
-    if trouble:
-        print(f"course-kit: {trouble}", file=sys.stderr)
+    tell(trouble)
     known = records.get(task.id, progress.ProgressRecord())
     if not known.passed and not show:
-        print(_not_yet(task, known), file=sys.stderr)
+        tell(_not_yet(task, known))
         return 1
     if copy is None:
         print(source.read_text(encoding="utf-8"), end="")
@@ -207,6 +206,6 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | 
 def _not_yet(task: Exercise, known: progress.ProgressRecord) -> str:
     so_far = f"your best so far is {known.best:g}" if known.tries else "you have not been graded yet"
     return (
-        f"course-kit: you can see the solution once you have passed: {task.pass_mark:g} of {task.points:g} points; "
+        f"you can see the solution once you have passed: {task.pass_mark:g} of {task.points:g} points; "
         f"{so_far}.\nStuck? {environment.command()} hint {task.id}\nInstructors: add --show."
     )

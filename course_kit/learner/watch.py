@@ -6,8 +6,6 @@ better here: one file, editors that replace it on saving, and network folders th
 
 from __future__ import annotations
 
-import sys
-import textwrap
 import threading
 import time
 from contextlib import ExitStack
@@ -16,6 +14,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading import Worker, exercise, grade
 from course_kit.grading.errors import GradingError
 from course_kit.learner import progress, workspace
+from course_kit.text.console import tell, wrapped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 
 _POLL_S = 0.2
 _GONE_POLLS = 10  # editors that write beside the file and rename need a moment; longer than this is worth a word
-_WIDTH = 80
 _NOT_GRADED = frozenset({"unreadable", "error"})
 
 
@@ -84,8 +82,7 @@ class _Grader:
             self._open.close()
             self._worker = self._open.enter_context(Worker())
             report = grade(self._exercise, self._path, worker=self._worker)
-        if trouble := progress.record(report):
-            print(f"course-kit: {trouble}", file=sys.stderr, flush=True)
+        tell(progress.record(report))
         return report
 
 
@@ -124,11 +121,11 @@ def card(report: Report, before: Report | None) -> str:
     lines = ["", f"{time.strftime('%H:%M:%S')}  {_verdict(report)}{_difference(report, before)}"]
     failed = [check for check in report.checks if check.status in ("failed", "error")]
     for number, check in enumerate(failed):
-        lines += _wrap(f"FAIL  {check.title}", 2, 8)
+        lines += wrapped(f"FAIL  {check.title}", "  ", " " * 8)
         if number == 0:
             lines += _first(check)
     if report.problem:
-        lines += _wrap(report.problem, 2, 2)
+        lines += wrapped(report.problem, "  ", "  ")
     lines += _others(report)
     return "\n".join(lines)
 
@@ -154,7 +151,7 @@ def _first(check: CheckReport) -> list[str]:
         ("why", check.message),
         ("hint", check.hint or ""),
     )
-    return [line for name, text in parts if text for line in _wrap(f"{name:<9} {text}", 8, 18)]
+    return [line for name, text in parts if text for line in wrapped(f"{name:<9} {text}", " " * 8, " " * 18)]
 
 
 def _others(report: Report) -> list[str]:
@@ -166,9 +163,3 @@ def _others(report: Report) -> list[str]:
     if passed:
         lines.append(f"  PASS  {passed} of {len(report.checks)} checks")
     return lines
-
-
-def _wrap(text: str, indent: int, hanging: int) -> list[str]:
-    return textwrap.wrap(
-        text, _WIDTH, initial_indent=" " * indent, subsequent_indent=" " * hanging, break_on_hyphens=False
-    )

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
+from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -48,14 +48,14 @@ def copy(target: Path | None) -> int:
     """
     root = environment.checkout()
     if root is None:
-        return _cannot("the lessons and exercises are missing; there is only the package.")
+        return cannot("the lessons and exercises are missing; there is only the package.")
     target = (copy_folder() if target is None else target).absolute()
     if target == root or root in target.parents:
-        return _cannot(f"{target} is inside the course's folder. Name a folder of your own.")
+        return cannot(f"{target} is inside the course's folder. Name a folder of your own.")
     try:
         make_copy(root, target)
     except OSError as problem:
-        return _cannot(f"{problem.filename or target} could not be written: {problem.strerror or problem}.")
+        return cannot(f"{problem.filename or target} could not be written: {problem.strerror or problem}.")
     print(f"The lessons and exercises are in {target}. Files that already existed there are unchanged.")
     return 0
 
@@ -151,11 +151,6 @@ def _has_one(folder: Path, task: Exercise) -> bool:
     with suppress(OSError):  # a folder of somebody else's
         return (folder / task.starter).is_file() or (folder / task.notebook).is_file()
     return False
-
-
-def _cannot(sentence: str) -> int:
-    print(f"course-kit: {sentence}", file=sys.stderr)
-    return 2
 
 
 def _working_folder() -> Path | None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import Any
 
 _libc = ctypes.CDLL(None, use_errno=True)
 
 
-def call(function: str, *arguments: Any, what: str = "") -> int:
+def call(function: str, *arguments: object, what: str = "") -> int:
     """Call a function that answers with a negative number where it fails.
 
     Args:
@@ -27,11 +26,11 @@ def call(function: str, *arguments: Any, what: str = "") -> int:
     return result
 
 
-def system_call(number: int, *arguments: Any, what: str) -> int:
+def system_call(number: int, *arguments: object, what: str) -> int:
     """Make a system call that the C library has no function for (syscall(2)); otherwise as `call`."""
     return call("syscall", ctypes.c_long(number), *arguments, what=what)
 
 
-def prctl(option: int, *arguments: Any, what: str) -> int:
+def prctl(option: int, *arguments: object, what: str) -> int:
     """Change how the kernel treats this process (prctl(2)); arguments that are not given are 0, otherwise as `call`."""
     return call("prctl", option, *arguments, *(0,) * (4 - len(arguments)), what=f"prctl {what}")

@@ -187,7 +187,7 @@ def _scenario(name: str, table: dict[str, Any], answer: dict[str, Any]) -> Scena
     return made
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     """A text in one line; in the file it may be broken anywhere."""
     if not isinstance(value, str) or not value.strip():
         raise ValueError(f"{value!r} is not a text")

@@ -105,7 +105,7 @@ class MarkedAnswers:
 
 
 def mark(
-    scenarios: Sequence[Scenario], answers: Mapping[Any, Any], known: Collection[str] | None = None
+    scenarios: Sequence[Scenario], answers: Mapping[Any, object], known: Collection[str] | None = None
 ) -> MarkedAnswers:
     """Mark the answers to `scenarios`.
 

@@ -15,8 +15,10 @@ from course_kit.reader import text
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from typing import Any, BinaryIO
+    from collections.abc import Iterator
+    from typing import BinaryIO
+
+    from course_kit.reader.packets import Wish
 
 RUN = 14  # tokens: a line or two
 WINDOW = 8
@@ -39,7 +41,7 @@ _TOKEN = re.compile(
 )
 
 
-def of_submission(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, Any]:
+def of_submission(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
     """The fingerprints of a submission.
 
     Args:

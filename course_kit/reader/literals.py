@@ -10,17 +10,13 @@ import ast
 import builtins
 import json
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
-
 _LONGEST = 48 * 1024  # characters of all together
 _TOO_DEEP = (RecursionError, MemoryError)
 _NO_LITERAL = (ValueError, TypeError, SyntaxError, *_TOO_DEEP)
 _NO_PAIR = "An answer is a pair of two texts."
 
 
-def written_out(tree: ast.Module, variable: str) -> dict[str, Any] | None:
+def written_out(tree: ast.Module, variable: str) -> dict[str, object] | None:
     """What a program sets a variable to; None when only running it can tell.
 
     Args:
@@ -37,7 +33,7 @@ def written_out(tree: ast.Module, variable: str) -> dict[str, Any] | None:
         return None
     try:
         if isinstance(values[0], ast.Dict):
-            told: dict[str, Any] = {"entries": _entries(values[0], _bound(tree))}
+            told: dict[str, object] = {"entries": _entries(values[0], _bound(tree))}
         else:
             told = {"value": _text(ast.literal_eval(values[0]))}
     except _NO_LITERAL:

@@ -11,12 +11,22 @@ import socket
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from typing import Any
+    from typing import Any, TypedDict
+
+    class Wish(TypedDict):
+        """What is asked for: the work, a submission's name and exercise, and what that wants from it."""
+
+        do: str
+        name: str
+        exercise: str
+        variable: str
+        class_name: str
+
 
 _LARGEST = 64 * 1024  # bytes; a request holds a few names
 
 
-def send(line: socket.socket, message: Mapping[str, Any], files: Sequence[int] = ()) -> None:
+def send(line: socket.socket, message: Mapping[str, object], files: Sequence[int] = ()) -> None:
     """Send a packet.
 
     Args:

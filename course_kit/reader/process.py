@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from typing import Any, BinaryIO
 
 TOO_MUCH_MEMORY, FAILED = 69, 70  # exit statuses of a child; the second is a mistake of ours
-_WORK: dict[str, Callable[[str, BinaryIO, Mapping[str, Any]], dict[str, Any]]] = {
+_WORK: dict[str, Callable[[str, BinaryIO, Any], dict[str, object]]] = {
     "read": text.read,
     "mentions": text.mentions,
     "fingerprints": fingerprints.of_submission,
@@ -50,7 +50,7 @@ def main() -> None:
         return
 
 
-def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int, answer: int) -> dict[str, Any]:
+def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int, answer: int) -> dict[str, object]:
     """How the child has ended: `status` as of waitpid(2), `late` if it had to be stopped, `cpu_s` it has computed.
 
     Raises:

@@ -11,7 +11,6 @@ from course_kit.reader.limits import MEMORY_MB
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import Any
 
 _LONGEST = 200  # characters of a line, or of what Python says about it
 _MOST_FUNCTIONS = 1000
@@ -45,7 +44,7 @@ def parse(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
         return (0, "", f"Python cannot read it ({_cut(str(problem))})"), None
 
 
-def facts(tree: ast.Module) -> dict[str, Any]:
+def facts(tree: ast.Module) -> dict[str, object]:
     """What a program's text gives away, as `Facts` has it."""
     told = {"awaits": False, "floor_divides": False, "loops": False}
     spans: list[tuple[int, int]] = []

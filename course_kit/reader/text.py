@@ -10,7 +10,9 @@ from course_kit.reader import literals, python
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from typing import Any, BinaryIO
+    from typing import BinaryIO
+
+    from course_kit.reader.packets import Wish
 
 LARGEST = 1 << 20  # bytes of a program
 NOTEBOOK = ".ipynb"
@@ -23,7 +25,7 @@ class UnreadableTextError(ValueError):
     """There is no program in it; the text says why and what to do."""
 
 
-def read(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, Any]:
+def read(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
     """Read a submission.
 
     Args:
@@ -35,7 +37,7 @@ def read(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, Any]:
         `unreadable`, why there is no program; else the program as `Submission` has it.
     """
     try:
-        source, places = program(name, file, str(wish["exercise"]))
+        source, places = program(name, file, wish["exercise"])
     except UnreadableTextError as problem:
         return {"unreadable": str(problem)}
     try:
@@ -47,11 +49,11 @@ def read(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, Any]:
         "places": places,
         "fault": fault,
         "facts": python.facts(tree) if tree else None,
-        "literal": literals.written_out(tree, str(wish["variable"])) if tree and wish["variable"] else None,
+        "literal": literals.written_out(tree, wish["variable"]) if tree and wish["variable"] else None,
     }
 
 
-def mentions(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, Any]:
+def mentions(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
     """Whether a file holds what an exercise asks for; it may be broken otherwise.
 
     Args:
@@ -147,7 +149,7 @@ def _code_cells(name: str, text: str) -> list[tuple[int, str]]:
         raise UnreadableTextError(f"{name} is not a Jupyter notebook. Save it again in JupyterLab.") from None
 
 
-def _text_of(cell: Any) -> str:
+def _text_of(cell: Mapping[str, object]) -> str:
     source = cell["source"]  # a list of lines in a file, a string in other writers' files
     if isinstance(source, list):
         return "".join(source)

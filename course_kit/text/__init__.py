@@ -1,1 +1,1 @@
-"""Text on its way to people: what strangers wrote made harmless, and HTML out of templates."""
+"""Text on its way to people: strangers' text made harmless, HTML out of templates, and what commands say."""

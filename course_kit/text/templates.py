@@ -6,7 +6,7 @@ Jinja2 is loaded when something is first rendered: most who grade or teach rende
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.text.sanitize import escaped
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 
-def render(template: Path, **values: Any) -> Markup:
+def render(template: Path, **values: object) -> Markup:
     """A template with its values filled in; other templates take the result as it is.
 
     Args:
@@ -47,7 +47,7 @@ def _environment(folder: Path) -> Environment:
     )
 
 
-def _filled_in(value: Any) -> Any:
+def _filled_in(value: object) -> Markup:
     """A value as it stands in a page: HTML of other templates as it is, everything else as text."""
     from markupsafe import Markup
 

@@ -16,10 +16,11 @@ import psutil
 import pytest
 
 from course_kit import environment
+from tests.background import IN_BACKGROUND
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 SOLUTION = REPOSITORY / "solutions/temperature_service/temperature_service.py"
@@ -39,9 +40,9 @@ def handed_in(tmp_path: Path) -> Path:
 
 
 @contextmanager
-def started(*command: object, **variables: str) -> Iterator[subprocess.Popen[str]]:
+def started(*command: object, by: Sequence[str] = (), **variables: str) -> Iterator[subprocess.Popen[str]]:
     process = subprocess.Popen(
-        [sys.executable, *map(str, command)],
+        [*by, sys.executable, *map(str, command)],
         env=environment.child_environment(PYTHONUNBUFFERED="1", **variables),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -99,8 +100,9 @@ def test_a_submission_sees_neither_the_others_nor_the_results(handed_in: Path) -
     assert "SEEN [] []" in printed
 
 
-def test_ctrl_c_finishes_what_is_under_way_and_the_rest_comes_later(handed_in: Path) -> None:
-    with started(*class_run(handed_in, "--workers", 2)) as process:
+@pytest.mark.parametrize("by", [(), IN_BACKGROUND], ids=["a terminal", "a script, in the background"])
+def test_ctrl_c_finishes_what_is_under_way_and_the_rest_comes_later(handed_in: Path, by: Sequence[str]) -> None:
+    with started(*class_run(handed_in, "--workers", 2), by=by) as process:
         wait_until(lambda: len(records(handed_in)) >= 1)
         process.send_signal(signal.SIGINT)
         said, _ = process.communicate(timeout=PATIENCE_S)

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -15,10 +16,17 @@ from tests.environment.overwritten import overwrite_lark
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from tests.course_clone import Clone
 
+# Is killed when it makes a link: what led somewhere before has to lead there still.
+KILLED_AT_A_LINK = """
+import os, pathlib, signal, sys
+from course_setup.environments import Environment, Environments
+root, second = map(pathlib.Path, sys.argv[1:])
+pathlib.Path.symlink_to = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
+Environments(root, "wheels").put_in_force(Environment(second))
+"""
 WAITS = "import sys; print('up', flush=True); sys.stdin.read()"
 
 
@@ -39,6 +47,10 @@ def running(python: str | Path, folder: Path, **variables: str) -> Iterator[subp
 def edit_pyproject(clone: Clone) -> None:
     with (clone.root / "pyproject.toml").open("a") as file:
         file.write("# edited\n")
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 def used(done: subprocess.CompletedProcess[str]) -> str:
@@ -106,14 +118,38 @@ def test_an_update_that_is_stopped_leaves_the_course_as_it_was(
     clone: Clone, tmp_path: Path, number: signal.Signals, left: int
 ) -> None:
     before = used(clone.course("doctor"))
+    programs = contents(clone.environment / "bin")
     started = clone.half_way(tmp_path, "test")
     os.killpg(started.pid, number)
     started.communicate(timeout=30)
     assert len(clone.environments()) == left
     assert used(clone.course("doctor")) == before
+    assert contents(clone.environment / "bin") == programs
     assert clone.calls() == ["venv", "pip", "pip"]
     assert clone.course("test").stderr.count("ready") == 1
     assert clone.environments() == {clone.environment}
+
+
+def test_an_update_takes_over_programs_that_are_only_called_like_the_scripts_that_activate(clone: Clone) -> None:
+    used(clone.course("doctor"))
+    others = ("activate_this.py", "activate-global-completion")
+    for name in others:
+        (clone.environment / "bin" / name).write_text("kept\n")
+    edit_pyproject(clone)
+    new = Path(used(clone.course("doctor")))
+    assert [(new / "bin" / name).read_text() for name in others] == ["kept\n", "kept\n"]
+    assert f"{new}" in (new / "bin" / "activate").read_text()
+
+
+def test_an_update_that_is_killed_at_the_last_step_leaves_the_course_as_it_was(clone: Clone) -> None:
+    before = used(clone.course("doctor"))
+    second = clone.root / ".venvs" / "wheels-second"
+    second.mkdir()
+    killed = subprocess.run([BASE_PYTHON, "-c", KILLED_AT_A_LINK, clone.root, second], cwd=clone.root, check=False)
+    assert killed.returncode == -signal.SIGKILL
+    assert str(clone.environment) == before
+    assert used(clone.course("doctor")) == before
+    assert clone.calls() == ["venv", "pip"]
 
 
 def test_who_deletes_the_link_gets_a_new_environment(clone: Clone) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from tests.background import IN_BACKGROUND
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
-PRESSES_CTRL_C = "tests/test_course_script.py::test_ctrl_c_half_way_says_so_and_the_next_run_goes_on"
+PRESSES_CTRL_C = "tests/course_setup/test_course_script.py::test_ctrl_c_half_way_says_so_and_the_next_run_goes_on"
 
 
 def test_tests_that_press_ctrl_c_pass_where_a_script_started_the_suite_in_the_background() -> None:

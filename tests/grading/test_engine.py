@@ -64,10 +64,13 @@ def test_exec_grades_a_command() -> None:
 def test_exec_of_a_program_that_crashes_names_the_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where FORCE_COLOR is set Python 3.13 would colour its traceback, and nobody could read it."""
     monkeypatch.setenv("FORCE_COLOR", "1")
-    (tmp_path / "program.py").write_text("import rclpy\nrclpy.init()\n1 / 0\n")
+    (tmp_path / "program.py").write_text(
+        "import os, rclpy\nprint('colours', os.environ['PYTHON_COLORS'], flush=True)\nrclpy.init()\n1 / 0\n"
+    )
     report = grading.grade(EXERCISE, exec_command=shlex.join([sys.executable, str(tmp_path / "program.py")]))
     assert report.checks[0].diagnosis == "start.crash"
     assert "ZeroDivisionError: division by zero" in report.checks[0].message
+    assert report.stdout == "colours 0\n"  # on each Python
 
 
 def test_exec_of_nothing_there_says_so() -> None:

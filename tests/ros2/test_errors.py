@@ -140,11 +140,20 @@ def test_help_looks_alike_on_every_python(ros2: Ros2, words: tuple[str, ...], li
     assert set(lines) <= set(done.stdout.splitlines())
 
 
-def test_ctrl_c_ends_a_command_that_a_script_started_in_the_background(ros2: Ros2) -> None:
-    talking = ros2.begin(*IN_BACKGROUND, *OURS, "topic", "pub", "/chatter", "std_msgs/msg/String", "{data: hello}")
-    lines_until(talking, "publishing #1")
-    _, errors = interrupt(talking)
-    assert (talking.returncode, errors) == (2, "")
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("topic", "pub", "/chatter", "std_msgs/msg/String", "{data: hello}"), "publishing #1"),
+        (("topic", "echo", "/chatter"), "data: hello"),
+    ],
+)
+def test_ctrl_c_ends_a_command_that_a_script_started_in_the_background(
+    robot: Ros2, words: tuple[str, ...], line: str
+) -> None:
+    command = robot.begin(*IN_BACKGROUND, *OURS, *words)
+    lines_until(command, line)
+    _, errors = interrupt(command)
+    assert (command.returncode, errors) == (2, "")
 
 
 def test_a_reader_that_has_seen_enough_is_no_error(robot: Ros2) -> None:

@@ -6,7 +6,7 @@ position is unknown, yet often known modulo 4 or 8; so padding is mostly settled
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,7 +19,7 @@ class CodeWriter:
 
     def __init__(self, max_align: int = 8) -> None:
         self.lines: list[str] = []
-        self.names: dict[str, Any] = {}  # constants the generated code refers to
+        self.names: dict[str, object] = {}  # constants the generated code refers to
         self._indent = 1
         self._variables = 0
         self._max_align = max_align

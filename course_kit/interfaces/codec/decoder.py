@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import array
 import struct
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal, cast
 
 from numpy import dtype as numpy_dtype
 from numpy import frombuffer
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.interfaces.field_types import FieldType, Primitive
-    from course_kit.interfaces.message_fields import MessageField
+    from course_kit.interfaces.message_fields import Message, MessageField
+
+    Decode = Callable[[bytes], Message]
 
 ByteOrder = Literal["<", ">"]
 
@@ -35,7 +37,7 @@ class Decoder(CodeWriter):
         self._order = byte_order
         self._after: list[str] = []  # lines that need the values of the present batch
 
-    def source(self, cls: type[Any]) -> str:
+    def source(self, cls: type[Message]) -> str:
         """The function's source."""
         result = self._message(cls)
         self.flush()
@@ -61,7 +63,7 @@ class Decoder(CodeWriter):
         """Skip padding; the header is 4 bytes long and does not count."""
         self.emit(f"o += (4 - o) & {align - 1}")
 
-    def _message(self, cls: type[Any]) -> str:
+    def _message(self, cls: type[Message]) -> str:
         result = self.variable("m")
         fields = message_fields(cls)
         if not fields:
@@ -69,7 +71,7 @@ class Decoder(CodeWriter):
         values = [(field.name, self._field(field)) for field in fields]
         # Fields are set behind the properties: what came over the wire needs no check.
         self._after.append(f"{result} = new({self.constant('cls', cls)})")
-        if "_check_fields" in cls.__slots__:
+        if "_check_fields" in getattr(cls, "__slots__", ()):
             self._after.append(f"{result}._check_fields = checks")
         self._after += [f"{result}._{name} = {value}" for name, value in values]
         return result
@@ -166,15 +168,15 @@ def _elements(primitive: Primitive, data: str, positions: str, slice_: str) -> s
     return f"[i != 0 for i in {slice_}]"
 
 
-def make_decoder(cls: type[Any]) -> Callable[[bytes], Any]:
+def make_decoder(cls: type[Message]) -> Decode:
     """Make the function that turns a CDR payload, header included, into a message of `cls`.
 
     The function raises ValueError or struct.error for a malformed payload. The native
     helper has looked at a payload before and lets through only what can be decoded.
     """
-    unusual: dict[int, Callable[[bytes], Any]] = {}
+    unusual: dict[int, Decode] = {}
 
-    def decode_unusual(payload: bytes) -> Any:
+    def decode_unusual(payload: bytes) -> Message:
         if len(payload) < HEADER_SIZE:
             runtime.truncated()
         encoding = payload[1]
@@ -187,9 +189,9 @@ def make_decoder(cls: type[Any]) -> Callable[[bytes], Any]:
     return _compile(Decoder(*_ENCODINGS[_USUAL]), cls, decode_unusual=decode_unusual)
 
 
-def _compile(writer: Decoder, cls: type[Any], **extra: object) -> Callable[[bytes], Any]:
+def _compile(writer: Decoder, cls: type[Message], **extra: object) -> Decode:
     source = writer.source(cls)
-    namespace: dict[str, Any] = {
+    namespace: dict[str, object] = {
         **writer.names,
         "array": array.array,
         "struct_pack": struct.pack,
@@ -203,5 +205,4 @@ def _compile(writer: Decoder, cls: type[Any], **extra: object) -> Callable[[byte
         **extra,
     }
     exec(compile(source, f"<CDR decoder of {cls.__module__}.{cls.__name__}>", "exec"), namespace)  # noqa: S102
-    decode: Callable[[bytes], Any] = namespace["decode"]
-    return decode
+    return cast("Decode", namespace["decode"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import array
 import reprlib
 import struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from numpy import dtype as numpy_dtype
 
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.interfaces.field_types import FieldType, Primitive
-    from course_kit.interfaces.message_fields import MessageField
+    from course_kit.interfaces.message_fields import Message, MessageField
+
+    Encode = Callable[[Message], bytes]
 
 # The header announces little-endian XCDR1: two bytes 0 and 1, two of options.
 _HEADER_FORMAT, _HEADER_VALUE = "I", "256"
@@ -33,7 +35,7 @@ class Encoder(CodeWriter):
         self.formats, self.arguments = [_HEADER_FORMAT], [_HEADER_VALUE]
         self._started = False
 
-    def source(self, cls: type[Any]) -> str:
+    def source(self, cls: type[Message]) -> str:
         """The function's source."""
         self._message(cls, "message")
         if self._started:
@@ -62,7 +64,7 @@ class Encoder(CodeWriter):
         """Pad; the header is 4 bytes long and does not count."""
         self.emit(f"b += PADDING[(4 - len(b)) & {align - 1}]")
 
-    def _message(self, cls: type[Any], value: str) -> None:
+    def _message(self, cls: type[Message], value: str) -> None:
         fields = message_fields(cls)
         if not fields:
             self.put("B", 1, 1, "0")
@@ -144,14 +146,14 @@ class Encoder(CodeWriter):
         self.repeat(lambda: self._field(field._replace(type=field.type.element), value))
 
 
-def make_encoder(cls: type[Any]) -> Callable[[Any], bytes]:
+def make_encoder(cls: type[Message]) -> Encode:
     """Make the function that turns a message of `cls` into its CDR payload, header included.
 
     The function raises TypeError naming the field whose value does not fit, however it got there.
     """
     writer = Encoder()
     source = writer.source(cls)
-    namespace: dict[str, Any] = {
+    namespace: dict[str, object] = {
         **writer.names,
         "array": array.array,
         "struct_pack": struct.pack,
@@ -165,11 +167,10 @@ def make_encoder(cls: type[Any]) -> Callable[[Any], bytes]:
         "too_long": runtime.too_long,
     }
     exec(compile(source, f"<CDR encoder of {cls.__module__}.{cls.__name__}>", "exec"), namespace)  # noqa: S102
-    encode: Callable[[Any], bytes] = namespace["encode"]
-    return encode
+    return cast("Encode", namespace["encode"])
 
 
-def explained(message: Any, error: Exception) -> Exception:
+def explained(message: Message, error: Exception) -> Exception:
     """The error that names the field which could not be encoded; the given one if no field is at fault."""
     for field in message_fields(type(message)):
         value: Any = getattr(message, f"_{field.name}", None)

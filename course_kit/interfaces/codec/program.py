@@ -5,17 +5,17 @@ The numbers are those of `enum step` in native/helper.c.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.interfaces.message_fields import message_fields
 
 if TYPE_CHECKING:
-    from course_kit.interfaces.message_fields import MessageField
+    from course_kit.interfaces.message_fields import Message, MessageField
 
 _RUN, _STRING, _WSTRING, _VALUES, _REPEAT, _REPEAT_LIST = range(1, 7)
 
 
-def validation_program(cls: type[Any]) -> list[int]:
+def validation_program(cls: type[Message]) -> list[int]:
     """The program of a message class, nested messages included, as unsigned 32-bit words."""
     program = _Program()
     program.message(cls)
@@ -27,7 +27,7 @@ class _Program:
         self.words: list[int] = []
         self._last_step = -1  # where the last step starts, if it may be extended
 
-    def message(self, cls: type[Any]) -> None:
+    def message(self, cls: type[Message]) -> None:
         fields = message_fields(cls)
         if not fields:
             self._fixed(1, 1)

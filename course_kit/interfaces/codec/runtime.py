@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn, TypeVar
 
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import ArrayLike
+
+_Values = TypeVar("_Values", bound="Sequence[object]")
 PADDING = [bytes(count) for count in range(8)]
 
 
@@ -48,7 +51,7 @@ def encode_octets(values: Sequence[bytes], count: int) -> bytes:
     return data
 
 
-def encode_fixed(values: Any, dtype: np.dtype[Any], count: int) -> bytes:
+def encode_fixed(values: ArrayLike, dtype: np.dtype[np.generic], count: int) -> bytes:
     """A fixed array of numbers.
 
     Args:
@@ -65,7 +68,7 @@ def encode_fixed(values: Any, dtype: np.dtype[Any], count: int) -> bytes:
     return array.tobytes()
 
 
-def exactly(values: Sequence[Any], count: int) -> Sequence[Any]:
+def exactly(values: _Values, count: int) -> _Values:
     """The values themselves, if there are `count` of them.
 
     Raises:

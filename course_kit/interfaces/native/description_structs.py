@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.interfaces.native.memory import keep, keep_text
 from course_kit.interfaces.type_description import describe, referenced_classes, source_text, type_hash
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _HASH_VERSION = 1
 
 
-def description_of(cls: Any) -> int:
+def description_of(cls: type) -> int:
     """Address of the helper's `struct description` of a message, service or action class."""
     classes = [cls, *referenced_classes(cls)]
     type_hash_address = keep(bytes([_HASH_VERSION]) + type_hash(cls))
@@ -29,7 +29,7 @@ def description_of(cls: Any) -> int:
 
 
 @lru_cache(maxsize=512)
-def _individual(cls: Any) -> bytes:
+def _individual(cls: type) -> bytes:
     described = describe(cls)
     return _string(described.type_name) + _sequence([_field(field) for field in described.fields])
 
@@ -40,7 +40,7 @@ def _field(field: DescribedField) -> bytes:
 
 
 @lru_cache(maxsize=512)
-def _source(cls: Any) -> bytes:
+def _source(cls: type) -> bytes:
     encoding, text = source_text(cls)
     return _string(describe(cls).type_name) + _string(encoding) + _string(text)
 

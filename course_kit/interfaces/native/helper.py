@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import array
 import ctypes
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.interfaces.codec import make_decoder, make_encoder, validation_program
 from course_kit.interfaces.definition import EMPTY_MEMBER
 from course_kit.interfaces.field_types import FieldType
+from course_kit.interfaces.live_record import LiveType
 from course_kit.interfaces.message_fields import MessageField, message_fields
 from course_kit.interfaces.native.description_structs import description_of
 from course_kit.interfaces.native.loader import function_address, load_another_helper, load_helper, ros_library
@@ -17,6 +18,8 @@ from course_kit.interfaces.type_description import full_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from course_kit.interfaces.message_fields import Message
 
 _INTROSPECTION_STRING, _INTROSPECTION_WSTRING, _INTROSPECTION_MESSAGE = 16, 17, 18
 _NO_FIELDS = (MessageField(EMPTY_MEMBER, FieldType("uint8"), None),)
@@ -33,13 +36,6 @@ class MessageSupport(NamedTuple):
     to_python: int
 
 
-class LiveType(NamedTuple):
-    """A type in the table of one copy of the helper."""
-
-    helper: ctypes.PyDLL
-    address: int
-
-
 class Helper:
     """The native helper of this process."""
 
@@ -50,7 +46,7 @@ class Helper:
         # rmw_fastrtps compares this one by its address.
         self._introspection = ctypes.c_void_p.in_dll(introspection, name).value or 0
 
-    def message(self, cls: type[Any], support_address: Callable[[type[Any]], int]) -> MessageSupport:
+    def message(self, cls: type[Message], support_address: Callable[[type], int]) -> MessageSupport:
         """Make the type support of a message class; `support_address` gives those of nested messages."""
         description = description_of(cls)
         live_type = self._new_type(cls)
@@ -75,7 +71,7 @@ class Helper:
             function_address(helper.live_to_python),
         )
 
-    def service(self, cls: type[Any], parts: list[int], event: LiveType, make_event: object) -> int:
+    def service(self, cls: type, parts: list[int], event: LiveType, make_event: object) -> int:
         """Make the type support of a service out of those of request, response and event; its address.
 
         Args:
@@ -91,12 +87,12 @@ class Helper:
         )
         return support
 
-    def action(self, cls: type[Any], parts: list[int]) -> int:
+    def action(self, cls: type, parts: list[int]) -> int:
         """Make the type support of an action out of those of its two services, cancel, feedback and status."""
         support: int = self._helper.live_action_support(*parts, description_of(cls))
         return support
 
-    def _new_type(self, cls: type[Any]) -> LiveType:
+    def _new_type(self, cls: type[Message]) -> LiveType:
         words = array.array("I", validation_program(cls))
         codec = LazyCodec(cls)
         arguments = (keep_text(full_name(cls)), keep(words.tobytes()), len(words), codec.encode, codec.decode)
@@ -107,9 +103,7 @@ class Helper:
         codec.live_type = LiveType(self._helper, address)
         return codec.live_type
 
-    def _members(
-        self, fields: tuple[MessageField, ...], support_address: Callable[[type[Any]], int]
-    ) -> tuple[int, int]:
+    def _members(self, fields: tuple[MessageField, ...], support_address: Callable[[type], int]) -> tuple[int, int]:
         members = self._helper.live_new_members(len(fields))
         for index, field in enumerate(fields):
             kind = field.type
@@ -133,21 +127,21 @@ class LazyCodec:
     A program mostly needs one of the two, and few of the messages an action consists of.
     """
 
-    def __init__(self, cls: type[Any]) -> None:
+    def __init__(self, cls: type[Message]) -> None:
         self.live_type: LiveType | None = None
         self._cls = cls
-        self._encoder: Callable[[Any], bytes] | None = None
-        self._decoder: Callable[[bytes], Any] | None = None
+        self._encoder: Callable[[Message], bytes] | None = None
+        self._decoder: Callable[[bytes], Message] | None = None
         self.encode, self.decode = self._first_encode, self._first_decode
         keep_object(self.encode)
         keep_object(self.decode)
 
-    def _first_encode(self, message: Any) -> bytes:
+    def _first_encode(self, message: Message) -> bytes:
         self._encoder = self._encoder or make_encoder(self._cls)
         self._tell_helper()
         return self._encoder(message)
 
-    def _first_decode(self, payload: bytes) -> Any:
+    def _first_decode(self, payload: bytes) -> Message:
         self._decoder = self._decoder or make_decoder(self._cls)
         self._tell_helper()
         return self._decoder(payload)
@@ -168,6 +162,6 @@ def _introspection_id(kind: FieldType) -> int:
     return _INTROSPECTION_WSTRING if kind.base == "wstring" else _INTROSPECTION_STRING
 
 
-def _names(cls: type[Any]) -> tuple[str, str, str]:
+def _names(cls: type) -> tuple[str, str, str]:
     package, folder, name = full_name(cls).split("/")
     return package, folder, name

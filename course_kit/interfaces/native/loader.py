@@ -11,7 +11,6 @@ import os
 import struct
 import zlib
 from pathlib import Path
-from typing import Any
 
 from course_kit.interfaces.errors import NativeHelperError
 
@@ -54,7 +53,7 @@ class Imports(ctypes.Structure):
     )
 
 
-_SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
+_SIGNATURES: dict[str, tuple[type | None, list[type]]] = {
     "live_setup": (None, [ctypes.POINTER(Imports)]),
     "live_new_type": (_address, [_address, _address, _size, _object, _object]),
     "live_create_function": (_address, [_address]),
@@ -185,7 +184,7 @@ def _probe_layout(fastcdr: ctypes.CDLL) -> tuple[int, int, int]:
     return buffer_in_cdr, data_in_buffer, size_in_buffer
 
 
-def function_address(function: Any) -> int:
+def function_address(function: ctypes._NamedFuncPointer) -> int:
     """Where a function of a loaded library lies."""
     return ctypes.cast(function, ctypes.c_void_p).value or 0
 

@@ -16,7 +16,7 @@ from tests.jupyter_server import allow_root, started
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-SCRIPTS = Path(sys.executable).parent
+SCRIPTS = Path(sys.executable).parent.resolve()  # .venv is a link
 SYSTEM_PATH = "/usr/local/bin:/usr/bin:/bin"
 # What a hub's terminal reads first; like Debian's /etc/profile it forgets the PATH there was.
 PROFILE = f"export PATH={SYSTEM_PATH} READ_AT_LOGIN=yes\n"

@@ -224,6 +224,13 @@ def test_the_card_explains_the_first_failure_and_names_the_others() -> None:
     assert text.isascii()
 
 
+def test_the_card_is_not_steered_by_what_the_program_has_printed() -> None:
+    failed = check("One\x1b[2J", "failed", got="\x1b]0;mine\x07", message="\x1b[31mred")
+    text = watch.card(report(3.5, failed, problem="\x1b[1mbold"), None)
+    assert "\x1b" not in text
+    assert "\x07" not in text
+
+
 def test_the_card_of_a_file_that_cannot_be_read_says_why() -> None:
     text = watch.card(report(0.0, status="unreadable", problem="f.py is empty."), report(5.0))
     assert "Not graded." in text

@@ -20,11 +20,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-@pytest.fixture
-def clone(tmp_path: Path) -> Clone:
-    return Clone(tmp_path)
-
-
 def test_first_use_sets_up_and_passes_the_command_on_and_later_uses_do_not(clone: Clone) -> None:
     first = clone.course("grade", "temperature_service", "a file.py")
     assert first.stdout == f"cli {clone.environment} grade temperature_service a file.py\n"

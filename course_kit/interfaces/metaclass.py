@@ -1,0 +1,45 @@
+"""The metaclass of a live class: rclpy looks for a type's support there, as rosidl_generator_py has it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from course_kit.interfaces.live_record import class_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from course_kit.interfaces.definition import Definition
+
+
+def make_metaclass(definition: Definition, what: str, attributes: Mapping[str, object]) -> type:
+    """Make the metaclass of a message, a service or an action.
+
+    Args:
+        definition: what its class is made of.
+        what: "message", "service" or "action".
+        attributes: what it has besides, such as constants.
+    """
+    name = definition.name.name
+    return type(
+        f"Metaclass_{name}",
+        (type,),
+        {
+            "__module__": python_module(definition),
+            "__doc__": f"Metaclass of {what} '{name}'.",
+            "__import_type_support__": classmethod(_import_type_support),
+            "_TYPE_SUPPORT": None,
+            **attributes,
+        },
+    )
+
+
+def python_module(definition: Definition) -> str:
+    """The module of a definition's class, such as "my_interfaces.srv._person_info"."""
+    return f"{definition.name.package}.{definition.name.kind}.{definition.module}"
+
+
+def _import_type_support(metaclass: type) -> None:
+    from course_kit.interfaces.type_support import add_support
+
+    add_support(class_of(metaclass))

@@ -1,0 +1,50 @@
+"""How a command speaks to a person at a terminal: sentences on stderr, and lines of a width that fits."""
+
+from __future__ import annotations
+
+import sys
+import textwrap
+
+from course_kit.text.sanitize import printable
+
+WIDTH = 80  # columns
+CANNOT = 2  # the exit code of a command that could not be carried out
+
+
+def tell(sentence: object) -> None:
+    """Say something beside the output of the command; an empty text says nothing.
+
+    Args:
+        sentence: a text, or an error whose text is meant for people.
+    """
+    if told := str(sentence):
+        sys.stderr.write(f"course-kit: {told}\n")
+        sys.stderr.flush()
+
+
+def cannot(sentence: object) -> int:
+    """Say why a command could not be carried out; its exit code."""
+    tell(sentence)
+    return CANNOT
+
+
+def wrapped(
+    text: str, first: str = "", following: str = "", *, width: int = WIDTH, whole_words: bool = False
+) -> list[str]:
+    """Text in lines, never broken at a hyphen (ids have some), and harmless for the terminal, whoever wrote it.
+
+    Args:
+        text: the text.
+        first: what the first line begins with.
+        following: what the others begin with.
+        width: the columns there are.
+        whole_words: let a word that is longer than a line stand out, so that an address can be clicked or copied.
+    """
+    return textwrap.wrap(
+        printable(text),
+        width,
+        initial_indent=first,
+        subsequent_indent=following,
+        break_on_hyphens=False,
+        break_long_words=not whole_words,
+    )
