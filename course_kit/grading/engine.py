@@ -252,20 +252,15 @@ def _check(task: Exercise, result: Record) -> CheckReport:
     failed = result["status"] == "failed"
     found = task.diagnosis(result["diagnosis"]) if failed else None
     hints = _hints(task, result["id"], found) if failed else ()
+    more = {
+        "message": catalogue.complete(result["message"], found),
+        "steps": tuple(Arrow(**step) for step in result["steps"]),
+    }
     return CheckReport(
-        id=result["id"],
-        title=result["title"],
-        status=result["status"],
+        **{**result, **more},
         points=result["max_points"] if result["status"] == "passed" else 0.0,
-        max_points=result["max_points"],
-        sent=result["sent"],
-        expected=result["expected"],
-        got=result["got"],
-        diagnosis=result["diagnosis"],
-        message=catalogue.complete(result["message"], found),
         hint=hints[0] if hints else None,
         told=result["message"],
-        steps=tuple(Arrow(**step) for step in result["steps"]),
         more_hints=hints[1:],
         known=found,
     )
