@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from course_kit.grading.plain_data import Record
     from course_kit.grading.sandbox.isolation import Isolation
     from course_kit.grading.submission import Submission
-    from course_kit.grading.workers.outcome import Outcome
+    from course_kit.grading.workers.grading_outcome import GradingOutcome
 
 _NOT_STARTED = ("start.", "limit.")
 
@@ -212,7 +212,7 @@ def _fault(text: Submission) -> str:
     return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."
 
 
-def _report(task: Exercise, shown: str, outcome: Outcome, isolation: str, began: float) -> Report:
+def _report(task: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:
     checks = tuple(_check(task, result) for result in bounds.results(outcome["results"]))
     score = sum(check.points for check in checks)
     problem = _no_grade(outcome["problem"], checks)
