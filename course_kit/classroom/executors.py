@@ -10,8 +10,9 @@ import os
 from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.classroom.concurrency import Turns
+from course_kit.grading.engine import Task
 from course_kit.grading.errors import GradingError
-from course_kit.grading.workers.pool import Pool, Task
+from course_kit.grading.workers.pool import Pool
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
