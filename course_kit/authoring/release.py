@@ -34,7 +34,7 @@ LEFT_OUT = (
     "tests/proof",
     "tests/authoring",
     "tests/dev",
-    "tests/robot_parameters",
+    "tests/graders",
     ".ci",
     ".github",
 )

@@ -128,7 +128,13 @@ def nodes(node: Node) -> list[str]:
 
 
 def offered(node: Node, role: Role, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
-    """What has a server or a publisher on the graph, with its types; that of the nodes `except_by` is left out."""
+    """What has a server or a publisher on the graph, with its types.
+
+    Args:
+        node: looks at the graph.
+        role: which kind of it.
+        except_by: nodes of which it is left out.
+    """
     found: dict[str, list[str]] = {}
     for name in set(nodes(node)) - except_by:
         for use in uses_of(node, name, role):

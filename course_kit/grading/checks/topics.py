@@ -119,7 +119,13 @@ class TopicExchange:
     """A node that answers each message on one topic with a message on each of some others."""
 
     def __init__(self, context: CheckContext, sent: Topic, answers: Sequence[Topic]) -> None:
-        """Prepare; the endpoints are made on first use and kept, so that they connect while others are waited for."""
+        """Prepare; the endpoints are made on first use and kept, so that they connect while others are waited for.
+
+        Args:
+            context: the check's.
+            sent: the topic of the messages that are sent.
+            answers: those on which something comes for each.
+        """
         self._context = context
         self._sent = sent
         self._answers = tuple(answers)

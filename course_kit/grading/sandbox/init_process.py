@@ -33,7 +33,13 @@ _MB = 1024 * 1024
 
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
-    """Arrange the files, start the program, watch it, and end when it has ended."""
+    """Arrange the files, start the program, watch it, and end when it has ended.
+
+    Args:
+        program: what to run.
+        cell: under which conditions.
+        inside: the streams' ends for the sandbox.
+    """
     set_name("grade init")
     die_with_parent()
     adopt_orphans()

@@ -69,7 +69,13 @@ class Program:
 
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
-    """Turn this process into the submission; never returns but where it cannot be locked in."""
+    """Turn this process into the submission; never returns but where it cannot be locked in.
+
+    Args:
+        program: what to run.
+        cell: under which conditions.
+        inside: the streams' ends for the sandbox.
+    """
     set_name("submission")
     folder = cell.scratch
     os.setsid()

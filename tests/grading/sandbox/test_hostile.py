@@ -15,7 +15,7 @@ import pytest
 
 from course_kit import environment, grading
 from course_kit.process import tree
-from tests.grading.hostile_table import Table
+from tests.grading.sandbox.hostile_table import Table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -14,8 +14,8 @@ import pytest
 
 from course_kit import grading
 from course_kit.grading.sandbox import isolation
-from tests.grading import attack_modes
 from tests.grading.conftest import EXERCISE, ROOT
+from tests.grading.sandbox import attack_modes
 from tests.refused import COMMAND_WITHOUT_NAMESPACES, WITHOUT_NAMESPACES
 
 GRADE = """

@@ -32,7 +32,10 @@ _LANDLOCK = {"landlock_create_ruleset": 444}
 NOBODY = 65534
 
 
-_START = "import sys; sys.path.insert(0, sys.argv.pop(1)); from tests.grading import attack_modes; attack_modes.main()"
+_START = (
+    "import sys; sys.path.insert(0, sys.argv.pop(1)); "
+    "from tests.grading.sandbox import attack_modes; attack_modes.main()"
+)
 
 
 def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
@@ -41,7 +44,7 @@ def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
     Returns:
         the outcome of each by its name, and what was found to isolate them as "isolation".
     """
-    from tests.grading.attacks import SEED  # not above: the process that starts submissions must not know it
+    from tests.grading.sandbox.attacks import SEED  # not above: the process that starts submissions must not know it
 
     command = [sys.executable, "-c", _START, str(ROOT), mode, EXERCISE]
     asked = json.dumps({**programs, "seed": SEED})
