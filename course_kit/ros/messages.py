@@ -2,7 +2,52 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol, TypeAlias
+
+# An object of a generated class: a message, a request, a goal. Its fields are those of its definition, which is read
+# while the program runs: a type checker cannot know them.
+Message: TypeAlias = Any
+
+
+class MessageType(Protocol):
+    """The class of a message."""
+
+    def __call__(self, **fields: object) -> Message:
+        """Make a message."""
+
+    def get_fields_and_field_types(self) -> dict[str, str]:
+        """The type of each field, in rosidl's words."""
+
+
+class ServiceType(Protocol):
+    """The class of a service."""
+
+    Request: type[Message]
+    Response: type[Message]
+
+
+class ActionType(Protocol):
+    """The class of an action.
+
+    Attributes:
+        Impl: the services and messages it is made of.
+    """
+
+    Goal: type[Message]
+    Result: type[Message]
+    Feedback: type[Message]
+    Impl: ActionParts
+
+
+class ActionParts(Protocol):
+    """The services and messages an action is made of."""
+
+    SendGoalService: ServiceType
+    CancelGoalService: ServiceType
+    GetResultService: ServiceType
+    FeedbackMessage: MessageType
+    GoalStatusMessage: MessageType
+
 
 # As `get_fields_and_field_types` has them, and as a definition spells them.
 _WORDS = {"boolean": "bool", "double": "float64", "float": "float32", "octet": "byte"}

@@ -63,6 +63,11 @@ class Question(NamedTuple):
 
         return getattr(rcl_interfaces.srv, "".join(word.capitalize() for word in self.service.split("_")))
 
+    @property
+    def request(self) -> Message:
+        """The request."""
+        return self.interface.Request(**self.fields)
+
 
 if TYPE_CHECKING:
     Steps = Generator[Question, Any, T]

@@ -1,0 +1,111 @@
+"""A client of one service: what is sent to it, and what comes back.
+
+Nothing here waits: whoever calls spins, awaits, or looks now and then whether a response has come.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.exceptions import InvalidHandle
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rclpy.client import Client
+    from rclpy.node import Node
+    from rclpy.task import Future
+
+    from course_kit.ros.messages import Message, ServiceType
+
+
+class ServiceClient:
+    """A client of one service.
+
+    Args:
+        node: whose client it is.
+        service_type: the service's class.
+        service: its name, which the node resolves.
+
+    Attributes:
+        name: the service's full name.
+        type: its class.
+        rclpy_client: what the node has.
+    """
+
+    def __init__(self, node: Node, service_type: ServiceType, service: str) -> None:
+        self._node = node
+        # Reentrant: a response is taken in while another callback of the node waits for it.
+        self.rclpy_client: Client = node.create_client(service_type, service, callback_group=ReentrantCallbackGroup())
+        self.type = service_type
+        self.name = self.rclpy_client.service_name
+
+    def is_ready(self) -> bool:
+        """Whether a server is connected; never when the node has been destroyed."""
+        try:
+            return self.rclpy_client.service_is_ready()
+        except InvalidHandle:
+            return False
+
+    def send(self, request: Message) -> SentRequest:
+        """Send a request.
+
+        Raises:
+            TypeError: it is not a request of this service.
+        """
+        return SentRequest(self, request)
+
+    def destroy(self) -> None:
+        """Take it off the node."""
+        self._node.destroy_client(self.rclpy_client)
+
+
+class SentRequest:
+    """A request on its way; sent again, the first response to any of its sendings counts.
+
+    Args:
+        client: sends it.
+        request: the message.
+    """
+
+    def __init__(self, client: ServiceClient, request: Message) -> None:
+        self._client, self._request = client, request
+        self._futures: list[Future] = []
+        self.send_again()
+
+    @property
+    def sent(self) -> int:
+        """How often it was sent."""
+        return len(self._futures)
+
+    def send_again(self, client: ServiceClient | None = None) -> None:
+        """Send the same once more, by another client if wanted."""
+        self._futures.append((client or self._client).rclpy_client.call_async(self._request))
+
+    def answered(self) -> bool:
+        """Whether a response has come, or a failure to give one."""
+        return any(future.done() for future in self._futures)
+
+    def response(self) -> Message:
+        """The response; None as long as there is none.
+
+        Raises:
+            Exception: what the sending has ended with instead.
+        """
+        done = next((future for future in self._futures if future.done()), None)
+        if done is None:
+            return None
+        if error := done.exception():
+            raise error
+        return done.result()
+
+    def when_answered(self, call: Callable[[], object]) -> None:
+        """Call a function when a response to the latest sending comes, on the thread that spins the node."""
+        self._futures[-1].add_done_callback(lambda _: call())
+
+    def abandon(self) -> None:
+        """Expect no response any more; harmless when one has come."""
+        for future in self._futures:
+            if not future.done():
+                future.cancel()

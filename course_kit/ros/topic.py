@@ -1,0 +1,149 @@
+"""A subscription that keeps what comes, and who is at the other end of a topic.
+
+Nothing here waits: whoever reads spins, awaits, or looks now and then what has come.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING, TypedDict
+
+from rclpy.event_handler import SubscriptionEventCallbacks
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from rclpy.node import Node
+    from rclpy.publisher import Publisher
+    from rclpy.qos import QoSProfile
+    from rclpy.subscription import Subscription
+    from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+    from course_kit.ros.messages import Message, MessageType
+
+_NS = 1e9
+# Unless they are switched off these cost at each turn; they log that a publisher's quality of service does not fit.
+_NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
+
+
+class MessageInfo(TypedDict):
+    """What rclpy tells of a message beside it; times are nanoseconds of the system's clock."""
+
+    source_timestamp: int
+    received_timestamp: int
+
+
+class Inbox:
+    """What has come on a topic.
+
+    Args:
+        kept: so many messages are kept at most, the last ones; all of them with None.
+
+    Attributes:
+        count: how many messages have come.
+        messages: those that are kept, oldest first.
+        times: when each of these was received, in seconds of the system's clock; when it was sent only the publisher
+            could say.
+        on_message: called after each message, on the thread that spins the node.
+    """
+
+    def __init__(self, kept: int | None = None) -> None:
+        self.count = 0
+        self.messages: deque[Message] = deque(maxlen=kept)
+        self.times: deque[float] = deque(maxlen=kept)
+        self.on_message: Callable[[], object] | None = None
+
+    def take(self, message: Message, info: MessageInfo) -> None:
+        """Take one message in, with the time the middleware noted, however late it is looked at."""
+        self.count += 1
+        self.keep(message, info["received_timestamp"] / _NS)
+        if self.on_message is not None:
+            self.on_message()
+
+    def keep(self, message: Message, received_s: float) -> None:
+        """Keep one message; for a subclass that wants only some, or something of each.
+
+        Args:
+            message: what has come.
+            received_s: when, in seconds of the system's clock.
+        """
+        self.messages.append(message)
+        self.times.append(received_s)
+
+    def after(self, moment: float) -> list[Message]:
+        """The messages that were received from a moment on, as far as they are kept.
+
+        Args:
+            moment: in seconds of the system's clock.
+        """
+        return [message for message, time in zip(self.messages, self.times, strict=True) if time >= moment]
+
+    def since(self, count: int) -> list[Message]:
+        """The messages after the first `count`, as far as they are kept."""
+        forgotten = self.count - len(self.messages)
+        return list(islice(self.messages, max(count - forgotten, 0), None))
+
+    def subscribe(
+        self, node: Node, message_type: MessageType, topic: str, qos: QoSProfile | int, *, quiet: bool = False
+    ) -> Subscription:
+        """Take in what comes on a topic from now on.
+
+        Args:
+            node: whose subscription it is to be.
+            message_type: the messages' class.
+            topic: its name, which the node resolves.
+            qos: a profile, or the depth of the default one.
+            quiet: say nothing of publishers whose quality of service does not fit.
+        """
+        events = _NO_EVENTS if quiet else None
+        take: Callable[..., None] = self.take  # of two arguments, which rclpy allows and its types do not tell
+        return node.create_subscription(message_type, topic, take, qos, event_callbacks=events)
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """A publisher or a subscription on the graph.
+
+    Attributes:
+        node: the name of its node, without namespace.
+        type: the interface's name, `package/msg/Name`.
+        qos: its profile.
+    """
+
+    node: str
+    type: str
+    qos: QoSProfile
+
+
+def publishers(node: Node, topic: str) -> list[Endpoint]:
+    """Who publishes on a topic, as a node sees it."""
+    return _endpoints(node.get_publishers_info_by_topic(topic))
+
+
+def subscriptions(node: Node, topic: str) -> list[Endpoint]:
+    """Who subscribes to a topic, as a node sees it."""
+    return _endpoints(node.get_subscriptions_info_by_topic(topic))
+
+
+def types_of(node: Node, topic: str) -> list[str]:
+    """The types with which a topic of this full name is used; none of a topic nobody uses."""
+    return dict(node.get_topic_names_and_types()).get(topic, [])
+
+
+def is_heard(node: Node, publisher: Publisher) -> bool:
+    """Whether a publisher is connected with all subscriptions that are on the graph.
+
+    One of another type or another quality of service never connects.
+    """
+    return publisher.get_subscription_count() >= node.count_subscribers(publisher.topic_name)
+
+
+def hears(node: Node, subscription: Subscription) -> bool:
+    """Whether a subscription is connected with all publishers that are on the graph; see `is_heard`."""
+    return subscription.get_publisher_count() >= node.count_publishers(subscription.topic_name)
+
+
+def _endpoints(found: Iterable[TopicEndpointInfo]) -> list[Endpoint]:
+    return [Endpoint(one.node_name, one.topic_type, one.qos_profile) for one in found]
