@@ -9,10 +9,13 @@ from course_kit.lab.singleton import current
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.qos import QoSProfile
+
     from course_kit.lab.calls import Asked
     from course_kit.lab.runtime.nodes import NodeList
     from course_kit.lab.scripts.script import Script
     from course_kit.lab.topics import Subscription
+    from course_kit.ros.messages import Message, ServiceType
 
 NodeT = TypeVar("NodeT")
 
@@ -56,7 +59,9 @@ def nodes() -> NodeList:
     return current().nodes()
 
 
-async def call(service: str, service_type: Any, request: Any = None, /, *, timeout: float = 5.0, **fields: Any) -> Any:
+async def call(
+    service: str, service_type: ServiceType, request: Message = None, /, *, timeout: float = 5.0, **fields: Any
+) -> Any:
     """Call a service and wait for its response: `await lab.call("/add_two_ints", AddTwoInts, a=1, b=2)`.
 
     Args:
@@ -79,7 +84,7 @@ async def call(service: str, service_type: Any, request: Any = None, /, *, timeo
 
 
 def call_blocking(
-    service: str, service_type: Any, request: Any = None, /, *, timeout: float = 5.0, **fields: Any
+    service: str, service_type: ServiceType, request: Message = None, /, *, timeout: float = 5.0, **fields: Any
 ) -> Any:
     """The same as `call` for programs, which have no `await` at top level.
 
@@ -93,13 +98,13 @@ def call_blocking(
     return current().call_blocking(service, service_type, _asked(request, fields, timeout))
 
 
-def _asked(request: Any, fields: dict[str, Any], timeout: float) -> Asked:
+def _asked(request: Message, fields: dict[str, Any], timeout: float) -> Asked:
     from course_kit.lab.calls import Asked
 
     return Asked(request, fields, timeout)
 
 
-def publish(topic: str, message_type: Any, message: Any = None, /, **fields: Any) -> None:
+def publish(topic: str, message_type: type[Message], message: Message = None, /, **fields: Any) -> None:
     """Publish one message: `lab.publish("/chatter", String, data="hello")`.
 
     The first one on a topic waits for the subscriptions that are on the graph (1 s at most), so that it is not lost.
@@ -117,7 +122,7 @@ def publish(topic: str, message_type: Any, message: Any = None, /, **fields: Any
     current().publish(topic, message_type, message, fields)
 
 
-async def next_messages(topic: str, message_type: Any, count: int = 1, *, timeout: float = 5.0) -> list[Any]:
+async def next_messages(topic: str, message_type: type[Message], count: int = 1, *, timeout: float = 5.0) -> list[Any]:
     """Subscribe and return the next `count` messages: `await lab.next_messages("/chatter", String, 3)`.
 
     Args:
@@ -132,7 +137,9 @@ async def next_messages(topic: str, message_type: Any, count: int = 1, *, timeou
     return await current().next_messages(topic, message_type, count, timeout)
 
 
-def subscribe(topic: str, message_type: Any, callback: Callable[[Any], None], /, *, qos: Any = None) -> Subscription:
+def subscribe(
+    topic: str, message_type: type[Message], callback: Callable[[Any], None], /, *, qos: QoSProfile | None = None
+) -> Subscription:
     """Have a function called with each message of a topic: `lab.subscribe("/chatter", String, print)`.
 
     Args:

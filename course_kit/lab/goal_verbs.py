@@ -10,12 +10,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.lab.goals import AskedGoal, Goal
+    from course_kit.ros.messages import ActionType, Message
 
 
 async def send_goal(  # noqa: PLR0913 - four of them are options, by name
     action: str,
-    action_type: Any,
-    goal: Any = None,
+    action_type: ActionType,
+    goal: Message = None,
     /,
     *,
     timeout: float = 5.0,
@@ -48,8 +49,8 @@ async def send_goal(  # noqa: PLR0913 - four of them are options, by name
 
 def send_goal_blocking(  # noqa: PLR0913 - the same
     action: str,
-    action_type: Any,
-    goal: Any = None,
+    action_type: ActionType,
+    goal: Message = None,
     /,
     *,
     timeout: float = 5.0,
@@ -72,7 +73,7 @@ def send_goal_blocking(  # noqa: PLR0913 - the same
     return current().send_goal_blocking(action, action_type, asked)
 
 
-def _asked_goal(goal: Any, fields: dict[str, Any], timeout: float, on_feedback: Any, on_result: Any) -> AskedGoal:
+def _asked_goal(goal: Message, fields: dict[str, Any], timeout: float, on_feedback: Any, on_result: Any) -> AskedGoal:
     from course_kit.lab.goals import AskedGoal
 
     return AskedGoal(goal, fields, timeout, on_feedback, on_result)

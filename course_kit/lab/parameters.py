@@ -21,13 +21,15 @@ from course_kit.lab.parameter_values import Descriptors, Outcome, Values
 from course_kit.ros import errors, graph, names, parameters
 
 if TYPE_CHECKING:
+    from rclpy.node import Node
+
     from course_kit.ros.parameters import Question, Steps
 
 T = TypeVar("T")
 _TIMEOUT = 5.0  # seconds for each answer
 
 
-async def get_parameters(node: Any, /, *names: str, timeout: float = _TIMEOUT) -> Values:
+async def get_parameters(node: str | Node, /, *names: str, timeout: float = _TIMEOUT) -> Values:
     """Values of a node's parameters: `await lab.get_parameters("/parameter_node", "max_velocity")`.
 
     Args:
@@ -47,14 +49,14 @@ async def get_parameters(node: Any, /, *names: str, timeout: float = _TIMEOUT) -
     return await _ask(name, _getting(name, names), timeout)
 
 
-def get_parameters_blocking(node: Any, /, *names: str, timeout: float = _TIMEOUT) -> Values:
+def get_parameters_blocking(node: str | Node, /, *names: str, timeout: float = _TIMEOUT) -> Values:
     """The same as `get_parameters` for programs and for threads without an event loop."""
     name = full_name(node)
     return _ask_blocking(name, _getting(name, names), timeout)
 
 
 async def set_parameters(
-    node: Any, given: dict[str, Any] | None = None, /, *, atomically: bool = False, **values: Any
+    node: str | Node, given: dict[str, Any] | None = None, /, *, atomically: bool = False, **values: Any
 ) -> Outcome:
     """Set parameters of a node: `await lab.set_parameters("/parameter_node", max_velocity=2.0)`.
 
@@ -85,7 +87,7 @@ async def set_parameters(
 
 
 def set_parameters_blocking(
-    node: Any, given: dict[str, Any] | None = None, /, *, atomically: bool = False, **values: Any
+    node: str | Node, given: dict[str, Any] | None = None, /, *, atomically: bool = False, **values: Any
 ) -> Outcome:
     """The same as `set_parameters` for programs and for threads without an event loop.
 
@@ -103,7 +105,7 @@ def set_parameters_blocking(
     return outcome
 
 
-async def describe_parameters(node: Any, /, *, timeout: float = _TIMEOUT) -> Descriptors:
+async def describe_parameters(node: str | Node, /, *, timeout: float = _TIMEOUT) -> Descriptors:
     """What a node says about its parameters: name, type, description, range, read_only, constraints.
 
     Returns:
@@ -116,12 +118,12 @@ async def describe_parameters(node: Any, /, *, timeout: float = _TIMEOUT) -> Des
     return await _ask(full_name(node), _describing(), timeout)
 
 
-def describe_parameters_blocking(node: Any, /, *, timeout: float = _TIMEOUT) -> Descriptors:
+def describe_parameters_blocking(node: str | Node, /, *, timeout: float = _TIMEOUT) -> Descriptors:
     """The same as `describe_parameters` for programs and for threads without an event loop."""
     return _ask_blocking(full_name(node), _describing(), timeout)
 
 
-def full_name(node: Any) -> str:
+def full_name(node: str | Node) -> str:
     """A node's fully qualified name, for a name or the node itself; one without a slash is in the root namespace.
 
     Raises:

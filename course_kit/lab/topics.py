@@ -5,17 +5,22 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-from course_kit.lab.errors import FieldError, NoAnswerError
-from course_kit.lab.messages import build
-from course_kit.ros.messages import is_message_type, type_name
+from course_kit.lab.errors import NoAnswerError
+from course_kit.lab.messages import require_message_type
+from course_kit.ros.messages import type_name
 from course_kit.ros.qos import as_offered
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.calls import Surroundings
+    from rclpy.node import Node
+    from rclpy.publisher import Publisher
+    from rclpy.qos import QoSProfile
+
+    from course_kit.lab.runtime.engine import Engine
+    from course_kit.ros.messages import Message
 
 _MATCHING = 1.0  # seconds a new publisher waits for the subscriptions that are on the graph
 _DELIVERY = 1.0  # seconds the lab's own subscriptions are given to take what was published
@@ -23,32 +28,7 @@ _POLL = 0.005
 _DEPTH = 10
 
 
-def require_message_type(message_type: Any) -> None:
-    """Raise FieldError unless this is a message's class."""
-    if not is_message_type(message_type):
-        raise FieldError(f"{getattr(message_type, '__name__', message_type)!r} is not a message type.")
-
-
-def message_of(message_type: Any, message: Any, fields: dict[str, Any]) -> Any:
-    """The message to publish: a ready one, or one made of fields.
-
-    Args:
-        message_type: its class.
-        message: a ready one.
-        fields: or its fields.
-
-    Raises:
-        FieldError: both are given, no such field, or a value it cannot take.
-    """
-    require_message_type(message_type)
-    if message is None:
-        return build(message_type, fields, f"a {type_name(message_type)}")
-    if fields or not isinstance(message, message_type):
-        raise FieldError(f"Pass either a {type_name(message_type)} or its fields as keywords.")
-    return message
-
-
-def wait_for_subscriptions(node: Any, publisher: Any) -> None:
+def wait_for_subscriptions(node: Node, publisher: Publisher) -> None:
     """Wait until a publisher is connected to the subscriptions that are there, so that none misses the first message.
 
     At most one second: a subscription of another type or quality of service never connects.
@@ -63,23 +43,6 @@ def _wait_while(condition: Callable[[], bool]) -> None:
         pause.wait(_POLL)
 
 
-class Subscriber(Protocol):
-    """What a subscription needs to know about the lab."""
-
-    @property
-    def node(self) -> Any:
-        """The lab's own node."""
-
-    def in_callback(self) -> bool:
-        """Whether the caller is inside a callback of the lab."""
-
-    def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
-        """A new subscription of the lab's node."""
-
-    def destroy_subscription(self, subscription: Any) -> None:
-        """Destroy a subscription of the lab's node."""
-
-
 class Subscription:
     """A function that is called with each message of a topic, until `close`.
 
@@ -91,12 +54,17 @@ class Subscription:
     """
 
     def __init__(
-        self, lab: Subscriber, topic: str, message_type: Any, callback: Callable[[Any], None], qos: Any = None
+        self,
+        lab: Engine,
+        topic: str,
+        message_type: type[Message],
+        callback: Callable[[Any], None],
+        qos: QoSProfile | None = None,
     ) -> None:
         self._lab = lab
         self._type = type_name(message_type)
         self._open = True
-        self._subscription = lab.subscription(message_type, topic, callback, qos or as_offered(_DEPTH))
+        self._subscription = lab.clients.subscription(message_type, topic, callback, qos or as_offered(_DEPTH))
         self.topic: str = self._subscription.topic_name
         if not lab.in_callback():
             node, new = lab.node, self._subscription
@@ -112,26 +80,7 @@ class Subscription:
         return f"subscription to {self.topic} [{self._type}]{'' if self._open else ' (closed)'}"
 
 
-class Deliveries(Protocol):
-    """What publishing needs to know about the lab."""
-
-    def in_callback(self) -> bool:
-        """Whether the caller is inside a callback of the lab."""
-
-    def subscriptions(self, topic: str, message_type: Any) -> set[Any]:
-        """The subscriptions of the lab's nodes to a topic."""
-
-    def tells_deliveries(self) -> bool:
-        """Whether a subscription that has had a message can be known."""
-
-    def listen_for_deliveries(self, told: Callable[[Any], None], *, listen: bool) -> None:
-        """Begin or end to call `told` with each subscription whose callback has had a message."""
-
-    def flush_output(self) -> None:
-        """Show what callbacks have printed."""
-
-
-def publish(lab: Deliveries, publisher: Any, message: Any) -> None:
+def publish(lab: Engine, publisher: Publisher, message: Message) -> None:
     """Publish, and return when the callbacks of this lab's subscriptions have had the message.
 
     So what they print is printed with the cell that published. At most one second: a subscription of another
@@ -158,7 +107,7 @@ def publish(lab: Deliveries, publisher: Any, message: Any) -> None:
         lab.flush_output()
 
 
-async def next_messages(lab: Surroundings, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:
+async def next_messages(lab: Engine, topic: str, message_type: type[Message], count: int, timeout: float) -> list[Any]:
     """Subscribe, and return the next messages once there are `count`.
 
     Args:
@@ -180,7 +129,7 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
         if not complete.done():
             complete.set_result(None)
 
-    def keep(message: Any) -> None:
+    def keep(message: Message) -> None:
         if len(received) < count:
             received.append(message)
             if len(received) == count:
@@ -199,7 +148,7 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
     return received
 
 
-def _why_none(node: Any, subscription: Any) -> str:
+def _why_none(node: Node, subscription: Any) -> str:
     publishers = node.get_publishers_info_by_topic(subscription.topic_name)
     if not publishers:
         return "No node publishes it."

@@ -16,6 +16,7 @@ from course_kit.robot import SimulatedRobot
 
 if TYPE_CHECKING:
     from course_kit.panels.goal_sender import Standing
+    from course_kit.ros.messages import Message
 
 _ENDED = "This map has ended. Run its cell again to use it."
 
@@ -87,7 +88,7 @@ class RobotMap(Panel):
         else:
             self._sender.say("Type a number for x and one for y.")
 
-    def _take_feedback(self, feedback: Any) -> None:
+    def _take_feedback(self, feedback: Message) -> None:
         self._track.add(Place(feedback.position.x, feedback.position.y))
 
     def _show(self, standing: Standing) -> None:

@@ -18,6 +18,10 @@ from course_kit.robot import SimulatedRobot
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from rclpy.action.server import ServerGoalHandle
+
+    from course_kit.ros.messages import Message
+
 _STEPS = 5  # between two feedback messages
 
 
@@ -40,12 +44,12 @@ class DemoRobot(Node):
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
 
-    def _decide(self, goal: Any) -> GoalResponse:
+    def _decide(self, goal: Message) -> GoalResponse:
         size = SimulatedRobot.ARENA_SIZE
         reachable = 0.0 <= goal.target.x <= size and 0.0 <= goal.target.y <= size and goal.target.z == 0.0
         return GoalResponse.ACCEPT if reachable and self._free.acquire(blocking=False) else GoalResponse.REJECT
 
-    def _execute(self, goal_handle: Any) -> Any:
+    def _execute(self, goal_handle: ServerGoalHandle) -> Any:
         target = Place(goal_handle.request.target.x, goal_handle.request.target.y)
         try:
             for number, way in enumerate(self._ways(target)):

@@ -11,13 +11,16 @@ import traitlets
 
 from course_kit import lab
 from course_kit.lab.errors import FieldError, LabError
-from course_kit.lab.recording.snapshot import snapshot
 from course_kit.panels.base import Panel, of_files
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 from course_kit.ros.messages import is_service_type, type_name
+from course_kit.ros.showing import rows as rows_of
+from course_kit.ros.showing import snapshot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from course_kit.ros.messages import Message, ServiceType
 
 _LINES = 12  # of the exchange; other nodes may talk meanwhile
 
@@ -54,7 +57,7 @@ class ServiceForm(Panel):
         FieldError: `service_type` is not a service's class.
     """
 
-    def __init__(self, service: str, service_type: Any, timeout: float) -> None:
+    def __init__(self, service: str, service_type: ServiceType, timeout: float) -> None:
         if not isinstance(service, str) or not is_service_type(service_type):
             raise FieldError(
                 'A form needs a name and a service type: panels.service_form("/add_two_ints", AddTwoInts).'
@@ -107,7 +110,7 @@ class ServiceForm(Panel):
         self._widget.outcome = {**outcome, **seen}
         return response
 
-    def _call(self, request: Any) -> tuple[dict[str, Any], Any]:
+    def _call(self, request: Message) -> tuple[dict[str, Any], Any]:
         """What to show of a call, and the response if there is one."""
         try:
             response = lab.call_blocking(self.service, self.service_type, request, timeout=self.timeout)
@@ -116,7 +119,7 @@ class ServiceForm(Panel):
         except BaseException:
             self._show("failed", "The call was interrupted.")
             raise
-        rows = response_rows(snapshot(response))
+        rows = rows_of(snapshot(response))
         text = "" if rows else "The response has no fields; it says that the server has done its part."
         return {"state": "answered", "text": text, "rows": rows}, response
 
@@ -150,23 +153,6 @@ def _printed() -> Iterator[io.StringIO]:
     with redirect_stdout(kept), redirect_stderr(kept):
         yield kept
         lab.current().output.drain()
-
-
-def response_rows(value: Any, path: str = "") -> list[list[str]]:
-    """Path and value of each field of a message's plain copy, messages inside it taken apart."""
-    if not isinstance(value, dict):
-        return [[path, _in_words(value)]]
-    return [row for name, part in value.items() for row in response_rows(part, f"{path}.{name}" if path else str(name))]
-
-
-def _in_words(value: Any) -> str:
-    if isinstance(value, str) and value.startswith("+") and value.endswith(" more"):  # left out by the copy
-        return value
-    if isinstance(value, list):
-        return f"[{', '.join(_in_words(one) for one in value)}]"
-    if isinstance(value, dict):
-        return f"({', '.join(f'{name}={_in_words(part)}' for name, part in value.items())})"
-    return repr(value)
 
 
 def _arrows() -> int:

@@ -16,6 +16,7 @@ from course_kit.ros.messages import is_action_type, type_name
 
 if TYPE_CHECKING:
     from course_kit.panels.goal_sender import Standing
+    from course_kit.ros.messages import ActionType
 
 _ENDED = "This panel has ended. Run its cell again to use it."
 _NOT_SENT = "Not sent: see what is marked above."
@@ -46,7 +47,7 @@ class ActionPanel(Panel):
         FieldError: `action_type` is not an action's class.
     """
 
-    def __init__(self, action: str, action_type: Any) -> None:
+    def __init__(self, action: str, action_type: ActionType) -> None:
         if not isinstance(action, str) or not is_action_type(action_type):
             raise FieldError('A panel needs a name and an action type: panels.action_panel("/fibonacci", Fibonacci).')
         super().__init__(action)

@@ -13,6 +13,7 @@ from course_kit.ros.messages import ros_word
 
 if TYPE_CHECKING:
     from course_kit.interfaces.field_types import FieldType
+    from course_kit.ros.messages import Message
 
 Entry = dict[str, Any]  # one field, as the page draws it
 Values = dict[str, Any]  # path of a field -> the text in it, or whether it is ticked
@@ -40,7 +41,7 @@ class MessageForm:
         message_type: the class, live or compiled; any that ROS has.
     """
 
-    def __init__(self, message_type: Any) -> None:
+    def __init__(self, message_type: type[Message]) -> None:
         self._type = message_type
         self._lengths: dict[str, int] = {}
 
@@ -75,7 +76,7 @@ class MessageForm:
             raise FormError(wrong)
         return message
 
-    def _message(self, message: Any, prefix: str) -> list[Entry]:
+    def _message(self, message: Message, prefix: str) -> list[Entry]:
         fields = message_fields(type(message))
         constants = _constants(type(message))
         return [
@@ -104,7 +105,7 @@ class MessageForm:
     def _length(self, path: str, kind: FieldType, default: Any) -> int:
         return kind.size if kind.container == "array" else self._lengths.get(path, len(default))
 
-    def _read(self, message_type: Any, prefix: str, values: Values, wrong: dict[str, str]) -> Any:
+    def _read(self, message_type: type[Message], prefix: str, values: Values, wrong: dict[str, str]) -> Any:
         message = message_type(check_fields=True)
         for field in message_fields(message_type):
             path = f"{prefix}{field.name}"
@@ -136,7 +137,7 @@ def type_in_words(kind: FieldType) -> str:
     return f"{value}[{f'<={kind.size}' if kind.size else ''}]" if kind.container else value
 
 
-def fields_in_words(message_type: Any) -> str:
+def fields_in_words(message_type: type[Message]) -> str:
     """The fields of a message in one line: "a (int64), b (int64)"; "none" without any."""
     return ", ".join(f"{field.name} ({type_in_words(field.type)})" for field in message_fields(message_type)) or "none"
 
@@ -177,14 +178,14 @@ def _parsed(kind: FieldType, value: Any) -> Any:
     return [bytes([one]) for one in parsed] if kind.base == "octet" else parsed
 
 
-def _set(message: Any, field: MessageField, value: Any) -> None:
+def _set(message: Message, field: MessageField, value: Any) -> None:
     try:
         setattr(message, field.name, value)
     except (AssertionError, TypeError, OverflowError):
         raise ValueError(f"Expected what {type_in_words(field.type)} can hold, not {value!r}.") from None
 
 
-def _constants(message_type: Any) -> dict[str, Any]:
+def _constants(message_type: type[Message]) -> dict[str, Any]:
     """The constants of a message class; compiled and live ones keep them in the same way, on the metaclass."""
     return {
         name: getattr(message_type, name)

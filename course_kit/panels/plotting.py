@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import anywidget
 import numpy as np
@@ -15,6 +15,9 @@ from course_kit import lab
 from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.number_field import NumberField
 from course_kit.ros.messages import type_name
+
+if TYPE_CHECKING:
+    from course_kit.ros.messages import Message
 
 _KEPT = 20_000  # samples, however fast they come
 _DRAWN = 600  # points a line has at most; a screen has hardly more
@@ -58,7 +61,7 @@ class Plot(Panel):
         LabError: the topic is no ROS name or has another type.
     """
 
-    def __init__(self, topic: str, message_type: Any, field: str, seconds: float) -> None:
+    def __init__(self, topic: str, message_type: type[Message], field: str, seconds: float) -> None:
         if not seconds > 0:
             raise lab.LabError(f"A plot needs a number of seconds, such as 20, not {seconds!r}.")
         self._number = NumberField(message_type, field)
@@ -90,7 +93,7 @@ class Plot(Panel):
         """What is drawn."""
         return f"A plot of {self.field} of {self.topic} [{self._type}] against time, the last {self.seconds:g} seconds."
 
-    def _take(self, message: Any) -> None:
+    def _take(self, message: Message) -> None:
         """A message has come; on the lab's thread."""
         value = self._number.of(message)
         if value is None:

@@ -16,6 +16,9 @@ from course_kit.panels.parameter_entry import EntryError, entry, shown, typed
 from course_kit.ros.parameters import from_message, is_of_every_node
 
 if TYPE_CHECKING:
+    from rclpy.node import Node
+
+    from course_kit.ros.messages import Message
     from course_kit.ros.parameters import Descriptor
 
 _EVENTS = "/parameter_events"
@@ -57,7 +60,7 @@ class ParameterSliders(Panel):
         NodeNotFoundError: no such node has parameters.
     """
 
-    def __init__(self, node: Any) -> None:
+    def __init__(self, node: str | Node) -> None:
         self.node = full_name(node)
         descriptors, values = self._ask()
         super().__init__(self.node)
@@ -128,7 +131,7 @@ class ParameterSliders(Panel):
         subscription = lab.subscribe(_EVENTS, ParameterEvent, self._happened, qos=qos_profile_parameter_events)
         self.at_close(subscription.close)
 
-    def _happened(self, event: Any) -> None:
+    def _happened(self, event: Message) -> None:
         """A parameter of some node has changed; on the lab's thread."""
         if event.node != self.node:
             return

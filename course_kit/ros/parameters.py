@@ -19,6 +19,8 @@ from course_kit.ros.messages import with_article
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Generator, Iterable, Mapping, Sequence
 
+    from course_kit.ros.messages import Message
+
 NOT_SET = "not set"
 # By rcl_interfaces/msg/ParameterType; the field of ParameterValue that holds the value is called after the type.
 TYPES = (

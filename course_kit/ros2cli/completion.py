@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Iterable
 
     from course_kit.ros2cli.graph import Graph
 
@@ -25,13 +26,13 @@ def complete(parser: argparse.ArgumentParser) -> None:
 def services(**about: Any) -> list[str]:
     """Service names, without the hidden ones."""
     del about
-    return _shown(list(_graph().services))
+    return _shown(_graph().services)
 
 
 def topics(**about: Any) -> list[str]:
     """Topic names, without the hidden ones."""
     del about
-    return _shown(list(_graph().topics))
+    return _shown(_graph().topics)
 
 
 def actions(**about: Any) -> list[str]:
@@ -133,7 +134,7 @@ def _graph() -> Graph:
         session.close()
 
 
-def _shown(names: list[str]) -> list[str]:
+def _shown(names: Iterable[str]) -> list[str]:
     from course_kit.ros.names import is_hidden
 
     return sorted({name for name in names if not is_hidden(name)})

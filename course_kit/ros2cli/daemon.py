@@ -78,7 +78,7 @@ def _answer(client: socket.socket, looking: Observer) -> bool:
     if request.get("do") == "stop":
         client.sendall(b"{}\n")
         return False
-    reply = {"graph": looking.graph(request.get("patience", 1.0)).to_json(), "process_id": os.getpid()}
+    reply = {**looking.graph(request.get("patience", 1.0)).to_json(), "process_id": os.getpid()}
     client.sendall(json.dumps(reply).encode())
     return True
 

@@ -31,7 +31,7 @@ def graph_for(session: Session, timeout: float, *, daemon: bool = True) -> Graph
     if nobody_there():
         return Graph.empty()
     reply = ask_daemon(timeout)
-    return Graph.from_json(reply["graph"]) if reply else session.observe(timeout)
+    return Graph.from_json(reply) if reply else session.observe(timeout)
 
 
 def nobody_there() -> bool:

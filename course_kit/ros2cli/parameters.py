@@ -10,6 +10,7 @@ from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
 
 if TYPE_CHECKING:
+    from course_kit.ros.messages import Message
     from course_kit.ros2cli.graph import Graph
     from course_kit.ros2cli.session import Session
 
@@ -48,15 +49,16 @@ class ParameterClient:
             raise CommandError(f"Parameter not set: {self._name} has no {name!r}.{near}")
         return found
 
-    def _answer(self, question: parameters.Question) -> Any:
-        client = self._session.node.create_client(question.interface, f"{self._name}/{question.service}")
+    def _answer(self, question: parameters.Question) -> Message:
+        from course_kit.ros.service import ServiceClient
+
+        client = ServiceClient(self._session.node, question.interface, f"{self._name}/{question.service}")
         try:
-            if not self._session.wait_on_graph(client.service_is_ready, self._timeout):
+            if not self._session.wait_on_graph(client.is_ready, self._timeout):
                 raise CommandError(f"{self._name} offers no parameter services within {self._timeout:g} s.")
-            request = question.interface.Request(**question.fields)
-            return self._session.answer_of(client, request, self._timeout, self._name)
+            return self._session.answer_of(client, question.request, self._timeout, self._name)
         finally:
-            self._session.node.destroy_client(client)
+            client.destroy()
 
 
 def nodes_with_parameters(graph: Graph, *, hidden_too: bool = False) -> list[str]:

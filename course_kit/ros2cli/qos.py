@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.ros2cli.errors import CommandError
 
 if TYPE_CHECKING:
-    import argparse
+    from argparse import ArgumentParser, Namespace
 
 _PROFILES = ("system_default", "sensor_data", "services_default", "parameters", "parameter_events", "default")
 _POLICIES = {
@@ -17,7 +17,7 @@ _POLICIES = {
 }
 
 
-def add_qos(verb: argparse.ArgumentParser) -> None:
+def add_qos(verb: ArgumentParser) -> None:
     """The options; see "Quality of Service settings" among the ROS 2 concepts."""
     group = verb.add_argument_group("quality of service")
     group.add_argument("--qos-profile", choices=_PROFILES, metavar="PROFILE", help=", ".join(_PROFILES))
@@ -26,12 +26,12 @@ def add_qos(verb: argparse.ArgumentParser) -> None:
         group.add_argument(f"--qos-{policy}", choices=values, metavar=policy.upper(), help=", ".join(values))
 
 
-def for_publishing(options: Any) -> Any:
+def for_publishing(options: Namespace) -> Any:
     """The profile the options ask for; the default one otherwise."""
     return _chosen(options, None)
 
 
-def for_listening(options: Any, publishers: list[Any]) -> Any:
+def for_listening(options: Namespace, publishers: list[Any]) -> Any:
     """The profile the options ask for; where they are silent, one that matches all `publishers`.
 
     Args:
@@ -43,7 +43,7 @@ def for_listening(options: Any, publishers: list[Any]) -> Any:
     return _chosen(options, as_offered(keepers=publishers))
 
 
-def _chosen(options: Any, otherwise: Any) -> Any:
+def _chosen(options: Namespace, otherwise: Any) -> Any:
     from rclpy.qos import (
         DurabilityPolicy,
         HistoryPolicy,

@@ -142,7 +142,7 @@ class Notebook:
     def _capture_logs(self) -> None:
         from rclpy.impl import rcutils_logger
 
-        self._patches.set(rcutils_logger, "_rclpy", _LogTap(rcutils_logger._rclpy, self._output))  # noqa: SLF001
+        self._patches.set(rcutils_logger, "_rclpy", _LogCapture(rcutils_logger._rclpy, self._output))  # noqa: SLF001
 
     def _warned(self, show: Callable[..., None]) -> Callable[..., None]:
         """Warnings of rclpy in a callback, without the place in rclpy, which is not where the learner went wrong."""
@@ -206,7 +206,7 @@ class Notebook:
             self._beat = self._loop.call_later(_BEAT, self._keep_beating)
 
 
-class _LogTap:
+class _LogCapture:
     """Stands in for rclpy's C module where log lines are handed over; everything else passes through."""
 
     def __init__(self, module: Any, output: Output) -> None:

@@ -24,6 +24,8 @@ from course_kit.lab.runtime.executor import CallbackStopped, Turn
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.action.server import ServerGoalHandle
+
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.runtime.execution import Executions
 
@@ -50,11 +52,11 @@ def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[B
     """Have goals executed by `executions`, and `crashed` told of what raises; `patches` takes it back."""
     execute_goal = ActionServer._execute_goal  # noqa: SLF001 - all of a server's goals pass here, however they are begun
 
-    async def execute_goal_apart(server: Any, execute_callback: Any, goal_handle: Any) -> None:
+    async def execute_goal_apart(server: ActionServer, execute_callback: Any, goal_handle: ServerGoalHandle) -> None:
         node = server._node  # noqa: SLF001 - rclpy has no other way to it
         begun = time.monotonic()
 
-        async def execute(handle: Any) -> Any:
+        async def execute(handle: ServerGoalHandle) -> Any:
             try:
                 if executions.runs(node):
                     return await executions.run(server, execute_callback, handle)

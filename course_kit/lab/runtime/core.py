@@ -8,19 +8,25 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.lab import calls, graph, topics
 from course_kit.lab.errors import LabError
+from course_kit.lab.messages import message_of, require_message_type
 from course_kit.lab.notebook.cells import Notebook
 from course_kit.lab.notebook.output import Output
-from course_kit.lab.recording.events import Recorder, Taps
+from course_kit.lab.recording.events import EventStream
 from course_kit.ros import graph as ros_graph
+from course_kit.ros.messages import type_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Hashable, Iterable
 
+    from rclpy.qos import QoSProfile
+
     from course_kit.lab import goals
+    from course_kit.lab.recording.recording import Recording
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.nodes import NodeList
     from course_kit.lab.scripts.running import Scripts
     from course_kit.lab.scripts.script import Script
+    from course_kit.ros.messages import ActionType, Message, ServiceType
 
 
 class Lab:
@@ -30,17 +36,17 @@ class Lab:
     happens by itself.
 
     Attributes:
-        taps: told what crosses between nodes.
+        events: told what crosses between nodes.
         output: what callbacks and scripts have printed.
     """
 
     def __init__(self) -> None:
-        self.taps = Taps()
+        self.events = EventStream()
         self.output = Output()
         self._notebook = Notebook.of_this_process(self.output)
         self._engine: Engine | None = None
         self._scripts: Scripts | None = None
-        self._recorder: Recorder | None = None
+        self._recorder: Recording | None = None
         self._panels: dict[Hashable, Callable[[], None]] = {}
         self._told: set[str] = set()
         self._closed = False
@@ -104,25 +110,27 @@ class Lab:
         live = sorted(self._engine.nodes, key=lambda one: one.name) if self._engine else []
         return NodeList(live)
 
-    def call(self, service: str, service_type: Any, asked: calls.Asked) -> Coroutine[Any, Any, Any]:
+    def call(self, service: str, service_type: ServiceType, asked: calls.Asked) -> Coroutine[Any, Any, Any]:
         """See `course_kit.lab.call`."""
         self._not_in_callback("lab.call()")
-        return calls.call_async(calls.ServiceExchange(self.engine, service, service_type, asked))
+        return calls.call_async(calls.ServiceCall(self.engine, service, service_type, asked))
 
-    def call_blocking(self, service: str, service_type: Any, asked: calls.Asked) -> Any:
+    def call_blocking(self, service: str, service_type: ServiceType, asked: calls.Asked) -> Any:
         """See `course_kit.lab.call_blocking`."""
         self._not_in_callback("lab.call_blocking()")
-        exchange = calls.ServiceExchange(self.engine, service, service_type, asked)
-        return calls.call_blocking(exchange, self.output.drain)
+        pending = calls.ServiceCall(self.engine, service, service_type, asked)
+        return calls.call_blocking(pending, self.output.drain)
 
-    def send_goal(self, action: str, action_type: Any, asked: goals.AskedGoal) -> Coroutine[Any, Any, goals.Goal]:
+    def send_goal(
+        self, action: str, action_type: ActionType, asked: goals.AskedGoal
+    ) -> Coroutine[Any, Any, goals.Goal]:
         """See `course_kit.lab.send_goal`."""
         self._not_in_callback("lab.send_goal()")
         from course_kit.lab import goals
 
         return calls.call_async(goals.Sending(self.engine, action, action_type, asked))
 
-    def send_goal_blocking(self, action: str, action_type: Any, asked: goals.AskedGoal) -> goals.Goal:
+    def send_goal_blocking(self, action: str, action_type: ActionType, asked: goals.AskedGoal) -> goals.Goal:
         """See `course_kit.lab.send_goal_blocking`."""
         self._not_in_callback("lab.send_goal_blocking()")
         from course_kit.lab import goals
@@ -131,22 +139,23 @@ class Lab:
         goal: goals.Goal = calls.call_blocking(sending, self.output.drain)
         return goal
 
-    def publish(self, topic: str, message_type: Any, message: Any, fields: dict[str, Any]) -> None:
+    def publish(self, topic: str, message_type: type[Message], message: Message, fields: dict[str, Any]) -> None:
         """See `course_kit.lab.publish`."""
-        ready = topics.message_of(message_type, message, fields)
+        require_message_type(message_type)
+        ready = message_of(message_type, message, fields, f"a {type_name(message_type)}")
         publisher = self.engine.clients.publisher(message_type, topic)
         topics.wait_for_subscriptions(self.engine.node, publisher)
         topics.publish(self.engine, publisher, ready)
 
-    async def next_messages(self, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:
+    async def next_messages(self, topic: str, message_type: type[Message], count: int, timeout: float) -> list[Any]:
         """See `course_kit.lab.next_messages`."""
         return await topics.next_messages(self.engine, topic, message_type, count, timeout)
 
     def subscribe(
-        self, topic: str, message_type: Any, callback: Callable[[Any], None], qos: Any
+        self, topic: str, message_type: type[Message], callback: Callable[[Any], None], qos: QoSProfile | None
     ) -> topics.Subscription:
         """See `course_kit.lab.subscribe`."""
-        topics.require_message_type(message_type)
+        require_message_type(message_type)
         return topics.Subscription(self.engine, topic, message_type, callback, qos)
 
     def script(self, name: str, source: str, arguments: tuple[str, ...], mode: str) -> Script:
@@ -162,14 +171,14 @@ class Lab:
             graph.wait_for_nodes(self._engine.node, names, {live.name for live in self._engine.nodes}, there=there)
 
     @property
-    def recorder(self) -> Recorder | None:
+    def recorder(self) -> Recording | None:
         """What keeps the events, if anything does."""
         return self._recorder
 
-    def attach(self, recorder: Recorder) -> None:
+    def attach(self, recorder: Recording) -> None:
         """Have a recorder told what crosses from now on, and `diagram` answered by it."""
         self._recorder = recorder
-        self.taps.listen(recorder.observe)
+        self.events.listen(recorder.observe)
 
     def record(self) -> None:
         """See `course_kit.lab.record`."""
@@ -218,9 +227,9 @@ class Lab:
         from course_kit.ros import compat
 
         found = compat.check()
-        engine = Engine(self.taps, self.output, self._notebook, found)
+        engine = Engine(self.events, self.output, self._notebook, found)
         engine.on_server_gone = self._let_scripts_end
-        self._notebook.attach(engine.spinner.thread_id, found)
+        self._notebook.attach(engine.executor_thread.thread_id, found)
         self.tell_once(found.sentences())
         _at_exit(self.close)
         return engine
@@ -230,11 +239,11 @@ class Lab:
             node = self._engine.node
             self._scripts.wait_for_end_of_those_without_node(set(ros_graph.nodes(node)))
 
-    def _require_recorder(self) -> Recorder:
+    def _require_recorder(self) -> Recording:
         if self._recorder is None:
             raise LabError(
                 "Nothing is being recorded. In a notebook run `%load_ext course_kit` first; in a program, "
-                "`from course_kit import trace` and `trace.attach()` before the nodes are started."
+                "`from course_kit.lab.recording import attaching`, and `attaching.attach()` before nodes are started."
             )
         return self._recorder
 

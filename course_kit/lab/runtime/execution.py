@@ -27,6 +27,9 @@ from course_kit.ros.compat import rcl_error
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable
 
+    from rclpy.action.server import ServerGoalHandle
+    from rclpy.node import Node
+
     from course_kit.lab.notebook.output import Output
     from course_kit.lab.runtime.executor import LabExecutor
 
@@ -48,7 +51,9 @@ class Execution:
         afterwards: called on the lab's thread when it has ended and its goal as well.
     """
 
-    def __init__(self, node: Any, callback: Callable[[Any], Any], goal_handle: Any, wake: Callable[[], None]) -> None:
+    def __init__(
+        self, node: Node, callback: Callable[[Any], Any], goal_handle: ServerGoalHandle, wake: Callable[[], None]
+    ) -> None:
         self.node = node
         self.begun = time.monotonic()
         self.stopped = False
@@ -167,11 +172,11 @@ class Executions:
         self._output = output
         self._running: dict[Execution, None] = {}  # a set in the order of beginning
 
-    def runs(self, node: Any) -> bool:
+    def runs(self, node: Node) -> bool:
         """Whether the goals of a node's action servers are executed here."""
         return node.executor is self._executor
 
-    async def run(self, server: Any, callback: Any, goal_handle: Any) -> Any:
+    async def run(self, server: ActionServer, callback: Any, goal_handle: ServerGoalHandle) -> Any:
         """Execute a goal.
 
         Args:
@@ -200,7 +205,7 @@ class Executions:
         thread = threading.current_thread()
         return next((one for one in list(self._running) if one.thread is thread), None)
 
-    def of(self, node: Any) -> Execution | None:
+    def of(self, node: Node) -> Execution | None:
         """The longest running one of a node."""
         return next((one for one in list(self._running) if one.node is node), None)
 
@@ -230,7 +235,7 @@ def abort_goals(nodes: Iterable[Any]) -> None:
                     _abort(server, identifier, handle)
 
 
-def _abort(server: Any, identifier: bytes, handle: Any) -> None:
+def _abort(server: ActionServer, identifier: bytes, handle: ServerGoalHandle) -> None:
     future = server._result_futures.get(identifier)  # noqa: SLF001
     if future is None or future.done():
         return

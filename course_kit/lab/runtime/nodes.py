@@ -28,8 +28,10 @@ from course_kit.ros.names import full_name
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from rclpy.node import Node
+
     from course_kit.lab.overrides.patches import Patches
-    from course_kit.lab.runtime.executor_thread import Spinner
+    from course_kit.lab.runtime.executor_thread import ExecutorThread
 
 _BETWEEN_CALLBACKS = 1.0  # seconds a running callback may take before its node is destroyed under it
 
@@ -45,7 +47,7 @@ class LiveNode:
         helpers: further nodes its `__init__` made; they end with it.
     """
 
-    node: Any
+    node: Node
     node_class: type
     arguments: tuple[Any, ...]
     helpers: list[Any] = field(default_factory=list)
@@ -73,9 +75,9 @@ class Nodes:
     """The live nodes of one lab."""
 
     def __init__(
-        self, spinner: Spinner, end_goals: Callable[[list[Any]], None], gone: Callable[[list[Any]], None]
+        self, executor_thread: ExecutorThread, end_goals: Callable[[list[Any]], None], gone: Callable[[list[Any]], None]
     ) -> None:
-        self._spinner = spinner
+        self._executor_thread = executor_thread
         self._end_goals = end_goals
         self._gone = gone
         self._live: list[LiveNode] = []
@@ -93,7 +95,7 @@ class Nodes:
 
         original = Node.__init__
 
-        def initialise(node: Any, node_name: str, *arguments: Any, **options: Any) -> None:
+        def initialise(node: Node, node_name: str, *arguments: Any, **options: Any) -> None:
             __tracebackhide__ = True  # IPython: the learner's own lines are what matters
             if self._start.made is not None and not str(node_name).startswith(HIDDEN_NAME):
                 self._start.made.append(node)
@@ -140,7 +142,7 @@ class Nodes:
         name = node.get_fully_qualified_name()
         self._stop_named(name)  # a remapped name shows only now
         self._live.append(LiveNode(node, node_class, given, helpers, name))
-        self._spinner.executor.add_node(node)
+        self._executor_thread.executor.add_node(node)
         return node
 
     def find(self, target: Any) -> list[LiveNode]:
@@ -164,16 +166,16 @@ class Nodes:
             self._gone(nodes)
             self._destroy(nodes)
 
-        if not self._spinner.run_between_callbacks(end, _BETWEEN_CALLBACKS):
-            turn = self._spinner.executor.turn
+        if not self._executor_thread.run_between_callbacks(end, _BETWEEN_CALLBACKS):
+            turn = self._executor_thread.executor.turn
             if turn is not None and (turn.node is None or turn.node in nodes):
-                self._spinner.stop_callback()
+                self._executor_thread.stop_callback()
             end()
 
-    def stop_soon(self, node: Any) -> None:
+    def stop_soon(self, node: Node) -> None:
         """Stop a node from inside one of its callbacks, once that callback has ended."""
         for live in self.find(node):
-            self._spinner.executor.create_task(self.stop, live)
+            self._executor_thread.executor.create_task(self.stop, live)
 
     def destroy_all(self) -> None:
         """Destroy every node; for the end of the lab, when no callback runs."""
@@ -195,7 +197,7 @@ class Nodes:
 
     def _destroy(self, nodes: list[Any]) -> None:
         for node in nodes:
-            self._spinner.executor.remove_node(node)
+            self._executor_thread.executor.remove_node(node)
             _destroy_actions(node)
             # One whose __init__ stopped half-way lacks parts; one that was destroyed already has none left.
             with contextlib.suppress(Exception):
@@ -213,7 +215,7 @@ class NodeList(list[LiveNode]):
         return "\n".join(describe_node(live.node) for live in self)
 
 
-def _destroy_actions(node: Any) -> None:
+def _destroy_actions(node: Node) -> None:
     """Destroy a node's action servers and clients, which `destroy_node` leaves on the graph."""
     for waitable in list(getattr(node, "waitables", ())):
         if isinstance(waitable, (ActionClient, ActionServer)):

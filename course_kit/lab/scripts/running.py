@@ -218,4 +218,4 @@ class Scripts:
             self._lab.tell_once([str(report["off"])])
         elif report.get("event") in KINDS:
             with contextlib.suppress(KeyError):
-                self._lab.taps.forward(Event(report["event"], *(report[name] for name in Event._fields[1:])))
+                self._lab.events.forward(Event(report["event"], *(report[name] for name in Event._fields[1:])))

@@ -10,9 +10,8 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
 from course_kit.lab.recording.diagram import MERMAID, WIDTH, Diagram
-from course_kit.lab.recording.snapshot import CHARACTERS, ELEMENTS, snapshot
-from course_kit.lab.recording.wording import in_words
 from course_kit.ros.arrows import Arrow
+from course_kit.ros.showing import CHARACTERS, ELEMENTS, in_words, snapshot
 
 CALL = [
     Arrow("lab", "/adder", "request", "a=1, b=2", "/add"),
