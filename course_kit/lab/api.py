@@ -60,8 +60,8 @@ def nodes() -> NodeList:
 
 
 async def call(
-    service: str, service_type: ServiceType, request: Message = None, /, *, timeout: float = 5.0, **fields: Any
-) -> Any:
+    service: str, service_type: ServiceType, request: Message = None, /, *, timeout: float = 5.0, **fields: object
+) -> Message:
     """Call a service and wait for its response: `await lab.call("/add_two_ints", AddTwoInts, a=1, b=2)`.
 
     Args:
@@ -84,8 +84,8 @@ async def call(
 
 
 def call_blocking(
-    service: str, service_type: ServiceType, request: Message = None, /, *, timeout: float = 5.0, **fields: Any
-) -> Any:
+    service: str, service_type: ServiceType, request: Message = None, /, *, timeout: float = 5.0, **fields: object
+) -> Message:
     """The same as `call` for programs, which have no `await` at top level.
 
     Args:
@@ -98,13 +98,13 @@ def call_blocking(
     return current().call_blocking(service, service_type, _asked(request, fields, timeout))
 
 
-def _asked(request: Message, fields: dict[str, Any], timeout: float) -> Asked:
+def _asked(request: Message, fields: dict[str, object], timeout: float) -> Asked:
     from course_kit.lab.calls import Asked
 
     return Asked(request, fields, timeout)
 
 
-def publish(topic: str, message_type: type[Message], message: Message = None, /, **fields: Any) -> None:
+def publish(topic: str, message_type: type[Message], message: Message = None, /, **fields: object) -> None:
     """Publish one message: `lab.publish("/chatter", String, data="hello")`.
 
     The first one on a topic waits for the subscriptions that are on the graph (1 s at most), so that it is not lost.
@@ -122,7 +122,9 @@ def publish(topic: str, message_type: type[Message], message: Message = None, /,
     current().publish(topic, message_type, message, fields)
 
 
-async def next_messages(topic: str, message_type: type[Message], count: int = 1, *, timeout: float = 5.0) -> list[Any]:
+async def next_messages(
+    topic: str, message_type: type[Message], count: int = 1, *, timeout: float = 5.0
+) -> list[Message]:
     """Subscribe and return the next `count` messages: `await lab.next_messages("/chatter", String, 3)`.
 
     Args:
@@ -138,7 +140,7 @@ async def next_messages(topic: str, message_type: type[Message], count: int = 1,
 
 
 def subscribe(
-    topic: str, message_type: type[Message], callback: Callable[[Any], None], /, *, qos: QoSProfile | None = None
+    topic: str, message_type: type[Message], callback: Callable[[Message], None], /, *, qos: QoSProfile | None = None
 ) -> Subscription:
     """Have a function called with each message of a topic: `lab.subscribe("/chatter", String, print)`.
 

@@ -25,8 +25,10 @@ from course_kit.ros.topic import types_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.node import Node
     from rclpy.publisher import Publisher
     from rclpy.qos import QoSProfile
+    from rclpy.subscription import Subscription
 
     from course_kit.lab.recording.hooks import MessageHooks
     from course_kit.lab.runtime.executor_thread import ExecutorThread
@@ -58,10 +60,10 @@ class Clients:
         self._clients: OrderedDict[tuple[Any, str], Any] = OrderedDict()
         self._publishers: OrderedDict[tuple[Any, str], Any] = OrderedDict()
         self._goal_clients: OrderedDict[tuple[Any, str], GoalClient] = OrderedDict()
-        self.known_node: Any = None
+        self.known_node: Node | None = None
 
     @property
-    def node(self) -> Any:
+    def node(self) -> Node:
         """The node, made on first use. The underscore in its name hides it from `ros2 node list`."""
         if self.known_node is None:
             node = quiet_node(f"{HIDDEN_NAME}{os.getpid()}", self._executor_thread.context)
@@ -90,13 +92,14 @@ class Clients:
             raise not_found(self.node, wanted, 0.0, own) from None
         return found
 
-    def publisher(self, message_type: type[Message], topic: str) -> Any:
+    def publisher(self, message_type: type[Message], topic: str) -> Publisher:
         """The publisher for a topic; one of the same name and another type is replaced."""
 
         def make() -> Any:
             return self.node.create_publisher(message_type, topic, 10)
 
-        return self._use(self._publishers, (message_type, topic), make, self._drop_publisher)
+        found: Publisher = self._use(self._publishers, (message_type, topic), make, self._drop_publisher)
+        return found
 
     def goal_client(self, action_type: ActionType, action: str) -> GoalClient:
         """The client for an action; one of the same name and another type is replaced.
@@ -130,8 +133,8 @@ class Clients:
             pause.wait(_POLL)
 
     def subscription(
-        self, message_type: type[Message], topic: str, callback: Callable[[Any], None], qos: QoSProfile | None
-    ) -> Any:
+        self, message_type: type[Message], topic: str, callback: Callable[[Message], None], qos: QoSProfile
+    ) -> Subscription:
         """A new subscription.
 
         Args:
@@ -147,7 +150,10 @@ class Clients:
         types = types_of(self.node, "/" + str(topic).lstrip("/"))
         if types and wanted not in types:  # nothing could ever arrive; rcl would fail, and not say why
             raise OtherTypeError(f"{topic} has the type {' and '.join(types)}, but you asked for {wanted}.")
-        return _named(lambda: self.node.create_subscription(message_type, topic, callback, qos), (message_type, topic))
+        made: Subscription = _named(
+            lambda: self.node.create_subscription(message_type, topic, callback, qos), (message_type, topic)
+        )
+        return made
 
     def forget(self, channels: set[str]) -> None:
         """Let go of these services, actions and topics, so that they can come back with another type."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.lab.singleton import current
 
@@ -20,9 +20,9 @@ async def send_goal(  # noqa: PLR0913 - four of them are options, by name
     /,
     *,
     timeout: float = 5.0,
-    on_feedback: Callable[[Any], object] | None = None,
+    on_feedback: Callable[[Message], object] | None = None,
     on_result: Callable[[Goal], object] | None = None,
-    **fields: Any,
+    **fields: object,
 ) -> Goal:
     """Send a goal and wait until it is accepted or rejected: `await lab.send_goal("/fibonacci", Fibonacci, order=5)`.
 
@@ -54,9 +54,9 @@ def send_goal_blocking(  # noqa: PLR0913 - the same
     /,
     *,
     timeout: float = 5.0,
-    on_feedback: Callable[[Any], object] | None = None,
+    on_feedback: Callable[[Message], object] | None = None,
     on_result: Callable[[Goal], object] | None = None,
-    **fields: Any,
+    **fields: object,
 ) -> Goal:
     """The same as `send_goal` for programs; so are `goal.result_blocking()` and `goal.cancel_blocking()`.
 
@@ -73,7 +73,13 @@ def send_goal_blocking(  # noqa: PLR0913 - the same
     return current().send_goal_blocking(action, action_type, asked)
 
 
-def _asked_goal(goal: Message, fields: dict[str, Any], timeout: float, on_feedback: Any, on_result: Any) -> AskedGoal:
+def _asked_goal(
+    goal: Message,
+    fields: dict[str, object],
+    timeout: float,
+    on_feedback: Callable[[Message], object] | None,
+    on_result: Callable[[Goal], object] | None,
+) -> AskedGoal:
     from course_kit.lab.goals import AskedGoal
 
     return AskedGoal(goal, fields, timeout, on_feedback, on_result)

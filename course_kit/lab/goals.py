@@ -6,7 +6,7 @@ A `Goal` is what the learner holds; what arrives for it is kept by its `GoalTrac
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.lab.calls import PendingCall, call_async, call_blocking, not_of_kind
 from course_kit.lab.errors import FieldError, LabError, NoAnswerError
@@ -37,9 +37,9 @@ class AskedGoal(NamedTuple):
     """
 
     goal: Message
-    fields: dict[str, Any]
+    fields: dict[str, object]
     timeout: float
-    on_feedback: Callable[[Any], object] | None = None
+    on_feedback: Callable[[Message], object] | None = None
     on_result: Callable[[Goal], object] | None = None
 
 
@@ -78,11 +78,11 @@ class Goal:
         return self._tracker.ended
 
     @property
-    def feedback(self) -> list[Any]:
+    def feedback(self) -> list[Message]:
         """The feedback messages received so far."""
         return list(self._tracker.feedback)
 
-    async def result(self, timeout: float = 60.0) -> Any:
+    async def result(self, timeout: float = 60.0) -> Message:
         """Wait for the result message; `status` says whether it was reached.
 
         Raises:
@@ -91,7 +91,7 @@ class Goal:
         """
         return self._result_of(await call_async(self._wait_for_end(timeout)))
 
-    def result_blocking(self, timeout: float = 60.0) -> Any:
+    def result_blocking(self, timeout: float = 60.0) -> Message:
         """The same as `result` for programs, which have no `await` at top level."""
         return self._result_of(call_blocking(self._wait_for_end(timeout), self._lab.flush_output))
 
@@ -111,7 +111,7 @@ class Goal:
         """The same as `cancel` for programs."""
         return bool(call_blocking(self._wait_for_cancel(timeout), self._lab.flush_output))
 
-    async def __aiter__(self) -> AsyncIterator[Any]:
+    async def __aiter__(self) -> AsyncIterator[Message]:
         """Each feedback message from the first one on, until the goal has ended.
 
         Raises:
@@ -151,7 +151,7 @@ class Goal:
         )
         return Wait(self._lab, tracker, _QUIET, awaited)
 
-    def _result_of(self, _: object) -> Any:
+    def _result_of(self, _: object) -> Message:
         if self._tracker.result is None:
             self._lab.before_blaming()
             raise NoAnswerError(gone(self.action))

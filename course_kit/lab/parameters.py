@@ -7,7 +7,7 @@ notebook and by a wait in a program.
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from course_kit.lab.errors import (
     FieldError,
@@ -23,6 +23,7 @@ from course_kit.ros import errors, graph, names, parameters
 if TYPE_CHECKING:
     from rclpy.node import Node
 
+    from course_kit.ros.messages import Message
     from course_kit.ros.parameters import Question, Steps
 
 T = TypeVar("T")
@@ -56,7 +57,7 @@ def get_parameters_blocking(node: str | Node, /, *names: str, timeout: float = _
 
 
 async def set_parameters(
-    node: str | Node, given: dict[str, Any] | None = None, /, *, atomically: bool = False, **values: Any
+    node: str | Node, given: dict[str, object] | None = None, /, *, atomically: bool = False, **values: object
 ) -> Outcome:
     """Set parameters of a node: `await lab.set_parameters("/parameter_node", max_velocity=2.0)`.
 
@@ -87,7 +88,7 @@ async def set_parameters(
 
 
 def set_parameters_blocking(
-    node: str | Node, given: dict[str, Any] | None = None, /, *, atomically: bool = False, **values: Any
+    node: str | Node, given: dict[str, object] | None = None, /, *, atomically: bool = False, **values: object
 ) -> Outcome:
     """The same as `set_parameters` for programs and for threads without an event loop.
 
@@ -147,7 +148,7 @@ def _getting(node: str, wanted: tuple[str, ...]) -> Steps[Values]:
     return Values(zip(asked, map(parameters.from_message, found), strict=True))
 
 
-def _setting(node: str, values: dict[str, Any], *, atomically: bool) -> Steps[Outcome]:
+def _setting(node: str, values: dict[str, object], *, atomically: bool) -> Steps[Outcome]:
     if not values:
         raise LabError('Say what to set: lab.set_parameters("/node", name=value).')
     try:
@@ -189,7 +190,7 @@ def _declared(node: str, name: str, known: list[str]) -> str:
 async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
     from course_kit.lab.api import call
 
-    def ask(question: Question) -> Any:
+    def ask(question: Question) -> Message:
         return call(f"{node}/{question.service}", question.interface, timeout=timeout, **question.fields)
 
     try:
@@ -201,7 +202,7 @@ async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
 def _ask_blocking(node: str, steps: Steps[T], timeout: float) -> T:
     from course_kit.lab.api import call_blocking
 
-    def ask(question: Question) -> Any:
+    def ask(question: Question) -> Message:
         return call_blocking(f"{node}/{question.service}", question.interface, timeout=timeout, **question.fields)
 
     try:

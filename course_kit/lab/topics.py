@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import NoAnswerError
 from course_kit.lab.messages import require_message_type
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
     from rclpy.publisher import Publisher
     from rclpy.qos import QoSProfile
+    from rclpy.subscription import Subscription as RclpySubscription
 
     from course_kit.lab.runtime.engine import Engine
     from course_kit.ros.messages import Message
@@ -58,7 +59,7 @@ class Subscription:
         lab: Engine,
         topic: str,
         message_type: type[Message],
-        callback: Callable[[Any], None],
+        callback: Callable[[Message], None],
         qos: QoSProfile | None = None,
     ) -> None:
         self._lab = lab
@@ -85,6 +86,11 @@ def publish(lab: Engine, publisher: Publisher, message: Message) -> None:
 
     So what they print is printed with the cell that published. At most one second: a subscription of another
     quality of service gets nothing, and a callback may take long.
+
+    Args:
+        lab: whose publisher it is.
+        publisher: of the topic.
+        message: what is sent.
     """
     if lab.in_callback() or not lab.tells_deliveries():  # in a callback this is the thread that would deliver
         publisher.publish(message)
@@ -92,7 +98,7 @@ def publish(lab: Engine, publisher: Publisher, message: Message) -> None:
     waiting = lab.subscriptions(publisher.topic_name, publisher.msg_type)
     all_had_it = threading.Event()
 
-    def had(subscription: Any) -> None:
+    def had(subscription: RclpySubscription) -> None:
         waiting.discard(subscription)
         if not waiting:
             all_had_it.set()
@@ -107,7 +113,9 @@ def publish(lab: Engine, publisher: Publisher, message: Message) -> None:
         lab.flush_output()
 
 
-async def next_messages(lab: Engine, topic: str, message_type: type[Message], count: int, timeout: float) -> list[Any]:
+async def next_messages(
+    lab: Engine, topic: str, message_type: type[Message], count: int, timeout: float
+) -> list[Message]:
     """Subscribe, and return the next messages once there are `count`.
 
     Args:
@@ -123,7 +131,7 @@ async def next_messages(lab: Engine, topic: str, message_type: type[Message], co
     require_message_type(message_type)
     loop = asyncio.get_running_loop()
     complete = loop.create_future()
-    received: list[Any] = []
+    received: list[Message] = []
 
     def finish() -> None:
         if not complete.done():
@@ -148,7 +156,7 @@ async def next_messages(lab: Engine, topic: str, message_type: type[Message], co
     return received
 
 
-def _why_none(node: Node, subscription: Any) -> str:
+def _why_none(node: Node, subscription: RclpySubscription) -> str:
     publishers = node.get_publishers_info_by_topic(subscription.topic_name)
     if not publishers:
         return "No node publishes it."

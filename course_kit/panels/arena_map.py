@@ -15,6 +15,8 @@ from course_kit.panels.track import Place, Track
 from course_kit.robot import SimulatedRobot
 
 if TYPE_CHECKING:
+    from ipywidgets import Widget
+
     from course_kit.panels.goal_sender import Standing
     from course_kit.ros.messages import Message
 
@@ -56,7 +58,7 @@ class RobotMap(Panel):
         self._show(self._sender.standing)
 
     @property
-    def widget(self) -> Any:
+    def widget(self) -> Widget:
         """The anywidget."""
         return self._drawing
 
@@ -77,7 +79,7 @@ class RobotMap(Panel):
         """Ask the server to cancel the goal that is shown; returns at once."""
         self._sender.cancel()
 
-    def _take_wish(self, widget: Any, wish: Any, buffers: Any) -> None:
+    def _take_wish(self, widget: object, wish: dict[str, Any], buffers: object) -> None:
         del widget, buffers
         if self._ended:
             return
@@ -158,5 +160,5 @@ def _refusal(standing: Standing) -> str:
     return f"{begin} {why}".strip()
 
 
-def _place(point: Any) -> str:
+def _place(point: Message) -> str:
     return f"({point.x:.1f}, {point.y:.1f})"

@@ -11,6 +11,8 @@ from course_kit import lab
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
 
+    from ipywidgets import Widget
+
 _HERE = Path(__file__).parent
 RATE = 10.0  # updates a second; above 1,000 the Jupyter server drops some for good
 _JOIN = 2.0  # seconds an update is given to end
@@ -38,7 +40,7 @@ class Panel:
         lab.current().attach_panel((type(self).__name__, *subject), self.close)
 
     @property
-    def widget(self) -> Any:
+    def widget(self) -> Widget:
         """The ipywidget to be displayed.
 
         Raises:

@@ -39,7 +39,7 @@ class FormWidget(anywidget.AnyWidget):
     _esm = of_files("dom.js", "message_form.js", "form_view.js")
     _css = of_files("frame.css", "panels.css")
     title = traitlets.Dict().tag(sync=True)
-    entries: Any = traitlets.List().tag(sync=True)
+    entries: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)
     outcome = traitlets.Dict().tag(sync=True)
     ended = traitlets.Unicode().tag(sync=True)
@@ -91,7 +91,7 @@ class ServiceForm(Panel):
         """Type into fields, by path, such as {"target.x": "1.5"}; the others stay."""
         self._widget.values = {**self._widget.values, **values}
 
-    def send(self) -> Any:
+    def send(self) -> Message:
         """Send what the fields hold, as the button does.
 
         Returns:
@@ -110,7 +110,7 @@ class ServiceForm(Panel):
         self._widget.outcome = {**outcome, **seen}
         return response
 
-    def _call(self, request: Message) -> tuple[dict[str, Any], Any]:
+    def _call(self, request: Message) -> tuple[dict[str, object], Message]:
         """What to show of a call, and the response if there is one."""
         try:
             response = lab.call_blocking(self.service, self.service_type, request, timeout=self.timeout)
@@ -123,7 +123,7 @@ class ServiceForm(Panel):
         text = "" if rows else "The response has no fields; it says that the server has done its part."
         return {"state": "answered", "text": text, "rows": rows}, response
 
-    def _asked(self, _: Any, content: dict[str, Any], buffers: Any) -> None:
+    def _asked(self, _: object, content: dict[str, Any], buffers: object) -> None:
         """The page wants something done."""
         del buffers
         if self._widget.ended:
@@ -139,7 +139,7 @@ class ServiceForm(Panel):
                 self._widget.entries = self._form.entries()
                 self._widget.values = {path: self._widget.values.get(path, value) for path, value in fresh.items()}
 
-    def _show(self, state: str, text: str, **more: Any) -> None:
+    def _show(self, state: str, text: str, **more: object) -> None:
         self._widget.outcome = {"state": state, "text": text, **more}
 
     def _end(self) -> None:

@@ -15,6 +15,8 @@ from course_kit.panels.message_form import FormError, MessageForm, Values, field
 from course_kit.ros.messages import is_action_type, type_name
 
 if TYPE_CHECKING:
+    from ipywidgets import Widget
+
     from course_kit.panels.goal_sender import Standing
     from course_kit.ros.messages import ActionType
 
@@ -31,7 +33,7 @@ class _ActionWidget(anywidget.AnyWidget):
     _esm = of_files("dom.js", "message_form.js", "goal_panel.js")
     _css = of_files("frame.css", "panels.css", "goal_panel.css")
     title = traitlets.Dict().tag(sync=True)
-    entries: traitlets.List[Any] = traitlets.List().tag(sync=True)
+    entries: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)
     view = traitlets.Dict().tag(sync=True)
 
@@ -69,7 +71,7 @@ class ActionPanel(Panel):
         self._show(self._sender.standing)
 
     @property
-    def widget(self) -> Any:
+    def widget(self) -> Widget:
         """The anywidget."""
         return self._widget
 
@@ -102,7 +104,7 @@ class ActionPanel(Panel):
         """Ask the server to cancel the goal that is shown; returns at once."""
         self._sender.cancel()
 
-    def _take_wish(self, widget: Any, wish: dict[str, Any], buffers: Any) -> None:
+    def _take_wish(self, widget: object, wish: dict[str, Any], buffers: object) -> None:
         del widget, buffers
         if self._ended:
             return

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import threading
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit import lab
 from course_kit.panels import goal_words
@@ -43,7 +43,7 @@ class Standing:
     asked: Message = None
     status: str = ""
     note: str = ""
-    refused: Any = None
+    refused: Message = None
     feedback: Message = None
     count: int = 0
     result: Message = None
@@ -90,7 +90,7 @@ class GoalSender:
         action: str,
         action_type: ActionType,
         changed: Callable[[Standing], None],
-        on_feedback: Callable[[Any], None] = lambda _: None,
+        on_feedback: Callable[[Message], None] = lambda _: None,
     ) -> None:
         self._action, self._type = action, action_type
         self._changed, self._on_feedback = changed, on_feedback

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import anywidget
 import traitlets
@@ -35,8 +35,8 @@ class GraphWidget(anywidget.AnyWidget):
 
     _esm = of_files("graph_view.js")
     _css = of_files("frame.css", "panels.css", "graph_view.css")
-    nodes: Any = traitlets.List().tag(sync=True)
-    channels: Any = traitlets.List().tag(sync=True)
+    nodes: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
+    channels: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
     text = traitlets.Unicode().tag(sync=True)
     news = traitlets.Unicode().tag(sync=True)
     plumbing = traitlets.Bool().tag(sync=True)
@@ -107,12 +107,12 @@ def in_lines(seen: Overview) -> str:
     return "\n".join(lines + remarks)
 
 
-def drawn(seen: Overview) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+def drawn(seen: Overview) -> tuple[list[dict[str, object]], list[dict[str, object]]]:
     """Nodes and channels as `GraphWidget` has them."""
     channels = dict(sorted(seen.channels().items(), key=lambda item: _height(seen, item[1])))
     places = {key: number for number, key in enumerate(channels)}
     remarks = seen.remarks()
-    nodes = [
+    nodes: list[dict[str, object]] = [
         {
             "name": short_name(node),
             "note": _how_many(seen.nodes.count(node)).strip(),

@@ -60,7 +60,7 @@ class MessageForm:
             wanted = max(0, len(entry["fields"]) + change)
             self._lengths[path] = min(wanted, entry["most"] or wanted)
 
-    def read(self, values: Values) -> Any:
+    def read(self, values: Values) -> Message:
         """The message these values make; fields without one keep their defaults.
 
         Raises:
@@ -105,7 +105,7 @@ class MessageForm:
     def _length(self, path: str, kind: FieldType, default: Any) -> int:
         return kind.size if kind.container == "array" else self._lengths.get(path, len(default))
 
-    def _read(self, message_type: type[Message], prefix: str, values: Values, wrong: dict[str, str]) -> Any:
+    def _read(self, message_type: type[Message], prefix: str, values: Values, wrong: dict[str, str]) -> Message:
         message = message_type(check_fields=True)
         for field in message_fields(message_type):
             path = f"{prefix}{field.name}"
@@ -178,14 +178,14 @@ def _parsed(kind: FieldType, value: Any) -> Any:
     return [bytes([one]) for one in parsed] if kind.base == "octet" else parsed
 
 
-def _set(message: Message, field: MessageField, value: Any) -> None:
+def _set(message: Message, field: MessageField, value: object) -> None:
     try:
         setattr(message, field.name, value)
     except (AssertionError, TypeError, OverflowError):
         raise ValueError(f"Expected what {type_in_words(field.type)} can hold, not {value!r}.") from None
 
 
-def _constants(message_type: type[Message]) -> dict[str, Any]:
+def _constants(message_type: type[Message]) -> dict[str, object]:
     """The constants of a message class; compiled and live ones keep them in the same way, on the metaclass."""
     return {
         name: getattr(message_type, name)
@@ -194,7 +194,9 @@ def _constants(message_type: type[Message]) -> dict[str, Any]:
     }
 
 
-def _choices(field: MessageField, fields: tuple[MessageField, ...], constants: dict[str, Any]) -> list[dict[str, str]]:
+def _choices(
+    field: MessageField, fields: tuple[MessageField, ...], constants: dict[str, object]
+) -> list[dict[str, str]]:
     """The constants that a field may be meant to have.
 
     A definition does not say what its constants are for. Offered are those of the field's kind of value, but one
@@ -212,7 +214,7 @@ def _owner(constant: str, owners: dict[str, MessageField]) -> MessageField | Non
     return next((field for name, field in owners.items() if constant.startswith(f"{name}_")), None)
 
 
-def _fits(kind: FieldType, value: Any) -> bool:
+def _fits(kind: FieldType, value: object) -> bool:
     if kind.is_string:
         return isinstance(value, str) and (not kind.string_bound or len(value) <= kind.string_bound)
     primitive = kind.primitive

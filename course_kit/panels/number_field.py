@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import FieldError
 from course_kit.ros.filling import unknown_field
@@ -60,7 +60,7 @@ class NumberField:
                 raise FieldError(unknown_field(name, fields, f"a {kind}"))
             self._steps += [name, *indices]
             kind = _element_type(fields[name]) if indices else fields[name]
-            current = _class_of(current, name, kind) if "/" in kind else None
+            current = _class_of(current, name, kind) if current is not None and "/" in kind else None
         if not _NUMBER.fullmatch(kind):
             raise FieldError(self._no_number(kind, current))
 
@@ -78,7 +78,7 @@ def _element_type(kind: str) -> str:
     return sequence[1] if sequence else re.sub(r"\[\d+\]$", "", kind)
 
 
-def _class_of(owner: Any, name: str, kind: str) -> Any:
+def _class_of(owner: type[Message], name: str, kind: str) -> type[Message]:
     """The class of a message inside a message."""
     held = getattr(owner(), name)
     if is_message_type(type(held)):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import anywidget
 import numpy as np
@@ -17,6 +17,10 @@ from course_kit.panels.number_field import NumberField
 from course_kit.ros.messages import type_name
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+    from rclpy.qos import QoSProfile
+
+    Samples = npt.NDArray[np.float64]
     from course_kit.ros.messages import Message
 
 _KEPT = 20_000  # samples, however fast they come
@@ -117,7 +121,7 @@ class Plot(Panel):
         self._widget.ended = _ENDED
 
 
-def thinned(samples: Any, most: int) -> Any:
+def thinned(samples: Samples, most: int) -> Samples:
     """At most so many of the samples, and among them the highest and lowest of each stretch, so that no peak is lost.
 
     Args:
@@ -137,7 +141,7 @@ def thinned(samples: Any, most: int) -> Any:
     return samples[kept]
 
 
-def _quality(topic: str) -> Any:
+def _quality(topic: str) -> QoSProfile:
     """A QoS profile that takes what publishers offer, also those that come later."""
     from rclpy.qos import QoSProfile, ReliabilityPolicy
 

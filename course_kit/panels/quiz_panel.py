@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import anywidget
 import traitlets
@@ -134,7 +134,7 @@ class QuizPanel(Panel):
     def _questions_answered(self) -> Mapping[str, tuple[str, str]]:
         return {scenario.id: self.answers.get(scenario.id, ("", "")) for scenario in self._questions.scenarios}
 
-    def _chosen(self, change: Mapping[str, Any]) -> None:
+    def _chosen(self, change: Mapping[str, object]) -> None:
         with self._one_at_a_time:
             self._kept.save(self.answers)
             if self._form.marking == AT_ONCE:
@@ -151,7 +151,7 @@ class QuizPanel(Panel):
             self._marked = self._complete() if self._form.marking == AT_ONCE else set()
             self._show_marks()
 
-    def _told(self, _form: object, content: Mapping[str, Any], _buffers: object) -> None:
+    def _told(self, _form: object, content: Mapping[str, object], _buffers: object) -> None:
         """A button of the form."""
         do = content.get("do")
         if do == "mark":
@@ -178,12 +178,12 @@ class QuizPanel(Panel):
         self._form.on_msg(self._told, remove=True)
 
 
-def _question(scenario: quiz.Scenario, seed: int) -> dict[str, Any]:
+def _question(scenario: quiz.Scenario, seed: int) -> dict[str, object]:
     reasons = [list(reason) for reason in quiz.reasons_as_shown(scenario, seed)]
     return {"id": scenario.id, "title": scenario.title, "text": scenario.text, "reasons": reasons}
 
 
-def _half(half: Half) -> dict[str, Any]:
+def _half(half: Half) -> dict[str, object]:
     return {"right": half.right, "explanation": half.explanation}
 
 

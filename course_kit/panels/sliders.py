@@ -40,7 +40,7 @@ class SlidersWidget(anywidget.AnyWidget):
     _esm = of_files("dom.js", "sliders.js")
     _css = of_files("frame.css", "sliders.css")
     node = traitlets.Unicode().tag(sync=True)
-    entries: traitlets.List[Any] = traitlets.List().tag(sync=True)
+    entries: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)
     outcomes = traitlets.Dict().tag(sync=True)
     ended = traitlets.Unicode().tag(sync=True)
@@ -66,7 +66,7 @@ class ParameterSliders(Panel):
         super().__init__(self.node)
         self._lock = threading.RLock()  # the lab's thread, the page's and the one that shows meet here
         self._descriptors, self._values = descriptors, values
-        self._outcomes: dict[str, dict[str, Any]] = {}
+        self._outcomes: dict[str, dict[str, object]] = {}
         self._heard: dict[str, int] = {}  # how often a change was heard of, by name
         self._outdated = False
         self._widget = SlidersWidget(node=self.node)
@@ -97,7 +97,7 @@ class ParameterSliders(Panel):
             lines.append(f"  {name} = {value!r} ({facts})")
         return "\n".join(lines)
 
-    def set(self, name: str, text: Any, token: int = 0) -> bool:
+    def set(self, name: str, text: str | bool, token: int = 0) -> bool:
         """Set a parameter to what was typed, as the page does.
 
         Args:
@@ -164,11 +164,11 @@ class ParameterSliders(Panel):
         own = {one.name: one for one in described if not is_of_every_node(one.name)}
         return own, dict(lab.get_parameters_blocking(self.node, *own)) if own else {}
 
-    def _wished(self, _: Any, content: dict[str, Any], buffers: Any) -> None:
+    def _wished(self, _: object, content: dict[str, Any], buffers: object) -> None:
         """Somebody has moved or typed something on the page."""
         del buffers
         if not self._widget.ended and content.get("name") in self._descriptors:
-            self.set(content["name"], content.get("value"), content.get("token", 0))
+            self.set(content["name"], content.get("value", ""), content.get("token", 0))
 
     def _show(self) -> None:
         # The lock is held while it is sent, so that an older state never comes after a newer one.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.parser import COMMANDS, build, command_parser
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rclpy.context import Context
+    from rclpy.node import Node
 
 INTERRUPTED = 2  # what the real command ends with after a Ctrl-C
 
@@ -39,7 +40,7 @@ def run_program() -> int:
     return run(sys.argv[1:])
 
 
-def run(arguments: Sequence[str], context: Context | None = None, guests: set[Any] | None = None) -> int:
+def run(arguments: Sequence[str], context: Context | None = None, guests: set[Node] | None = None) -> int:
     """Run one command of the course kit's own.
 
     Args:
@@ -73,7 +74,7 @@ def run(arguments: Sequence[str], context: Context | None = None, guests: set[An
         return 0
 
 
-def _run_verb(options: Namespace, context: Context | None, guests: set[Any] | None) -> int:
+def _run_verb(options: Namespace, context: Context | None, guests: set[Node] | None) -> int:
     from course_kit import environment
     from course_kit.ros2cli.session import Session
 

@@ -38,7 +38,7 @@ class Listener:
 
     def __init__(self, options: Namespace, session: Session, topic: str) -> None:
         self._options, self._session, self._topic = options, session, topic
-        self._messages: deque[tuple[float, Any]] = deque()
+        self._messages: deque[tuple[float, Message]] = deque()
 
     def echo(self, layout: Layout) -> None:
         """Print messages as YAML or CSV, for as long as they come."""
@@ -84,7 +84,7 @@ class Listener:
     def _take(self, message: Message) -> None:
         self._messages.append((time.monotonic(), message))
 
-    def _next(self) -> tuple[float, Any]:
+    def _next(self) -> tuple[float, Message]:
         if not self._session.spin_until(lambda: bool(self._messages), self._options.timeout):
             publishers = self._session.node.count_publishers(self._topic)
             raise CommandError(
@@ -133,6 +133,11 @@ def _print_rate(times: list[float]) -> None:
 
 def publish(options: Namespace, session: Session, topic: str) -> None:
     """Publish as `topic pub` does.
+
+    Args:
+        options: parsed.
+        session: the command's.
+        topic: its full name.
 
     Raises:
         CommandError: the values do not fit, or nobody subscribes in time.

@@ -166,7 +166,7 @@ class _Completer:
     def __init__(self, function: str) -> None:
         self._function = function
 
-    def __call__(self, **about: Any) -> list[str]:
+    def __call__(self, **about: object) -> list[str]:
         from course_kit import environment
         from course_kit.ros2cli import completion
 

@@ -34,7 +34,7 @@ def as_asyncio(future: Future) -> asyncio.Future[Any]:
         else:
             follower.set_result(future.result())
 
-    def completed(_: Any) -> None:
+    def completed(_: object) -> None:
         with suppress(RuntimeError):  # the loop is closed: nobody waits
             loop.call_soon_threadsafe(follow)
 
@@ -47,7 +47,7 @@ def as_asyncio(future: Future) -> asyncio.Future[Any]:
     return follower
 
 
-def install(patches: Patches, before_waiting: Callable[[Any], None], after_waiting: Callable[[], None]) -> None:
+def install(patches: Patches, before_waiting: Callable[[Future], None], after_waiting: Callable[[], None]) -> None:
     """Replace `Future.__await__`.
 
     Args:

@@ -180,12 +180,12 @@ class Notebook:
         self._scheduled = False
         self._output.drain()
 
-    def _before_cell(self, info: Any) -> None:
+    def _before_cell(self, info: object) -> None:
         del info
         self._route()
         self._keep_beating()
 
-    def _after_cell(self, result: Any) -> None:
+    def _after_cell(self, result: object) -> None:
         del result
         if self._beat is not None:
             self._beat.cancel()

@@ -22,6 +22,7 @@ from course_kit.lab.errors import DeadlockError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.action.client import ClientGoalHandle
     from rclpy.context import Context
     from rclpy.node import Node
     from rclpy.task import Future
@@ -85,7 +86,7 @@ def _guard_context(patches: Patches, lab: Engine) -> None:
 
 
 def _guard_spinning(patches: Patches, lab: Engine) -> None:
-    def spin(node: Node, executor: Any = None) -> None:
+    def spin(node: Node, executor: Executor | None = None) -> None:
         _refuse(lab, "rclpy.spin()")
         if lab.is_live(node):
             lab.note(f"rclpy.spin(): the lab spins {node.get_name()} in the background already; nothing to do.")
@@ -99,7 +100,7 @@ def _guard_spinning(patches: Patches, lab: Engine) -> None:
         finally:
             executor.remove_node(node)
 
-    def spin_once(node: Node, *, executor: Any = None, timeout_sec: float | None = None) -> None:
+    def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
         _refuse(lab, "rclpy.spin_once()")
         at_most = _SLICE if timeout_sec is None or timeout_sec < 0 else timeout_sec
         if lab.is_live(node):
@@ -109,7 +110,7 @@ def _guard_spinning(patches: Patches, lab: Engine) -> None:
         _spin_for(node, executor, lambda executor: executor.spin_once(timeout_sec=at_most))
 
     def spin_until_future_complete(
-        node: Node, future: Future, executor: Any = None, timeout_sec: float | None = None
+        node: Node, future: Future, executor: Executor | None = None, timeout_sec: float | None = None
     ) -> None:
         _refuse(lab, "rclpy.spin_until_future_complete()")
         if lab.is_live(node):
@@ -126,7 +127,7 @@ def _guard_executors(patches: Patches, lab: Engine) -> None:
     def guard(owner: Any, method: str) -> None:
         original = getattr(owner, method)
 
-        def guarded(executor: Any, *arguments: Any, **options: Any) -> Any:
+        def guarded(executor: Executor, *arguments: Any, **options: Any) -> Any:
             if not lab.is_own_executor(executor):
                 _refuse(lab, f"{type(executor).__name__}.{method}()")
             return original(executor, *arguments, **options)
@@ -140,7 +141,7 @@ def _guard_executors(patches: Patches, lab: Engine) -> None:
         guard(owner, "spin_once_until_future_complete")
     add_node = Executor.add_node
 
-    def add_node_kept(executor: Any, node: Node) -> bool:
+    def add_node_kept(executor: Executor, node: Node) -> bool:
         if lab.is_live(node) and not lab.is_own_executor(executor):
             lab.note(
                 f"{type(executor).__name__}.add_node(): the lab spins {node.get_name()} already and keeps it. "
@@ -155,7 +156,7 @@ def _guard_executors(patches: Patches, lab: Engine) -> None:
 def _guard_calls(patches: Patches, lab: Engine) -> None:
     call = Client.call
 
-    def call_guarded(client: Any, request: Message, timeout_sec: float | None = None) -> Any:
+    def call_guarded(client: Client, request: Message, timeout_sec: float | None = None) -> Message:
         _refuse_to_wait(lab, f"call() of {client.service_name}", "call_async()")
         if not lab.in_execution():
             return call(client, request, timeout_sec)
@@ -170,19 +171,19 @@ def _guard_calls(patches: Patches, lab: Engine) -> None:
 def guard_goals(patches: Patches, lab: Engine) -> None:
     """Replace those functions of action clients that wait; `patches` takes it back."""
 
-    def send_goal(client: Any, goal: Message, **options: Any) -> Any:
+    def send_goal(client: ActionClient, goal: Message, **options: Any) -> Message:
         _refuse_to_wait(lab, "send_goal()", "send_goal_async()")
         sent = client.send_goal_async(goal, **options)
         _has_come(lab, sent, None)
         return client._get_result(sent.result())  # noqa: SLF001 - as rclpy's own does
 
-    def cancel_goal(client: Any, goal_handle: Any) -> Any:
+    def cancel_goal(client: ActionClient, goal_handle: ClientGoalHandle) -> Message:
         _refuse_to_wait(lab, "cancel_goal()", "cancel_goal_async()")
         future = client._cancel_goal_async(goal_handle)  # noqa: SLF001
         _has_come(lab, future, None)
         return future.result()
 
-    def get_result(client: Any, goal_handle: Any) -> Any:
+    def get_result(client: ActionClient, goal_handle: ClientGoalHandle) -> Message:
         _refuse_to_wait(lab, "get_result()", "get_result_async()")
         future = client._get_result_async(goal_handle)  # noqa: SLF001
         _has_come(lab, future, None)
@@ -232,7 +233,7 @@ def _wait_in_slices(lab: Engine, done: threading.Event, timeout: float | None) -
     lab.flush_output()
 
 
-def _spin_for(node: Node, executor: Any, work: Callable[[Any], None]) -> None:
+def _spin_for(node: Node, executor: Executor | None, work: Callable[[Executor], None]) -> None:
     """Have an executor of rclpy's own do `work` with a node that the lab does not spin."""
     executor = executor or rclpy.get_global_executor()
     added = executor.add_node(node)
@@ -243,7 +244,7 @@ def _spin_for(node: Node, executor: Any, work: Callable[[Any], None]) -> None:
             executor.remove_node(node)
 
 
-def _spin_until(executor: Any, future: Future, timeout: float | None) -> None:
+def _spin_until(executor: Executor, future: Future, timeout: float | None) -> None:
     """Spin as rclpy would, letting Python see an interrupt now and then."""
     deadline = None if timeout is None or timeout < 0 else time.monotonic() + timeout
     future.add_done_callback(lambda _: executor.wake())

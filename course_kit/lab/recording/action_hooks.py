@@ -21,6 +21,8 @@ from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rclpy.node import Node
     from rclpy.task import Future
 
@@ -34,7 +36,7 @@ _GOAL = "_course_kit_goal"  # on the future of a cancel request: the goal's numb
 _KEPT = 1000  # goals that are still known as sent or accepted
 
 
-def number_of(goal_id: Any) -> int:
+def number_of(goal_id: Message) -> int:
     """A goal's identifier as a number."""
     return int.from_bytes(bytes(goal_id.uuid), "big")
 
@@ -64,7 +66,10 @@ class ActionHooks:
         send_goal_async, cancel_goal_async = ActionClient.send_goal_async, ActionClient._cancel_goal_async  # noqa: SLF001
 
         def send_goal_seen(
-            client: ActionClient, goal: Message, feedback_callback: Any = None, goal_uuid: Message = None
+            client: ActionClient,
+            goal: Message,
+            feedback_callback: Callable[[Message], None] | None = None,
+            goal_uuid: Message = None,
         ) -> Any:
             before = time.monotonic_ns()  # the answer may be here before the sending returns
             goal_uuid = UUID(uuid=list(uuid.uuid4().bytes)) if goal_uuid is None else goal_uuid
@@ -73,9 +78,9 @@ class ActionHooks:
             self._emit("goal_sent", client, goal, number_of(goal_uuid), before)
             return future
 
-        def cancel_seen(client: ActionClient, goal_handle: ServerGoalHandle) -> Any:
+        def cancel_seen(client: ActionClient, goal_handle: ServerGoalHandle) -> Future:
             before = time.monotonic_ns()
-            future = cancel_goal_async(client, goal_handle)
+            future: Future = cancel_goal_async(client, goal_handle)
             setattr(future, _GOAL, number_of(goal_handle.goal_id))
             self._emit("cancel_sent", client, {}, number_of(goal_handle.goal_id), before)
             return future
@@ -142,7 +147,7 @@ class ActionHooks:
                 self._emit("goal_answered", server, _answer(False), number)
 
         def initialise_seen(
-            handle: ServerGoalHandle, action_server: ActionServer, goal_info: Any, goal_request: Any
+            handle: ServerGoalHandle, action_server: ActionServer, goal_info: Message, goal_request: Message
         ) -> None:
             initialise(handle, action_server, goal_info, goal_request)
             self._accepted.append(number_of(goal_info.goal_id))
@@ -209,5 +214,5 @@ def _answer(agreed: bool) -> dict[str, bool]:
     return {"accepted": bool(agreed)}
 
 
-def _result(response: Message) -> dict[str, Any]:
+def _result(response: Message) -> dict[str, object]:
     return {"status": status_name(response.status), "result": response.result}

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from course_kit.lab.recording.events import EventStream
     from course_kit.ros.messages import Message, ServiceType
 
-    Work = Callable[[], Coroutine[Any, Any, None]]
+    Work = Callable[[], Coroutine[object, None, None]]
     Where = tuple[str, str, str]
 
 _WHERE = "_course_kit_where"  # on a client, service, publisher or subscription: what `where` has found out
@@ -44,7 +44,7 @@ class WrongResponseError(TypeError):
         what: the part of the message after "the service callback".
     """
 
-    def __init__(self, returned: Any, service_type: ServiceType) -> None:
+    def __init__(self, returned: object, service_type: ServiceType) -> None:
         self.what = _wrong_response(returned, service_type)
         super().__init__(f"the service callback {self.what}")
 
@@ -62,8 +62,8 @@ class MessageHooks:
     def __init__(self, events: EventStream) -> None:
         self.events = events
         self.aliases: dict[str, str] = {}
-        self.direct: set[Any] = set()
-        self.on_delivery: set[Callable[[Any], None]] = set()
+        self.direct: set[Client] = set()
+        self.on_delivery: set[Callable[[Subscription], None]] = set()
 
     def where(self, entity: Any) -> Where:
         """The node, the full name and the type of a client, service, publisher or subscription."""
@@ -84,7 +84,7 @@ class MessageHooks:
         call_async = Client.call_async
         publish = Publisher.publish
 
-        def call_async_seen(client: Client, request: Message) -> Any:
+        def call_async_seen(client: Client, request: Message) -> Future:
             if not self.events:
                 return call_async(client, request)
             before = time.monotonic_ns()  # the answer may be here before `call_async` returns
@@ -103,7 +103,7 @@ class MessageHooks:
         patches.set(Client, "call_async", call_async_seen)
         patches.set(Publisher, "publish", publish_seen)
 
-    def take_service(self, service: Service, on_failure: Callable[[Any, int, BaseException], None]) -> Work | None:
+    def take_service(self, service: Service, on_failure: Callable[[Service, int, BaseException], None]) -> Work | None:
         """Take a request and return the work of answering it, as `Executor._take_service` does."""
         try:
             with service.handle:
@@ -155,7 +155,7 @@ class MessageHooks:
 
         return hand_over
 
-    def take_subscription(self, subscription: Any) -> Work | None:
+    def take_subscription(self, subscription: Subscription) -> Work | None:
         """Take a message and return the work of the callback, as `Executor._take_subscription` does."""
         try:
             with subscription.handle:
@@ -223,7 +223,7 @@ def _sequence(header: Any) -> int:
     return int(getattr(header, "request_id", header).sequence_number)  # of a request or of what is known about one
 
 
-def _wrong_response(returned: Any, service_type: ServiceType) -> str:
+def _wrong_response(returned: object, service_type: ServiceType) -> str:
     if returned is None:
         return "returned nothing. End it with `return response`."
     if isinstance(returned, service_type.Request):

@@ -90,8 +90,12 @@ class Lab:
         self.output.drain()
         return node
 
-    def stop(self, target: Any = None, /) -> None:
-        """See `course_kit.lab.stop`."""
+    def stop(self, target: object = None, /) -> None:
+        """See `course_kit.lab.stop`.
+
+        Raises:
+            LabError: no such node is running.
+        """
         if self._engine is None:
             nodes = []
         else:
@@ -110,12 +114,12 @@ class Lab:
         live = sorted(self._engine.nodes, key=lambda one: one.name) if self._engine else []
         return NodeList(live)
 
-    def call(self, service: str, service_type: ServiceType, asked: calls.Asked) -> Coroutine[Any, Any, Any]:
+    def call(self, service: str, service_type: ServiceType, asked: calls.Asked) -> Coroutine[object, None, Message]:
         """See `course_kit.lab.call`."""
         self._not_in_callback("lab.call()")
         return calls.call_async(calls.ServiceCall(self.engine, service, service_type, asked))
 
-    def call_blocking(self, service: str, service_type: ServiceType, asked: calls.Asked) -> Any:
+    def call_blocking(self, service: str, service_type: ServiceType, asked: calls.Asked) -> Message:
         """See `course_kit.lab.call_blocking`."""
         self._not_in_callback("lab.call_blocking()")
         pending = calls.ServiceCall(self.engine, service, service_type, asked)
@@ -123,7 +127,7 @@ class Lab:
 
     def send_goal(
         self, action: str, action_type: ActionType, asked: goals.AskedGoal
-    ) -> Coroutine[Any, Any, goals.Goal]:
+    ) -> Coroutine[object, None, goals.Goal]:
         """See `course_kit.lab.send_goal`."""
         self._not_in_callback("lab.send_goal()")
         from course_kit.lab import goals
@@ -139,7 +143,7 @@ class Lab:
         goal: goals.Goal = calls.call_blocking(sending, self.output.drain)
         return goal
 
-    def publish(self, topic: str, message_type: type[Message], message: Message, fields: dict[str, Any]) -> None:
+    def publish(self, topic: str, message_type: type[Message], message: Message, fields: dict[str, object]) -> None:
         """See `course_kit.lab.publish`."""
         require_message_type(message_type)
         ready = message_of(message_type, message, fields, f"a {type_name(message_type)}")
@@ -147,12 +151,12 @@ class Lab:
         topics.wait_for_subscriptions(self.engine.node, publisher)
         topics.publish(self.engine, publisher, ready)
 
-    async def next_messages(self, topic: str, message_type: type[Message], count: int, timeout: float) -> list[Any]:
+    async def next_messages(self, topic: str, message_type: type[Message], count: int, timeout: float) -> list[Message]:
         """See `course_kit.lab.next_messages`."""
         return await topics.next_messages(self.engine, topic, message_type, count, timeout)
 
     def subscribe(
-        self, topic: str, message_type: type[Message], callback: Callable[[Any], None], qos: QoSProfile | None
+        self, topic: str, message_type: type[Message], callback: Callable[[Message], None], qos: QoSProfile | None
     ) -> topics.Subscription:
         """See `course_kit.lab.subscribe`."""
         require_message_type(message_type)
@@ -252,11 +256,11 @@ class Lab:
             self._engine.not_in_callback(what)
 
 
-def _shown(target: Any) -> str:
+def _shown(target: object) -> str:
     return target.__name__ if isinstance(target, type) else repr(target) if isinstance(target, str) else "This node"
 
 
-def _at_exit(function: Any) -> None:
+def _at_exit(function: Callable[[], None]) -> None:
     """Run a function at interpreter exit, before Python takes away its threads."""
     register = getattr(threading, "_register_atexit", None)
     try:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import rclpy.utilities
 from rclpy.action import ActionServer
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from course_kit.lab.notebook.output import Output
     from course_kit.lab.recording.events import EventStream
     from course_kit.ros.compat import Compatibility
+    from course_kit.ros.messages import Message
 
 LAB_NAME = "lab"
 _FREE = 1.0  # seconds a callback may keep the thread before goals are not ended properly
@@ -65,7 +66,7 @@ class Engine:
     def __init__(self, events: EventStream, output: Output, notebook: Notebook, found: Compatibility) -> None:
         self.output = output
         self.on_server_gone: Callable[[], None] = lambda: None
-        self.guests: set[Any] = set()
+        self.guests: set[Node] = set()
         self._locate = notebook.locate
         self._found = found
         self._notebook = notebook
@@ -118,7 +119,7 @@ class Engine:
     # What calls and goals ask
 
     @property
-    def node(self) -> Any:
+    def node(self) -> Node:
         """The lab's own, hidden node."""
         return self.clients.node
 
@@ -145,7 +146,7 @@ class Engine:
         """Whether a subscription that has had a message can be known."""
         return self._found.has(compat_names.RECORDING)
 
-    def listen_for_deliveries(self, told: Callable[[Any], None], *, listen: bool) -> None:
+    def listen_for_deliveries(self, told: Callable[[Subscription], None], *, listen: bool) -> None:
         """Begin or end to call `told` with each subscription whose callback has had a message."""
         (self._hooks.on_delivery.add if listen else self._hooks.on_delivery.discard)(told)
 
@@ -234,11 +235,11 @@ class Engine:
     # What telling of failures asks
 
     @property
-    def hidden_node(self) -> Any:
+    def hidden_node(self) -> Node | None:
         """The lab's own node, if it has been needed."""
         return self.clients.known_node
 
-    def all_clients(self) -> list[Any]:
+    def all_clients(self) -> list[Message]:
         """Every service client in the lab."""
         nodes = [one for live in self.nodes for one in (live.node, *live.helpers)]
         if self.clients.known_node is not None:
@@ -246,7 +247,7 @@ class Engine:
         nodes += list(self.guests)
         return [client for node in nodes for client in list(node.clients)]
 
-    def _end_goals(self, nodes: list[Any], patience: float = _JOIN) -> None:
+    def _end_goals(self, nodes: list[Node], patience: float = _JOIN) -> None:
         """Nodes are about to be destroyed: abort their goals, tell the clients, and end the threads."""
         if not any(isinstance(one, ActionServer) for node in nodes for one in getattr(node, "waitables", ())):
             return
@@ -262,7 +263,7 @@ class Engine:
         for thread in threads:
             thread.join(max(0.0, deadline - time.monotonic()))
 
-    def _forget(self, nodes: list[Any]) -> None:
+    def _forget(self, nodes: list[Node]) -> None:
         """Nodes are about to be destroyed."""
         self._failures.forget()
         self.executor_thread.executor.forget(nodes)

@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 
     from course_kit.lab.notebook.output import Output
     from course_kit.lab.runtime.executor import LabExecutor
+    from course_kit.ros.messages import Message
+
+    Execute = Callable[[ServerGoalHandle], Message]  # an execute callback; of one with `async`, what is to be awaited
 
 
 class Execution:
@@ -51,9 +54,7 @@ class Execution:
         afterwards: called on the lab's thread when it has ended and its goal as well.
     """
 
-    def __init__(
-        self, node: Node, callback: Callable[[Any], Any], goal_handle: ServerGoalHandle, wake: Callable[[], None]
-    ) -> None:
+    def __init__(self, node: Node, callback: Execute, goal_handle: ServerGoalHandle, wake: Callable[[], None]) -> None:
         self.node = node
         self.begun = time.monotonic()
         self.stopped = False
@@ -150,7 +151,7 @@ class Execution:
             return
         self._news = news = Future()
 
-        def came(_: Any) -> None:
+        def came(_: object) -> None:
             if not news.done():
                 self._go_on()
 
@@ -176,7 +177,7 @@ class Executions:
         """Whether the goals of a node's action servers are executed here."""
         return node.executor is self._executor
 
-    async def run(self, server: ActionServer, callback: Any, goal_handle: ServerGoalHandle) -> Any:
+    async def run(self, server: ActionServer, callback: Execute, goal_handle: ServerGoalHandle) -> Message:
         """Execute a goal.
 
         Args:
@@ -209,7 +210,7 @@ class Executions:
         """The longest running one of a node."""
         return next((one for one in list(self._running) if one.node is node), None)
 
-    def stop(self, nodes: Iterable[Any]) -> list[threading.Thread]:
+    def stop(self, nodes: Iterable[Node]) -> list[threading.Thread]:
         """Have the executions of these nodes end.
 
         Returns:
@@ -223,7 +224,7 @@ class Executions:
         return [thread for thread in threads if thread is not threading.current_thread()]
 
 
-def abort_goals(nodes: Iterable[Any]) -> None:
+def abort_goals(nodes: Iterable[Node]) -> None:
     """Abort the goals of these nodes' action servers that have not ended, and have their results sent; both at once.
 
     For a node that is about to be destroyed, which would leave their clients without any answer.

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.node import Node
     from rclpy.service import Service
-    from rclpy.task import Future
+    from rclpy.subscription import Subscription
+    from rclpy.task import Future, Task
 
     from course_kit.lab.recording.hooks import MessageHooks, Work
     from course_kit.lab.runtime.failures import Failures
@@ -64,7 +65,7 @@ class LabExecutor(Executor):
     def __init__(self, context: Context, failures: Failures) -> None:
         super().__init__(context=context)
         self._running: Turn | None = None
-        self._begun: dict[Any, Turn] = {}  # what has not ended, by its task, oldest first
+        self._begun: dict[Task, Turn] = {}  # what has not ended, by its task, oldest first
         self.turned = threading.Event()
         self._failures = failures
         self._stop = threading.Event()
@@ -88,7 +89,7 @@ class LabExecutor(Executor):
         self._stop.set()
         self.wake()
 
-    def forget(self, nodes: list[Any]) -> None:
+    def forget(self, nodes: list[Node]) -> None:
         """Nodes are about to be destroyed: their callbacks that await something will not go on."""
         self._begun = {task: turn for task, turn in self._begun.items() if turn.node is None or turn.node not in nodes}
 
@@ -117,7 +118,7 @@ class LabExecutor(Executor):
             self._failures.callback_crashed(error, Turn(None, None, 0.0))
             self._stop.wait(_BREATH)
 
-    def _run_handler(self, handler: Any, turn: Turn) -> None:
+    def _run_handler(self, handler: Task, turn: Turn) -> None:
         self._running = turn
         self._begun.setdefault(handler, turn)
         raised: BaseException | None = None
@@ -162,5 +163,5 @@ class RecordingExecutor(LabExecutor):
     def _take_client(self, client: Client) -> Work | None:
         return self._hooks.take_client(self, client)
 
-    def _take_subscription(self, sub: Any) -> Work | None:
+    def _take_subscription(self, sub: Subscription) -> Work | None:
         return self._hooks.take_subscription(sub)

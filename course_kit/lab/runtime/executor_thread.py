@@ -63,7 +63,7 @@ class ExecutorThread:
         """Whether the caller is inside a callback."""
         return threading.current_thread() is self._thread
 
-    def run_between_callbacks(self, function: Callable[[], None], deadline: float) -> bool:
+    def run_between_callbacks(self, function: Callable[[], object], deadline: float) -> bool:
         """Run `function` on the thread while no callback is running.
 
         Returns:

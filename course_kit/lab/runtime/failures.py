@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import DeadlockError, ServiceFailedError
 from course_kit.lab.runtime.callback_errors import Crash, examine
@@ -14,6 +14,7 @@ from course_kit.ros.names import short_name
 if TYPE_CHECKING:
     from rclpy.client import Client
     from rclpy.service import Service
+    from rclpy.task import Future
 
     from course_kit.lab.notebook.output import Output
     from course_kit.lab.recording.hooks import MessageHooks
@@ -89,7 +90,7 @@ class Failures:
             waiting[0].exception()  # marks it as seen: a caller that lost interest is no news
 
 
-def _pending(client: Client, sequence: int) -> Any:
+def _pending(client: Client, sequence: int) -> Future | None:
     """The future of a request. A client holds its lock from sending until there is one: the answer may be sooner."""
     with client._lock:  # noqa: SLF001
         return client._pending_requests.get(sequence)  # noqa: SLF001

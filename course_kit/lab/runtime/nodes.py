@@ -49,8 +49,8 @@ class LiveNode:
 
     node: Node
     node_class: type
-    arguments: tuple[Any, ...]
-    helpers: list[Any] = field(default_factory=list)
+    arguments: tuple[object, ...]
+    helpers: list[Node] = field(default_factory=list)
     name: str = ""
 
     def same_class(self, node_class: type) -> bool:
@@ -58,7 +58,7 @@ class LiveNode:
         mine = self.node_class
         return (mine.__module__, mine.__qualname__) == (node_class.__module__, node_class.__qualname__)
 
-    def precedes(self, node_class: type, arguments: tuple[Any, ...]) -> bool:
+    def precedes(self, node_class: type, arguments: tuple[object, ...]) -> bool:
         """Whether starting this class with these arguments is this start done again."""
         if not self.same_class(node_class):
             return False
@@ -68,14 +68,17 @@ class LiveNode:
 class _Start(threading.local):
     """The start that is under way on this thread: the nodes made by it so far."""
 
-    made: list[Any] | None = None
+    made: list[Node] | None = None
 
 
 class Nodes:
     """The live nodes of one lab."""
 
     def __init__(
-        self, executor_thread: ExecutorThread, end_goals: Callable[[list[Any]], None], gone: Callable[[list[Any]], None]
+        self,
+        executor_thread: ExecutorThread,
+        end_goals: Callable[[list[Node]], None],
+        gone: Callable[[list[Node]], None],
     ) -> None:
         self._executor_thread = executor_thread
         self._end_goals = end_goals
@@ -105,7 +108,7 @@ class Nodes:
 
         patches.set(Node, "__init__", initialise)
 
-    def start(self, node_class: type, arguments: tuple[Any, ...], options: dict[str, Any]) -> Any:
+    def start(self, node_class: type, arguments: tuple[object, ...], options: dict[str, Any]) -> Any:
         """Make a node and run it, in place of the ones it follows.
 
         Args:
@@ -122,7 +125,7 @@ class Nodes:
         for live in self:
             if live.precedes(node_class, given):
                 self.stop(live)
-        made: list[Any] = []
+        made: list[Node] = []
         self._start.made = made
         try:
             node = node_class(*arguments, **options)
@@ -145,7 +148,7 @@ class Nodes:
         self._executor_thread.executor.add_node(node)
         return node
 
-    def find(self, target: Any) -> list[LiveNode]:
+    def find(self, target: object) -> list[LiveNode]:
         """The live nodes meant by a node, a class, or a name with or without its namespace."""
         if isinstance(target, type):
             return [live for live in self if live.same_class(target)]
@@ -195,7 +198,7 @@ class Nodes:
             if live.name == name:
                 self.stop(live)
 
-    def _destroy(self, nodes: list[Any]) -> None:
+    def _destroy(self, nodes: list[Node]) -> None:
         for node in nodes:
             self._executor_thread.executor.remove_node(node)
             _destroy_actions(node)
@@ -223,14 +226,14 @@ def _destroy_actions(node: Node) -> None:
                 waitable.destroy()
 
 
-def _equal(mine: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
+def _equal(mine: tuple[object, ...], other: tuple[object, ...]) -> bool:
     try:
         return bool(mine == other)
     except Exception:  # noqa: BLE001 - arrays and other values whose comparison is no truth value
         return False
 
 
-def _require_node_class(given: Any) -> None:
+def _require_node_class(given: object) -> None:
     from rclpy.node import Node
 
     if isinstance(given, type) and issubclass(given, Node):

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from types import FrameType
 
     from rclpy.client import Client
+    from rclpy.node import Node
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.recording.events import Event
@@ -43,7 +44,7 @@ class Reports:
         self._script = script
         self._descriptor = descriptor
 
-    def send(self, **report: Any) -> None:
+    def send(self, **report: object) -> None:
         """Send one line; one that the pipe could not take in one piece loses its value."""
         line = json.dumps({"script": self._script, **report}, default=str)
         if len(line) > _ATOMIC:
@@ -131,7 +132,7 @@ def _record(patches: Patches, reports: Reports) -> None:
     patches.set(Executor, "_take_subscription", lambda _, subscription: hooks.take_subscription(subscription))
 
 
-def _role(nodes: list[Any]) -> str:
+def _role(nodes: list[Node]) -> str:
     """Whether these nodes wait for others ("server") or only for answers to what they have asked ("client")."""
     from rclpy.action import ActionClient
 
@@ -147,14 +148,23 @@ def _role(nodes: list[Any]) -> str:
     return "server" if waits or not asks else "client"
 
 
-def _is_action(waitable: Any) -> bool:
+def _is_action(waitable: object) -> bool:
     from rclpy.action import ActionServer
 
     return isinstance(waitable, ActionServer)
 
 
 def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:
-    """Run the program; returns its exit code."""
+    """Run the program.
+
+    Args:
+        path: its file.
+        arguments: its command line.
+        interrupts: knows whether somebody has interrupted it.
+
+    Returns:
+        its exit code.
+    """
     sys.argv = [path, *arguments]
     sys.path[0] = os.getcwd()  # noqa: PTH109 - sys.path takes strings
     threading.excepthook = lambda failure: _report_thread(failure, path)

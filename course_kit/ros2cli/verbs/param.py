@@ -126,7 +126,7 @@ def _describe(options: Namespace, session: Session) -> None:
             print("  Constraints:", *constraints, sep="\n    ")
 
 
-def _constraints(descriptor: Any) -> list[str]:
+def _constraints(descriptor: Message) -> list[str]:
     found = ["Read only: true"] if descriptor.read_only else []
     for limits in (*descriptor.floating_point_range, *descriptor.integer_range):
         found += [f"Min value: {limits.from_value}", f"Max value: {limits.to_value}"]
