@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from rclpy.qos import QoSProfile
 
-    from course_kit.lab.calls import Asked
+    from course_kit.lab.calls import ServiceCall
     from course_kit.lab.runtime.nodes import NodeList
     from course_kit.lab.scripts.script import Script
     from course_kit.lab.topics import Subscription
@@ -80,28 +80,29 @@ async def call(
         ServiceFailedError: the callback of a node in this lab raised or returned no response.
         NoAnswerError: nothing came back in time, or the server went away.
     """
-    return await current().call(service, service_type, _asked(request, fields, timeout))
+    from course_kit.lab.calls import call_async
+
+    return await call_async(_service_call("lab.call()", service, service_type, (request, fields, timeout)))
 
 
 def call_blocking(
     service: str, service_type: ServiceType, request: Message = None, /, *, timeout: float = 5.0, **fields: object
 ) -> Message:
-    """The same as `call` for programs, which have no `await` at top level.
+    """See `call`; this is the same for programs, which have no `await` at top level."""
+    from course_kit.lab import calls
 
-    Args:
-        service: as for `call`.
-        service_type: as for `call`.
-        request: as for `call`.
-        timeout: as for `call`.
-        fields: as for `call`.
-    """
-    return current().call_blocking(service, service_type, _asked(request, fields, timeout))
+    pending = _service_call("lab.call_blocking()", service, service_type, (request, fields, timeout))
+    return calls.call_blocking(pending)
 
 
-def _asked(request: Message, fields: dict[str, object], timeout: float) -> Asked:
-    from course_kit.lab.calls import Asked
+def _service_call(
+    verb: str, service: str, service_type: ServiceType, asked: tuple[Message, dict[str, object], float]
+) -> ServiceCall:
+    from course_kit.lab.calls import Asked, ServiceCall
 
-    return Asked(request, fields, timeout)
+    engine = current().engine
+    engine.not_in_callback(verb)
+    return ServiceCall(engine, service, service_type, Asked(*asked))
 
 
 def publish(topic: str, message_type: type[Message], message: Message = None, /, **fields: object) -> None:
@@ -119,7 +120,9 @@ def publish(topic: str, message_type: type[Message], message: Message = None, /,
     Raises:
         FieldError: no such field, or a value it cannot take.
     """
-    current().publish(topic, message_type, message, fields)
+    from course_kit.lab import topics
+
+    topics.publish(current().engine, topic, message_type, message, fields)
 
 
 async def next_messages(
@@ -136,7 +139,9 @@ async def next_messages(
     Raises:
         NoAnswerError: fewer came within `timeout` seconds.
     """
-    return await current().next_messages(topic, message_type, count, timeout)
+    from course_kit.lab import topics
+
+    return await topics.next_messages(current().engine, topic, message_type, count, timeout)
 
 
 def subscribe(
@@ -157,7 +162,9 @@ def subscribe(
         FieldError: this is no message type.
         LabError: the topic is no ROS name, or is in use here with another type.
     """
-    return current().subscribe(topic, message_type, callback, qos)
+    from course_kit.lab.topics import Subscription
+
+    return Subscription(current().engine, topic, message_type, callback, qos)
 
 
 def script(name: str, source: str, /, *args: object, mode: str = "auto") -> Script:

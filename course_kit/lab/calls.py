@@ -96,9 +96,13 @@ class PendingCall(ABC):
     def result(self) -> Any:
         """What came back."""
 
+    def show_output(self) -> None:
+        """Show what callbacks have printed meanwhile."""
+        self._lab.flush_output()
+
     def close(self) -> None:
         """Stop waiting, whether or not the answer has come."""
-        self._lab.flush_output()
+        self.show_output()
 
     @abstractmethod
     def _has_come(self) -> bool:
@@ -219,8 +223,8 @@ async def call_async(call: PendingCall) -> Any:
         call.close()
 
 
-def call_blocking(call: PendingCall, show: Callable[[], None]) -> Any:
-    """Drive a call from a plain function; `show` is called now and then. Ctrl-C interrupts it."""
+def call_blocking(call: PendingCall) -> Any:
+    """Drive a call from a plain function, showing output now and then. Ctrl-C interrupts it."""
     pause = threading.Event()
     try:
         while not call.may_send():
@@ -228,7 +232,7 @@ def call_blocking(call: PendingCall, show: Callable[[], None]) -> Any:
         call.send(pause.set)
         while not pause.wait(call.next_check()):
             call.check()
-            show()
+            call.show_output()
         return call.result()
     finally:
         call.close()

@@ -9,7 +9,7 @@ from course_kit.lab.singleton import current
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.goals import AskedGoal, Goal
+    from course_kit.lab.goals import AskedGoal, Goal, Sending
     from course_kit.ros.messages import ActionType, Message
 
 
@@ -44,7 +44,12 @@ async def send_goal(  # noqa: PLR0913 - four of them are options, by name
         FieldError: no such field, or a value it cannot take.
         NoAnswerError: the server neither accepted nor rejected it in time, or went away.
     """
-    return await current().send_goal(action, action_type, _asked_goal(goal, fields, timeout, on_feedback, on_result))
+    from course_kit.lab.calls import call_async
+    from course_kit.lab.goals import AskedGoal
+
+    asked = AskedGoal(goal, fields, timeout, on_feedback, on_result)
+    sent: Goal = await call_async(_sending("lab.send_goal()", action, action_type, asked))
+    return sent
 
 
 def send_goal_blocking(  # noqa: PLR0913 - the same
@@ -58,28 +63,18 @@ def send_goal_blocking(  # noqa: PLR0913 - the same
     on_result: Callable[[Goal], object] | None = None,
     **fields: object,
 ) -> Goal:
-    """The same as `send_goal` for programs; so are `goal.result_blocking()` and `goal.cancel_blocking()`.
-
-    Args:
-        action: as for `send_goal`.
-        action_type: as for `send_goal`.
-        goal: as for `send_goal`.
-        timeout: as for `send_goal`.
-        on_feedback: as for `send_goal`.
-        on_result: as for `send_goal`.
-        fields: as for `send_goal`.
-    """
-    asked = _asked_goal(goal, fields, timeout, on_feedback, on_result)
-    return current().send_goal_blocking(action, action_type, asked)
-
-
-def _asked_goal(
-    goal: Message,
-    fields: dict[str, object],
-    timeout: float,
-    on_feedback: Callable[[Message], object] | None,
-    on_result: Callable[[Goal], object] | None,
-) -> AskedGoal:
+    """See `send_goal`; this is the same for programs, and so are `goal.result_blocking()` and `cancel_blocking()`."""
+    from course_kit.lab.calls import call_blocking
     from course_kit.lab.goals import AskedGoal
 
-    return AskedGoal(goal, fields, timeout, on_feedback, on_result)
+    asked = AskedGoal(goal, fields, timeout, on_feedback, on_result)
+    sent: Goal = call_blocking(_sending("lab.send_goal_blocking()", action, action_type, asked))
+    return sent
+
+
+def _sending(verb: str, action: str, action_type: ActionType, asked: AskedGoal) -> Sending:
+    from course_kit.lab.goals import Sending
+
+    engine = current().engine
+    engine.not_in_callback(verb)
+    return Sending(engine, action, action_type, asked)

@@ -93,7 +93,7 @@ class Goal:
 
     def result_blocking(self, timeout: float = 60.0) -> Message:
         """The same as `result` for programs, which have no `await` at top level."""
-        return self._result_of(call_blocking(self._wait_for_end(timeout), self._lab.flush_output))
+        return self._result_of(call_blocking(self._wait_for_end(timeout)))
 
     async def cancel(self, timeout: float = 5.0) -> bool:
         """Ask the server to cancel it.
@@ -109,7 +109,7 @@ class Goal:
 
     def cancel_blocking(self, timeout: float = 5.0) -> bool:
         """The same as `cancel` for programs."""
-        return bool(call_blocking(self._wait_for_cancel(timeout), self._lab.flush_output))
+        return bool(call_blocking(self._wait_for_cancel(timeout)))
 
     async def __aiter__(self) -> AsyncIterator[Message]:
         """Each feedback message from the first one on, until the goal has ended.

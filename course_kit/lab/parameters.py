@@ -51,7 +51,7 @@ async def get_parameters(node: str | Node, /, *names: str, timeout: float = _TIM
 
 
 def get_parameters_blocking(node: str | Node, /, *names: str, timeout: float = _TIMEOUT) -> Values:
-    """The same as `get_parameters` for programs and for threads without an event loop."""
+    """See `get_parameters`; this is the same for programs and for threads without an event loop."""
     name = full_name(node)
     return _ask_blocking(name, _getting(name, names), timeout)
 
@@ -80,29 +80,22 @@ async def set_parameters(
         NoAnswerError: nothing came back in time.
     """
     name = full_name(node)
-    with ParameterEventWait() as hearing:
+    with ParameterEventWait() as waiting:
         outcome = await _ask(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
-        if hearing.expects(outcome.events):
-            await asyncio.to_thread(hearing.wait)
+        if waiting.expects(outcome.events):
+            await asyncio.to_thread(waiting.wait)
     return outcome
 
 
 def set_parameters_blocking(
     node: str | Node, given: dict[str, object] | None = None, /, *, atomically: bool = False, **values: object
 ) -> Outcome:
-    """The same as `set_parameters` for programs and for threads without an event loop.
-
-    Args:
-        node: as for `set_parameters`.
-        given: as for `set_parameters`.
-        atomically: as for `set_parameters`.
-        values: as for `set_parameters`.
-    """
+    """See `set_parameters`; this is the same for programs and for threads without an event loop."""
     name = full_name(node)
-    with ParameterEventWait() as hearing:
+    with ParameterEventWait() as waiting:
         outcome = _ask_blocking(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
-        if hearing.expects(outcome.events):
-            hearing.wait()
+        if waiting.expects(outcome.events):
+            waiting.wait()
     return outcome
 
 
@@ -120,7 +113,7 @@ async def describe_parameters(node: str | Node, /, *, timeout: float = _TIMEOUT)
 
 
 def describe_parameters_blocking(node: str | Node, /, *, timeout: float = _TIMEOUT) -> Descriptors:
-    """The same as `describe_parameters` for programs and for threads without an event loop."""
+    """See `describe_parameters`; this is the same for programs and for threads without an event loop."""
     return _ask_blocking(full_name(node), _describing(), timeout)
 
 

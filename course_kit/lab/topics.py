@@ -8,19 +8,20 @@ import time
 from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import NoAnswerError
-from course_kit.lab.messages import require_message_type
+from course_kit.lab.messages import message_of, require_message_type
 from course_kit.ros.messages import type_name
 from course_kit.ros.qos import as_offered
+from course_kit.ros.topic import hears, is_heard, publishers
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rclpy.node import Node
-    from rclpy.publisher import Publisher
     from rclpy.qos import QoSProfile
     from rclpy.subscription import Subscription as RclpySubscription
 
     from course_kit.lab.runtime.engine import Engine
+    from course_kit.ros.filling import Fields
     from course_kit.ros.messages import Message
 
 _MATCHING = 1.0  # seconds a new publisher waits for the subscriptions that are on the graph
@@ -29,18 +30,11 @@ _POLL = 0.005
 _DEPTH = 10
 
 
-def wait_for_subscriptions(node: Node, publisher: Publisher) -> None:
-    """Wait until a publisher is connected to the subscriptions that are there, so that none misses the first message.
-
-    At most one second: a subscription of another type or quality of service never connects.
-    """
-    _wait_while(lambda: publisher.get_subscription_count() < node.count_subscribers(publisher.topic_name))
-
-
-def _wait_while(condition: Callable[[], bool]) -> None:
+def _wait_until(condition: Callable[[], bool]) -> None:
+    """Wait for something on the graph, at most one second."""
     deadline = time.monotonic() + _MATCHING
     pause = threading.Event()  # the graph has no event to wait for in rclpy: look often, with a deadline
-    while condition() and time.monotonic() < deadline:
+    while not condition() and time.monotonic() < deadline:
         pause.wait(_POLL)
 
 
@@ -50,8 +44,19 @@ class Subscription:
     Making one waits until it is connected to the publishers that are there, one second at most, so that what they
     publish next is not missed.
 
+    Args:
+        lab: has it.
+        topic: the topic's name.
+        message_type: the messages' class.
+        callback: called with each message.
+        qos: a profile; what the topic's publishers offer unless given.
+
     Attributes:
         topic: the topic's full name.
+
+    Raises:
+        FieldError: this is no message type.
+        LabError: the topic is no ROS name, or is in use here with another type.
     """
 
     def __init__(
@@ -62,14 +67,14 @@ class Subscription:
         callback: Callable[[Message], None],
         qos: QoSProfile | None = None,
     ) -> None:
+        require_message_type(message_type)
         self._lab = lab
         self._type = type_name(message_type)
         self._open = True
         self._subscription = lab.clients.subscription(message_type, topic, callback, qos or as_offered(_DEPTH))
         self.topic: str = self._subscription.topic_name
         if not lab.in_callback():
-            node, new = lab.node, self._subscription
-            _wait_while(lambda: new.get_publisher_count() < node.count_publishers(self.topic))
+            _wait_until(lambda: hears(lab.node, self._subscription))
 
     def close(self) -> None:
         """End it: the callback is not called again. Safe to call twice, and after the lab has ended."""
@@ -81,19 +86,28 @@ class Subscription:
         return f"subscription to {self.topic} [{self._type}]{'' if self._open else ' (closed)'}"
 
 
-def publish(lab: Engine, publisher: Publisher, message: Message) -> None:
-    """Publish, and return when the callbacks of this lab's subscriptions have had the message.
+def publish(lab: Engine, topic: str, message_type: type[Message], message: Message, fields: Fields) -> None:
+    """Publish a message once the topic's subscriptions are connected; return when those of this lab have had it.
 
-    So what they print is printed with the cell that published. At most one second: a subscription of another
-    quality of service gets nothing, and a callback may take long.
+    So what their callbacks print is printed with the cell that published. At most one second each: a subscription of
+    another type or quality of service never gets it, and a callback may take long.
 
     Args:
-        lab: whose publisher it is.
-        publisher: of the topic.
-        message: what is sent.
+        lab: publishes it.
+        topic: its name.
+        message_type: its class.
+        message: a ready message instead of `fields`.
+        fields: the message's fields.
+
+    Raises:
+        FieldError: no such field, or a value it cannot take.
     """
+    require_message_type(message_type)
+    ready = message_of(message_type, message, fields, f"a {type_name(message_type)}")
+    publisher = lab.clients.publisher(message_type, topic)
+    _wait_until(lambda: is_heard(lab.node, publisher))
     if lab.in_callback() or not lab.tells_deliveries():  # in a callback this is the thread that would deliver
-        publisher.publish(message)
+        publisher.publish(ready)
         return
     waiting = lab.subscriptions(publisher.topic_name, publisher.msg_type)
     all_had_it = threading.Event()
@@ -105,7 +119,7 @@ def publish(lab: Engine, publisher: Publisher, message: Message) -> None:
 
     lab.listen_for_deliveries(had, listen=True)
     try:
-        publisher.publish(message)
+        publisher.publish(ready)
         if waiting:
             all_had_it.wait(_DELIVERY)
     finally:
@@ -157,12 +171,12 @@ async def next_messages(
 
 
 def _why_none(node: Node, subscription: RclpySubscription) -> str:
-    publishers = node.get_publishers_info_by_topic(subscription.topic_name)
-    if not publishers:
+    found = publishers(node, subscription.topic_name)
+    if not found:
         return "No node publishes it."
-    types = sorted({publisher.topic_type for publisher in publishers})
+    types = sorted({one.type for one in found})
     wanted = type_name(subscription.msg_type)
     if types != [wanted]:
         return f"It is published as {', '.join(types)}, but you asked for {wanted}."
-    names = sorted({publisher.node_name for publisher in publishers})
+    names = sorted({one.node for one in found})
     return f"{', '.join(names)} has a publisher for it but may not have published yet."

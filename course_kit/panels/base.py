@@ -33,20 +33,16 @@ class Panel:
 
     Args:
         subject: what it is for. A panel of the same class for the same subject is closed first.
+
+    Attributes:
+        widget: the ipywidget to be displayed.
     """
+
+    widget: Widget
 
     def __init__(self, *subject: Hashable) -> None:
         self._closing: list[Callable[[], None]] = []
         lab.current().attach_panel((type(self).__name__, *subject), self.close)
-
-    @property
-    def widget(self) -> Widget:
-        """The ipywidget to be displayed.
-
-        Raises:
-            NotImplementedError: the panel has not said.
-        """
-        raise NotImplementedError
 
     def describe(self) -> str:
         """The panel in a sentence or two, for where no widget can be shown.

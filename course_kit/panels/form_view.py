@@ -65,19 +65,14 @@ class ServiceForm(Panel):
         super().__init__(service)
         self.service, self.service_type, self.timeout = service, service_type, timeout
         self._form = MessageForm(service_type.Request)
-        self._widget = FormWidget(
+        self.widget = FormWidget(
             title={"service": service, "type": type_name(service_type)},
             entries=self._form.entries(),
             values=self._form.defaults(),
             outcome={"state": "new"},
         )
-        self._widget.on_msg(self._asked)
+        self.widget.on_msg(self._asked)
         self.at_close(self._end)
-
-    @property
-    def widget(self) -> FormWidget:
-        """The form."""
-        return self._widget
 
     def describe(self) -> str:
         """What can be asked and what comes back."""
@@ -89,7 +84,7 @@ class ServiceForm(Panel):
 
     def fill(self, values: Values) -> None:
         """Type into fields, by path, such as {"target.x": "1.5"}; the others stay."""
-        self._widget.values = {**self._widget.values, **values}
+        self.widget.values = {**self.widget.values, **values}
 
     def send(self) -> Message:
         """Send what the fields hold, as the button does.
@@ -98,7 +93,7 @@ class ServiceForm(Panel):
             the response; None when there is none, and the form says why.
         """
         try:
-            request = self._form.read(self._widget.values)
+            request = self._form.read(self.widget.values)
         except FormError as error:
             self._show("invalid", str(error), errors=error.fields)
             return None
@@ -107,7 +102,7 @@ class ServiceForm(Panel):
         with _printed() as printed:
             outcome, response = self._call(request)
         seen = {"printed": printed.getvalue().rstrip(), "exchange": _exchange_since(before)}
-        self._widget.outcome = {**outcome, **seen}
+        self.widget.outcome = {**outcome, **seen}
         return response
 
     def _call(self, request: Message) -> tuple[dict[str, object], Message]:
@@ -126,24 +121,24 @@ class ServiceForm(Panel):
     def _asked(self, _: object, content: dict[str, Any], buffers: object) -> None:
         """The page wants something done."""
         del buffers
-        if self._widget.ended:
+        if self.widget.ended:
             return
-        known = self._widget.values
-        self._widget.values = {**known, **content.get("values", {})}
+        known = self.widget.values
+        self.widget.values = {**known, **content.get("values", {})}
         if content.get("do") == "send":
             self.send()
         elif content.get("do") in {"add", "remove"}:
             self._form.resize(content["path"], 1 if content["do"] == "add" else -1)
             fresh = self._form.defaults()
-            with self._widget.hold_sync():  # in one message: whoever sees the new field may type into it at once
-                self._widget.entries = self._form.entries()
-                self._widget.values = {path: self._widget.values.get(path, value) for path, value in fresh.items()}
+            with self.widget.hold_sync():  # in one message: whoever sees the new field may type into it at once
+                self.widget.entries = self._form.entries()
+                self.widget.values = {path: self.widget.values.get(path, value) for path, value in fresh.items()}
 
     def _show(self, state: str, text: str, **more: object) -> None:
-        self._widget.outcome = {"state": state, "text": text, **more}
+        self.widget.outcome = {"state": state, "text": text, **more}
 
     def _end(self) -> None:
-        self._widget.ended = "This form has ended. Run its cell again to use it."
+        self.widget.ended = "This form has ended. Run its cell again to use it."
 
 
 @contextmanager

@@ -9,14 +9,12 @@ import traitlets
 
 from course_kit.lab.errors import FieldError
 from course_kit.panels import goal_words
-from course_kit.panels.base import Latest, Panel, of_files
-from course_kit.panels.goal_sender import GoalSender
+from course_kit.panels.base import of_files
+from course_kit.panels.goal_follower import GoalFollower
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 from course_kit.ros.messages import is_action_type, type_name
 
 if TYPE_CHECKING:
-    from ipywidgets import Widget
-
     from course_kit.panels.goal_sender import Standing
     from course_kit.ros.messages import ActionType
 
@@ -38,7 +36,7 @@ class _ActionWidget(anywidget.AnyWidget):
     view = traitlets.Dict().tag(sync=True)
 
 
-class ActionPanel(Panel):
+class ActionPanel(GoalFollower):
     """A panel for one action.
 
     Args:
@@ -53,27 +51,15 @@ class ActionPanel(Panel):
         if not isinstance(action, str) or not is_action_type(action_type):
             raise FieldError('A panel needs a name and an action type: panels.action_panel("/fibonacci", Fibonacci).')
         super().__init__(action)
-        self._action, self._type = action, action_type
+        self._type = action_type
         self._form = MessageForm(action_type.Goal)
         self._errors: dict[str, str] = {}
-        self._ended = False
-        self._widget = _ActionWidget(
+        self.widget = _ActionWidget(
             title={"action": action, "type": type_name(action_type)},
             entries=self._form.entries(),
             values=self._form.defaults(),
         )
-        self._updates: Latest[Standing] = Latest(self._show)
-        self._sender = GoalSender(action, action_type, self._updates.put)
-        self._widget.on_msg(self._take_wish)
-        self.at_close(self._end)
-        self.at_close(self._updates.close)
-        self.at_close(self._sender.close)
-        self._show(self._sender.standing)
-
-    @property
-    def widget(self) -> Widget:
-        """The anywidget."""
-        return self._widget
+        self._follow(action_type)
 
     def describe(self) -> str:
         """The panel in words."""
@@ -87,12 +73,12 @@ class ActionPanel(Panel):
 
     def fill(self, values: Values) -> None:
         """Type into fields of the goal, by path, such as {"order": "7"}; the others stay."""
-        self._widget.values = {**self._widget.values, **values}
+        self.widget.values = {**self.widget.values, **values}
 
     def send(self) -> None:
         """Send what the fields hold, as the button does; returns at once."""
         try:
-            goal = self._form.read(self._widget.values)
+            goal = self._form.read(self.widget.values)
         except FormError as error:
             self._errors = error.fields
             self._updates.put(self._sender.standing)
@@ -100,14 +86,7 @@ class ActionPanel(Panel):
         self._errors = {}
         self._sender.send(goal)
 
-    def cancel(self) -> None:
-        """Ask the server to cancel the goal that is shown; returns at once."""
-        self._sender.cancel()
-
-    def _take_wish(self, widget: object, wish: dict[str, Any], buffers: object) -> None:
-        del widget, buffers
-        if self._ended:
-            return
+    def _take_wish(self, wish: dict[str, Any]) -> None:
         self.fill(wish.get("values", {}))
         if wish.get("do") == "send":
             self.send()
@@ -115,14 +94,14 @@ class ActionPanel(Panel):
             self.cancel()
         elif wish.get("do") in {"add", "remove"}:
             self._form.resize(wish["path"], 1 if wish["do"] == "add" else -1)
-            known = self._widget.values
-            with self._widget.hold_sync():  # in one message: whoever sees the new field may type into it at once
-                self._widget.entries = self._form.entries()
-                self._widget.values = {path: known.get(path, value) for path, value in self._form.defaults().items()}
+            known = self.widget.values
+            with self.widget.hold_sync():  # in one message: whoever sees the new field may type into it at once
+                self.widget.entries = self._form.entries()
+                self.widget.values = {path: known.get(path, value) for path, value in self._form.defaults().items()}
 
     def _show(self, standing: Standing) -> None:
         progress, errors = standing.progress, self._errors
-        self._widget.view = {
+        self.widget.view = {
             "share": progress.share if standing.status else 0.0,
             "progress": progress.text if standing.status else "",
             "status": _ENDED if self._ended else _NOT_SENT if errors else status_line(standing),
@@ -132,10 +111,6 @@ class ActionPanel(Panel):
             "errors": errors,
             "ended": self._ended,
         }
-
-    def _end(self) -> None:
-        self._ended = True
-        self._show(self._sender.standing)
 
 
 def status_line(standing: Standing) -> str:

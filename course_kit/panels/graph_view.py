@@ -56,17 +56,12 @@ class GraphView(Panel):
         self._lock = threading.Lock()
         self._shown: Overview | None = None
         self._ended = threading.Event()
-        self._widget = GraphWidget()
+        self.widget = GraphWidget()
         self._look()
-        self._widget.observe(lambda _: self._look(), "plumbing")
+        self.widget.observe(lambda _: self._look(), "plumbing")
         self._thread = threading.Thread(target=self._watch, name="graph-view", daemon=True)
         self._thread.start()
         self.at_close(self._end)
-
-    @property
-    def widget(self) -> GraphWidget:
-        """The picture."""
-        return self._widget
 
     def describe(self) -> str:
         """The graph in lines: each node, what it does, and what may be amiss."""
@@ -78,20 +73,20 @@ class GraphView(Panel):
 
     def _look(self) -> None:
         with self._lock:  # the page and the thread may ask at the same time
-            seen = graph.read(self._node, plumbing=self._widget.plumbing)
+            seen = graph.read(self._node, plumbing=self.widget.plumbing)
             if seen == self._shown:
                 return
             before, self._shown = self._shown, seen
-            with self._widget.hold_sync():
-                self._widget.nodes, self._widget.channels = drawn(seen)
-                self._widget.text = in_lines(seen)
-                self._widget.news = news(before, seen) if before is not None else ""
+            with self.widget.hold_sync():
+                self.widget.nodes, self.widget.channels = drawn(seen)
+                self.widget.text = in_lines(seen)
+                self.widget.news = news(before, seen) if before is not None else ""
 
     def _end(self) -> None:
         self._ended.set()
         if threading.current_thread() is not self._thread:
             self._thread.join(_JOIN)
-        self._widget.ended = True
+        self.widget.ended = True
 
 
 def in_lines(seen: Overview) -> str:

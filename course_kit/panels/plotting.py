@@ -76,16 +76,11 @@ class Plot(Panel):
         self._lock = threading.Lock()
         self._samples: deque[tuple[float, float]] = deque(maxlen=_KEPT)
         self._count = 0
-        self._widget = PlotWidget(topic=topic, field=field, span=self.seconds)
+        self.widget = PlotWidget(topic=topic, field=field, span=self.seconds)
         self.at_close(self._end)
         self._updates = Latest(self._show)
         self.at_close(self._updates.close)
         self.at_close(lab.subscribe(topic, message_type, self._take, qos=_quality(topic)).close)
-
-    @property
-    def widget(self) -> PlotWidget:
-        """The plot."""
-        return self._widget
 
     @property
     def samples(self) -> list[tuple[float, float]]:
@@ -113,12 +108,12 @@ class Plot(Panel):
     def _show(self, _: None) -> None:
         with self._lock:
             samples, count = np.array(self._samples, dtype=np.float64), self._count
-        with self._widget.hold_sync():
-            self._widget.count = count
-            self._widget.samples = thinned(samples, _DRAWN).tobytes()
+        with self.widget.hold_sync():
+            self.widget.count = count
+            self.widget.samples = thinned(samples, _DRAWN).tobytes()
 
     def _end(self) -> None:
-        self._widget.ended = _ENDED
+        self.widget.ended = _ENDED
 
 
 def thinned(samples: Samples, most: int) -> Samples:

@@ -69,19 +69,14 @@ class ParameterSliders(Panel):
         self._outcomes: dict[str, dict[str, object]] = {}
         self._heard: dict[str, int] = {}  # how often a change was heard of, by name
         self._outdated = False
-        self._widget = SlidersWidget(node=self.node)
-        self._widget.on_msg(self._wished)
+        self.widget = SlidersWidget(node=self.node)
+        self.widget.on_msg(self._wished)
         self.at_close(self._end)
         self._updates = Latest(self._update)
         self.at_close(self._updates.close)
         self._listen()
         self._values = self._ask()[1]  # once more: something may have changed before we listened
         self._show()
-
-    @property
-    def widget(self) -> SlidersWidget:
-        """The sliders."""
-        return self._widget
 
     @property
     def values(self) -> dict[str, Any]:
@@ -167,15 +162,15 @@ class ParameterSliders(Panel):
     def _wished(self, _: object, content: dict[str, Any], buffers: object) -> None:
         """Somebody has moved or typed something on the page."""
         del buffers
-        if not self._widget.ended and content.get("name") in self._descriptors:
+        if not self.widget.ended and content.get("name") in self._descriptors:
             self.set(content["name"], content.get("value", ""), content.get("token", 0))
 
     def _show(self) -> None:
         # The lock is held while it is sent, so that an older state never comes after a newer one.
-        with self._lock, self._widget.hold_sync():
-            self._widget.entries = [entry(self._descriptors[name]) for name in self._values]
-            self._widget.values = {name: shown(value) for name, value in self._values.items()}
-            self._widget.outcomes = dict(self._outcomes)
+        with self._lock, self.widget.hold_sync():
+            self.widget.entries = [entry(self._descriptors[name]) for name in self._values]
+            self.widget.values = {name: shown(value) for name, value in self._values.items()}
+            self.widget.outcomes = dict(self._outcomes)
 
     def _end(self) -> None:
-        self._widget.ended = _ENDED
+        self.widget.ended = _ENDED

@@ -1,4 +1,4 @@
-"""Where the command and its daemon meet: a socket for each set of ROS settings in the user's state directory."""
+"""The socket between the command and its daemon: one for each set of ROS settings in the user's state directory."""
 
 from __future__ import annotations
 

@@ -6,27 +6,21 @@ import atexit
 import threading
 from typing import TYPE_CHECKING, Any
 
-from course_kit.lab import calls, graph, topics
+from course_kit.lab import graph
 from course_kit.lab.errors import LabError
-from course_kit.lab.messages import message_of, require_message_type
 from course_kit.lab.notebook.cells import Notebook
 from course_kit.lab.notebook.output import Output
 from course_kit.lab.recording.events import EventStream
 from course_kit.ros import graph as ros_graph
-from course_kit.ros.messages import type_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Hashable, Iterable
+    from collections.abc import Callable, Hashable, Iterable
 
-    from rclpy.qos import QoSProfile
-
-    from course_kit.lab import goals
     from course_kit.lab.recording.recording import Recording
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.nodes import NodeList
     from course_kit.lab.scripts.running import Scripts
     from course_kit.lab.scripts.script import Script
-    from course_kit.ros.messages import ActionType, Message, ServiceType
 
 
 class Lab:
@@ -113,54 +107,6 @@ class Lab:
 
         live = sorted(self._engine.nodes, key=lambda one: one.name) if self._engine else []
         return NodeList(live)
-
-    def call(self, service: str, service_type: ServiceType, asked: calls.Asked) -> Coroutine[object, None, Message]:
-        """See `course_kit.lab.call`."""
-        self._not_in_callback("lab.call()")
-        return calls.call_async(calls.ServiceCall(self.engine, service, service_type, asked))
-
-    def call_blocking(self, service: str, service_type: ServiceType, asked: calls.Asked) -> Message:
-        """See `course_kit.lab.call_blocking`."""
-        self._not_in_callback("lab.call_blocking()")
-        pending = calls.ServiceCall(self.engine, service, service_type, asked)
-        return calls.call_blocking(pending, self.output.drain)
-
-    def send_goal(
-        self, action: str, action_type: ActionType, asked: goals.AskedGoal
-    ) -> Coroutine[object, None, goals.Goal]:
-        """See `course_kit.lab.send_goal`."""
-        self._not_in_callback("lab.send_goal()")
-        from course_kit.lab import goals
-
-        return calls.call_async(goals.Sending(self.engine, action, action_type, asked))
-
-    def send_goal_blocking(self, action: str, action_type: ActionType, asked: goals.AskedGoal) -> goals.Goal:
-        """See `course_kit.lab.send_goal_blocking`."""
-        self._not_in_callback("lab.send_goal_blocking()")
-        from course_kit.lab import goals
-
-        sending = goals.Sending(self.engine, action, action_type, asked)
-        goal: goals.Goal = calls.call_blocking(sending, self.output.drain)
-        return goal
-
-    def publish(self, topic: str, message_type: type[Message], message: Message, fields: dict[str, object]) -> None:
-        """See `course_kit.lab.publish`."""
-        require_message_type(message_type)
-        ready = message_of(message_type, message, fields, f"a {type_name(message_type)}")
-        publisher = self.engine.clients.publisher(message_type, topic)
-        topics.wait_for_subscriptions(self.engine.node, publisher)
-        topics.publish(self.engine, publisher, ready)
-
-    async def next_messages(self, topic: str, message_type: type[Message], count: int, timeout: float) -> list[Message]:
-        """See `course_kit.lab.next_messages`."""
-        return await topics.next_messages(self.engine, topic, message_type, count, timeout)
-
-    def subscribe(
-        self, topic: str, message_type: type[Message], callback: Callable[[Message], None], qos: QoSProfile | None
-    ) -> topics.Subscription:
-        """See `course_kit.lab.subscribe`."""
-        require_message_type(message_type)
-        return topics.Subscription(self.engine, topic, message_type, callback, qos)
 
     def script(self, name: str, source: str, arguments: tuple[str, ...], mode: str) -> Script:
         """See `course_kit.lab.script`."""
