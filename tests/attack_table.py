@@ -1,7 +1,7 @@
 """artifacts/attacks.md: every attack that a test runs, and whether it held in this run.
 
-Under each kind of isolation the tests of `tests/grading/test_attacks.py` say it in a table of their own. All others
-are marked with `attack`: what they try does not depend on isolation, or they see to their own.
+Under each kind of isolation the tests of `tests/grading/sandbox/test_attacks.py` say it in a table of their own. All
+others are marked with `attack`: what they try does not depend on isolation, or they see to their own.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ LEFT_OUT = (
     "tests/grading",
     "tests/proof",
     "tests/dev",
-    "tests/robot_parameters",
+    "tests/graders",
     ".ci",
     ".github",
 )

@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import ast
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
 from course_kit.quiz import Unusable
+
+if TYPE_CHECKING:
+    from course_kit.grading.plain_data import Record
 
 _NO_LITERAL = (ValueError, TypeError, SyntaxError, RecursionError, MemoryError)
 _LONGEST = 500  # characters of an answer or its id, as text
@@ -28,14 +31,14 @@ class FoundAnswers:
         too_large: whether it was too much to be handed over.
     """
 
-    entries: dict[Any, Any] | None = None
+    entries: dict[object, object] | None = None
     value: str = ""
     set_names: tuple[str, ...] = field(default=())
     is_set: bool = True
     too_large: bool = False
 
 
-def found(told: dict[str, Any], variable: str) -> FoundAnswers:
+def found(told: Record, variable: str) -> FoundAnswers:
     """The answers, as they are told.
 
     Args:
@@ -50,13 +53,13 @@ def found(told: dict[str, Any], variable: str) -> FoundAnswers:
         return FoundAnswers(value=told["value"], set_names=names)
     if "entries" not in told:
         return FoundAnswers(set_names=names, is_set=False)
-    entries: dict[Any, Any] = {}
+    entries: dict[object, object] = {}
     for key, text, *problem in told["entries"]:
         _put(entries, key, text, "".join(problem))
     return FoundAnswers(entries, set_names=names)
 
 
-def _put(entries: dict[Any, Any], key: str, text: str, problem: str) -> None:
+def _put(entries: dict[object, object], key: str, text: str, problem: str) -> None:
     try:
         value = Unusable(text, problem) if problem else _literal(text)
     except _NO_LITERAL:
@@ -67,7 +70,7 @@ def _put(entries: dict[Any, Any], key: str, text: str, problem: str) -> None:
         entries[key] = value
 
 
-def _literal(text: str) -> Any:
+def _literal(text: str) -> object:
     if len(text) > _LONGEST:
         raise ValueError("the answer is too long to be read")
     return ast.literal_eval(text)

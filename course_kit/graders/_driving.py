@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_interfaces.action import MoveRobot
 from geometry_msgs.msg import Point
 
 from course_kit.graders._moves import ARENA, ORIGIN, TOLERANCE, MovePlace, in_the_arena, place_of, target_from
-from course_kit.grading.checks.actions import WantedAction, ensure_ready, start_again
+from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.discovery import ensure_ready, start_again
 from course_kit.grading.checks.goals import SUCCEEDED, CheckedGoal, Ended
 from course_kit.grading.diagnosis import goals
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.context import CheckContext
 
-ACTION = WantedAction("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
+ACTION = WantedAction("/move_robot", MoveRobot)
 SHORTEST_M, LONGEST_M = 1.2, 1.8  # metres; moves that are long enough for the rules about feedback
 _SCALE = "COURSE_KIT_TIME_SCALE"
 FAST, OWN_SPEED = {_SCALE: "0.1"}, {_SCALE: "1"}
@@ -213,7 +214,7 @@ def told(ended: Ended) -> str:
     )
 
 
-def is_blank(result: Any) -> bool:
+def is_blank(result: MoveRobot.Result) -> bool:
     """Whether a result is as ROS 2 makes it: nobody has filled in anything."""
     return bool(result == MoveRobot.Result())
 

@@ -20,9 +20,10 @@ from course_kit.graders._driving import (
 )
 from course_kit.graders._moves import BESIDE, MovePlace, beside, farthest_corner, place_of, target_from
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.discovery import ENDED
 from course_kit.grading.checks.goals import CANCELED, SUCCEEDED, CheckedGoal, Ended
 from course_kit.grading.diagnosis import goals, hangs
+from course_kit.grading.diagnosis.exceptions import explained
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
@@ -83,12 +84,8 @@ def _get_under_way(context: CheckContext, goal: CheckedGoal, begin: MovePlace) -
             or any(math.dist(begin, place_of(one.feedback.position)) >= way for one in goal.feedback)
         )
 
-    try:
+    with explained(context, Evidence(goal.shown, "the robot to drive"), goals.of_program, ENDED):
         context.wait_until(under_way, allowed_s(way))
-    except SubmissionEndedError as ended:
-        diagnosis, message = goals.of_program(ended.process, context.job)
-        evidence = Evidence(goal.shown, "the robot to drive", "a program that has ended")
-        raise Failed(evidence, message, diagnosis) from None
 
 
 def _both_accepted(
@@ -119,16 +116,12 @@ def _have_it_accepted(context: CheckContext, goal: CheckedGoal, length: float, e
     """Ask to cancel the goal, and have that accepted in time."""
     clock = context.clock()
     answer = goal.cancel()
-    try:
-        context.wait_until(answer.done, allowed_s(length))
-    except SubmissionEndedError as ended:
-        evidence = Evidence(goal.shown, expected, "no answer: the program ended")
-        diagnosis, message = goals.of_program(ended.process, context.job)
-        raise Failed(evidence, message, diagnosis) from None
-    if not answer.done():
+    with explained(context, Evidence(goal.shown, expected), goals.of_program, "no answer: the program ended"):
+        context.wait_until(answer.answered, allowed_s(length))
+    if not answer.answered():
         raise hangs.unanswered(context, goal.shown, expected, clock.fair())
     waited_s, late = clock.wall(), clock.past(_PROMPT_S)
-    if goal.is_cancelled_by(answer.result()):
+    if goal.is_cancelled_by(answer.response()):
         if late:
             evidence = Evidence(goal.shown, expected, f"accepted after {waited_s:.1f} s")
             message = (

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from geometry_msgs.msg import Twist
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from std_msgs.msg import Float64
 
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9
 _UNIT = "m/s"
@@ -28,7 +30,7 @@ class LimiterSettings:
     wheel_diameter: float = 0.1  # m
     enabled: bool = True
 
-    def to_mapping(self) -> dict[str, Any]:
+    def to_mapping(self) -> dict[str, object]:
         """The values by name."""
         return asdict(self)
 
@@ -51,7 +53,7 @@ class Reaction:
     wheel: float
 
     @classmethod
-    def of(cls, twist: Any, wheel: Any) -> Reaction:
+    def of(cls, twist: Twist, wheel: Float64) -> Reaction:
         """From the messages."""
         return cls(fields_of(twist), float(wheel.data))
 
@@ -70,17 +72,17 @@ def command(linear_x: float, **others: float) -> Twist:
     return twist
 
 
-def shown(twist: Any) -> str:
+def shown(twist: Twist) -> str:
     """A command as the learner is shown it."""
     return f"/cmd_vel_in {_shown(fields_of(twist))}"
 
 
-def fields_of(twist: Any) -> tuple[float, ...]:
+def fields_of(twist: Twist) -> tuple[float, ...]:
     """The six numbers of a Twist."""
     return tuple(float(getattr(part, axis)) for part in (twist.linear, twist.angular) for axis in "xyz")
 
 
-def right_fields(settings: LimiterSettings, twist: Any) -> tuple[float, ...]:
+def right_fields(settings: LimiterSettings, twist: Twist) -> tuple[float, ...]:
     """What has to come out on /cmd_vel."""
     linear_x, *others = fields_of(twist)
     if not settings.enabled:
@@ -93,13 +95,13 @@ def right_wheel(settings: LimiterSettings, published: float) -> float:
     return _over(published, settings.wheel_diameter / 2.0) if settings.enabled else 0.0
 
 
-def right_reaction(settings: LimiterSettings, twist: Any) -> Reaction:
+def right_reaction(settings: LimiterSettings, twist: Twist) -> Reaction:
     """What has to come out."""
     fields = right_fields(settings, twist)
     return Reaction(fields, right_wheel(settings, fields[0]))
 
 
-def velocity_fits(settings: LimiterSettings, twist: Any, got: Reaction) -> bool:
+def velocity_fits(settings: LimiterSettings, twist: Twist, got: Reaction) -> bool:
     """Whether /cmd_vel is right.
 
     Args:
@@ -120,7 +122,7 @@ def same_reaction(one: Reaction, two: Reaction) -> bool:
     return all(_same(a, b) for a, b in zip((*one.fields, one.wheel), (*two.fields, two.wheel), strict=True))
 
 
-def explain_velocity(settings: LimiterSettings, twist: Any, got: Reaction) -> tuple[str | None, str]:
+def explain_velocity(settings: LimiterSettings, twist: Twist, got: Reaction) -> tuple[str | None, str]:
     """What is wrong with a /cmd_vel: the diagnosis, if there is one, and a sentence.
 
     Args:
@@ -147,7 +149,7 @@ def explain_velocity(settings: LimiterSettings, twist: Any, got: Reaction) -> tu
     return "math.formula", f"linear.x has to be {right[0]:g} here, with max_velocity={settings.max_velocity:g}."
 
 
-def explain_wheel(settings: LimiterSettings, twist: Any, got: Reaction, *, floors: bool) -> tuple[str, str]:
+def explain_wheel(settings: LimiterSettings, twist: Twist, got: Reaction, *, floors: bool) -> tuple[str, str]:
     """What is wrong with a /wheel_speed: the diagnosis and a sentence.
 
     Args:
@@ -224,13 +226,13 @@ def missing_in_reason(name: str, reason: str) -> str:
     return ""
 
 
-def parameter_file(node: str, values: Mapping[str, Any]) -> str:
+def parameter_file(node: str, values: Mapping[str, object]) -> str:
     """A YAML file of parameters for a node, as `--params-file` reads it (ROS 2: Node arguments)."""
     lines = [f"    {name}: {yaml(value)}" for name, value in values.items()]
     return "\n".join([f"{node.lstrip('/')}:", "  ros__parameters:", *lines]) + "\n"
 
 
-def yaml(value: Any) -> str:
+def yaml(value: object) -> str:
     """A value as YAML, for files and for `-p name:=value`."""
     if isinstance(value, bool):
         return str(value).lower()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.graders._limiter import (
     BEYOND,
@@ -33,6 +33,8 @@ from course_kit.grading.checks.check import Evidence, Failed, check
 from course_kit.grading.checks.parameters import shown
 
 if TYPE_CHECKING:
+    from geometry_msgs.msg import Twist
+
     from course_kit.grading.checks.context import CheckContext
 
 
@@ -161,7 +163,7 @@ def atomic(context: CheckContext) -> Evidence:
     return evidence
 
 
-def _seen(limiter: Limiter, twist: Any) -> Reaction:
+def _seen(limiter: Limiter, twist: Twist) -> Reaction:
     """What comes out for a command now, right or not."""
     return limiter.react(twist, Evidence(shown_command(twist), "a message on /cmd_vel and one on /wheel_speed"))
 

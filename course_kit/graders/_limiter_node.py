@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.grader_node import Heard
+    from course_kit.ros.topic import Inbox
 
 NODE = "/velocity_limiter"
-COMMAND = Topic("/cmd_vel_in", Twist, "geometry_msgs/msg/Twist")
-LIMITED = Topic("/cmd_vel", Twist, "geometry_msgs/msg/Twist")
-WHEEL = Topic("/wheel_speed", Float64, "std_msgs/msg/Float64")
-STATUS = Topic("/status", String, "std_msgs/msg/String")
+COMMAND = Topic("/cmd_vel_in", Twist)
+LIMITED = Topic("/cmd_vel", Twist)
+WHEEL = Topic("/wheel_speed", Float64)
+STATUS = Topic("/status", String)
 VELOCITY, WHEELS, BOTH = "velocity", "wheels", "both"
 _TRIES = 2  # a node that follows its parameters through /parameter_events may be one message late
 _ACCEPTED = "accepted: the value is valid"
@@ -82,7 +82,7 @@ class Limiter:
         """What a check begins with: the settings, once `enabled` is true, as only then there is something to see."""
         return self._before if self._before.enabled else self.set(enabled=True)
 
-    def set(self, **values: Any) -> LimiterSettings:
+    def set(self, **values: object) -> LimiterSettings:
         """Set valid values, one after the other; returns the settings after it.
 
         Raises:
@@ -92,16 +92,16 @@ class Limiter:
             require_accepted(self.remote.set(name, value), {name: value})
         return self._require_values(values)
 
-    def set_together(self, **values: Any) -> LimiterSettings:
+    def set_together(self, **values: object) -> LimiterSettings:
         """Set valid values at once; otherwise like `set`."""
         require_accepted(self.remote.set_together(values), values)
         return self._require_values(values)
 
-    def react(self, twist: Any, evidence: Evidence) -> Reaction:
+    def react(self, twist: Twist, evidence: Evidence) -> Reaction:
         """What comes out for one command."""
         return Reaction.of(*self._exchange.send(twist, evidence))
 
-    def count(self, burst: Sequence[Any], then: Any, evidence: Evidence) -> tuple[int, int]:
+    def count(self, burst: Sequence[Twist], then: Twist, evidence: Evidence) -> tuple[int, int]:
         """How many messages come on /cmd_vel and on /wheel_speed for commands that are sent at once, and one more.
 
         The last one drives backwards and the others do not, so that its answers are known: on each topic the
@@ -120,12 +120,12 @@ class Limiter:
         velocities, wheels = (heard.count - count for heard, count in zip(self._heard(), before, strict=True))
         return velocities, wheels
 
-    def _heard(self) -> tuple[Heard, Heard]:
-        hear = self._context.grader_node.hear
+    def _heard(self) -> tuple[Inbox, Inbox]:
+        hear = self._context.grader_node.inbox
         return (hear(LIMITED.interface, LIMITED.name), hear(WHEEL.interface, WHEEL.name))
 
     def expect(
-        self, settings: LimiterSettings, twist: Any, part: str, *, was: Reaction | None = None, sent: str = ""
+        self, settings: LimiterSettings, twist: Twist, part: str, *, was: Reaction | None = None, sent: str = ""
     ) -> Evidence:
         """The command `twist` has the effect that the settings give it.
 
@@ -156,7 +156,7 @@ class Limiter:
     def _better(self, good: Callable[[Reaction], bool], evidence: Evidence) -> Reaction:
         return Reaction.of(*self._exchange.wait_for_better(lambda last: good(Reaction.of(*last)), evidence))
 
-    def _wrong(self, settings: LimiterSettings, twist: Any, part: str, got: Reaction, evidence: Evidence) -> Failed:
+    def _wrong(self, settings: LimiterSettings, twist: Twist, part: str, got: Reaction, evidence: Evidence) -> Failed:
         if part != WHEELS and not _limiter.velocity_fits(settings, twist, got):
             diagnosis, message = _limiter.explain_velocity(settings, twist, got)
         else:
@@ -165,7 +165,7 @@ class Limiter:
             )
         return Failed(evidence, message, diagnosis)
 
-    def _require_values(self, values: Mapping[str, Any]) -> LimiterSettings:
+    def _require_values(self, values: Mapping[str, object]) -> LimiterSettings:
         settings = self.settings()
         read = {name: value for name, value in settings.to_mapping().items() if name in values}
         if read != dict(values):
@@ -174,9 +174,9 @@ class Limiter:
         return settings
 
 
-def endpoints(context: CheckContext) -> tuple[TopicExchange, Heard]:
+def endpoints(context: CheckContext) -> tuple[TopicExchange, Inbox]:
     """The grader's ends of the four topics; the sooner they are made, the sooner they are connected."""
-    return TopicExchange(context, COMMAND, (LIMITED, WHEEL)), context.grader_node.hear(STATUS.interface, STATUS.name)
+    return TopicExchange(context, COMMAND, (LIMITED, WHEEL)), context.grader_node.inbox(STATUS.interface, STATUS.name)
 
 
 def drawn(context: CheckContext, low: float, high: float) -> float:
@@ -195,7 +195,7 @@ def rest(context: CheckContext) -> dict[str, float]:
     return {name: context.random.uniform(-1.0, 1.0) for name in ("linear_y", "linear_z", "angular_x", "angular_z")}
 
 
-def fits(settings: LimiterSettings, twist: Any, part: str, got: Reaction) -> bool:
+def fits(settings: LimiterSettings, twist: Twist, part: str, got: Reaction) -> bool:
     """Whether that part of a reaction is right.
 
     Args:
@@ -208,7 +208,7 @@ def fits(settings: LimiterSettings, twist: Any, part: str, got: Reaction) -> boo
     return velocity and (part == VELOCITY or _limiter.wheel_fits(settings, got))
 
 
-def require_accepted(outcome: SetResult, values: Mapping[str, Any]) -> None:
+def require_accepted(outcome: SetResult, values: Mapping[str, object]) -> None:
     """A valid value was accepted.
 
     Raises:
@@ -221,7 +221,7 @@ def require_accepted(outcome: SetResult, values: Mapping[str, Any]) -> None:
     raise Failed(evidence, f"Your node refused {shown(values)}, which is valid.", "validation.overzealous")
 
 
-def require_refused(outcome: SetResult, values: Mapping[str, Any], expected: str, accepted: str) -> Evidence:
+def require_refused(outcome: SetResult, values: Mapping[str, object], expected: str, accepted: str) -> Evidence:
     """A value was refused.
 
     Args:

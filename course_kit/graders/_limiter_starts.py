@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.graders._limiter import BEYOND, TYPES, LimiterSettings, command, parameter_file, right_reaction, yaml
 from course_kit.graders._limiter import shown as shown_command
@@ -26,7 +26,7 @@ _SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 
 
-def expect_arguments(context: CheckContext, values: Mapping[str, Any]) -> Evidence:
+def expect_arguments(context: CheckContext, values: Mapping[str, object]) -> Evidence:
     """Values on the command line are in force.
 
     Raises:
@@ -42,7 +42,7 @@ def expect_arguments(context: CheckContext, values: Mapping[str, Any]) -> Eviden
         context.spoil()  # whatever comes next needs a start without arguments
 
 
-def expect_file(context: CheckContext, values: Mapping[str, Any]) -> Evidence:
+def expect_file(context: CheckContext, values: Mapping[str, object]) -> Evidence:
     """Values in a file of parameters are in force, on the topics and in the status line.
 
     Raises:
@@ -59,7 +59,7 @@ def expect_file(context: CheckContext, values: Mapping[str, Any]) -> Evidence:
         context.spoil()
 
 
-def expect_invalid(context: CheckContext, values: Mapping[str, Any]) -> Evidence:
+def expect_invalid(context: CheckContext, values: Mapping[str, object]) -> Evidence:
     """Each invalid value stops the node with an error, or is replaced by the default with a warning.
 
     Raises:
@@ -78,7 +78,7 @@ def expect_invalid(context: CheckContext, values: Mapping[str, Any]) -> Evidence
     return evidence
 
 
-def _arguments(values: Mapping[str, Any]) -> list[str]:
+def _arguments(values: Mapping[str, object]) -> list[str]:
     pairs = (("-p", f"{name}:={yaml(value)}") for name, value in values.items())
     return ["--ros-args", *(word for pair in pairs for word in pair)]
 
@@ -105,7 +105,7 @@ def _names_a_parameter(context: CheckContext) -> bool:
     return any(name in told for name in TYPES)
 
 
-def _require_values(limiter: Limiter, values: Mapping[str, Any], sent: str) -> LimiterSettings:
+def _require_values(limiter: Limiter, values: Mapping[str, object], sent: str) -> LimiterSettings:
     settings = limiter.settings()
     got = {name: value for name, value in settings.to_mapping().items() if name in values}
     if got != dict(values):
@@ -130,7 +130,7 @@ def _ignoring(look: Callable[[], Evidence]) -> Evidence:
         raise Failed(failed.evidence, message, "parameter.override_ignored") from None
 
 
-def _judge_invalid(context: CheckContext, name: str, value: Any, evidence: Evidence) -> Evidence:
+def _judge_invalid(context: CheckContext, name: str, value: object, evidence: Evidence) -> Evidence:
     endpoints(context)
     try:
         expect_served(context, NODE)

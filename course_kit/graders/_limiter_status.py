@@ -14,7 +14,7 @@ from course_kit.grading.diagnosis.hangs import told
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.grader_node import Heard
+    from course_kit.ros.topic import Inbox
 
 _SILENT_S = 2.0  # four periods
 _PERIOD_S = (0.42, 0.6)  # 2 Hz, on a machine that is now and then busy
@@ -23,7 +23,7 @@ _WATCHED_S = 5.0
 
 
 def expect_status(
-    context: CheckContext, heard: Heard, settings: LimiterSettings, *, was: str | None = None, sent: str = ""
+    context: CheckContext, heard: Inbox, settings: LimiterSettings, *, was: str | None = None, sent: str = ""
 ) -> Evidence:
     """The next line tells these settings; or the one after it, as one may be on its way.
 
@@ -56,7 +56,7 @@ def expect_status(
     raise Failed(evidence, _what_is_wrong(settings, line))
 
 
-def expect_rate(context: CheckContext, heard: Heard) -> Evidence:
+def expect_rate(context: CheckContext, heard: Inbox) -> Evidence:
     """The lines come at 2 Hz.
 
     Raises:
@@ -75,7 +75,7 @@ def expect_rate(context: CheckContext, heard: Heard) -> Evidence:
     raise Failed(replace(evidence, got=got), "Publish the line from a timer with a period of half a second.")
 
 
-def _await_after(context: CheckContext, heard: Heard, moment: float, count: int, evidence: Evidence) -> bool:
+def _await_after(context: CheckContext, heard: Inbox, moment: float, count: int, evidence: Evidence) -> bool:
     """Wait for so many lines from a moment on; older ones may still wait to be taken, a fast program has many."""
     with explained(context, evidence):
         return context.wait_until(lambda: len(heard.after(moment)) >= count, _SILENT_S)

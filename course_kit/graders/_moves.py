@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     import random
     from collections.abc import Sequence
+
+    from geometry_msgs.msg import Point
 
     from course_kit.grading.checks.actions import ReceivedFeedback
 
@@ -96,7 +98,7 @@ def farthest_corner(here: MovePlace) -> MovePlace:
     return max(corners, key=lambda corner: math.dist(here, corner))
 
 
-def place_of(point: Any) -> MovePlace:
+def place_of(point: Point) -> MovePlace:
     """The place of a geometry_msgs/Point."""
     return MovePlace(point.x, point.y)
 

@@ -41,9 +41,8 @@ from course_kit.graders._moves import (
     telling_target,
 )
 from course_kit.graders._watching import feedback_of_a_move, progress_of_a_move
-from course_kit.grading.checks.actions import ensure_ready, expect_action
 from course_kit.grading.checks.check import Check, Evidence, Failed, check
-from course_kit.grading.checks.discovery import expect_node
+from course_kit.grading.checks.discovery import ensure_ready, expect_node, expect_offered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,7 +60,7 @@ _EDGE_M = 0.01  # how near outside the arena we test
 @check(points=1.0, deadline_s=12.0)
 def offered(context: CheckContext) -> Evidence:
     """The action /move_robot is there, with its type."""
-    return expect_action(context, ACTION)
+    return expect_offered(context, ACTION)
 
 
 @check(points=0.5, depends_on=["offered"])

@@ -7,7 +7,7 @@ temperatures below absolute zero refused with a reason, and the node still runni
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_interfaces.srv import ConvertTemperature
 
@@ -22,8 +22,9 @@ from course_kit.graders._temperature import (
     right_value,
 )
 from course_kit.grading.checks.check import Check, Evidence, Failed, check
+from course_kit.grading.checks.discovery import ensure_ready, expect_node, expect_offered
 from course_kit.grading.checks.load_test import Load, call_many
-from course_kit.grading.checks.services import Answer, Service, call, expect_node, expect_offered
+from course_kit.grading.checks.services import Answer, Service, call
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 INTERFACES = (ConvertTemperature,)
 NODE = "/temperature_service"
-SERVICE = Service("/convert_temperature", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
+SERVICE = Service("/convert_temperature", ConvertTemperature)
 _FIRST = Sample(100.0, CELSIUS, FAHRENHEIT)
 _SLOW_S = 1.5  # one answer; the exercise wants fifty in 5 s
 _EDGE = 0.01  # degrees; how near to absolute zero we test
@@ -52,7 +53,7 @@ def offered(context: CheckContext) -> Evidence:
 @check(points=0.5, depends_on=["offered"])
 def node_name(context: CheckContext) -> Evidence:
     """The node is called temperature_service."""
-    return expect_node(context, NODE, SERVICE)
+    return expect_node(context, NODE, lambda: ensure_ready(context, SERVICE))
 
 
 @check(points=1.0, depends_on=["offered"])
@@ -175,7 +176,7 @@ def _drawn(context: CheckContext) -> list[float]:
     return [round(context.random.uniform(*span), 3) for span in ranges]
 
 
-def _request(sample: Sample) -> Any:
+def _request(sample: Sample) -> ConvertTemperature.Request:
     return ConvertTemperature.Request(value=sample.value, from_unit=sample.from_unit, to_unit=sample.to_unit)
 
 
@@ -228,13 +229,15 @@ def _refuses(context: CheckContext, samples: Sequence[Sample], what: Callable[[S
     return evidence
 
 
-def _require_success(sample: Sample, response: Any, expected: str) -> None:
+def _require_success(sample: Sample, response: ConvertTemperature.Response, expected: str) -> None:
     if not response.success:
         evidence = Evidence(sample.shown(), expected, _got(response))
         raise Failed(evidence, "Your service refused a valid request.", "validation.overzealous")
 
 
-def _wrong(context: CheckContext, answers: Sequence[tuple[Sample, float]], response: Any) -> Failed:
+def _wrong(
+    context: CheckContext, answers: Sequence[tuple[Sample, float]], response: ConvertTemperature.Response
+) -> Failed:
     """A wrong value, the first of `answers`, explained by all of them."""
     sample = answers[0][0]
     diagnosis, reason = explain(answers, floors=context.job.facts.floor_divides)
@@ -246,6 +249,6 @@ def _wanted(sample: Sample) -> str:
     return f"success=True, value={right_value(sample)!r}"
 
 
-def _got(response: Any) -> str:
+def _got(response: ConvertTemperature.Response) -> str:
     message = response.message if len(response.message) <= _SHOWN else response.message[:_SHOWN] + "..."
     return f"success={response.success}, value={response.value!r}, message={message!r}"

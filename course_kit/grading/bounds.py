@@ -10,7 +10,10 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
+
+    from course_kit.grading.plain_data import Record
+    from course_kit.ros.messages import Message
 
 LONGEST_TEXT = 4096  # characters of a text in a message
 MOST_ELEMENTS = 1000  # of a sequence in a message
@@ -22,7 +25,7 @@ _PER_CHARACTER = 6  # bytes at most, as JSON
 _DOTS = "..."
 
 
-def bounded(message: Any) -> Any:
+def bounded(message: Message) -> Message:
     """A ROS message in which no text and no sequence is too long; it is changed, not copied.
 
     Of a sequence the last elements stay: what is added to a list of goals or of parameters is added at its end.
@@ -41,7 +44,7 @@ def bounded(message: Any) -> Any:
     return message
 
 
-def _bound_elements(message: Any, name: str) -> None:
+def _bound_elements(message: Message, name: str) -> None:
     elements = getattr(message, name)
     if isinstance(elements, list) and elements:
         if isinstance(elements[0], str):
@@ -51,12 +54,12 @@ def _bound_elements(message: Any, name: str) -> None:
                 bounded(element)
 
 
-def _kind(message: Any) -> Any:
-    return type(message)
+def _kind(message: Message) -> Any:
+    return type(message)  # which mypy takes for something that cannot be hashed
 
 
 @lru_cache(maxsize=256)
-def _growing(kind: Any) -> tuple[str, ...]:
+def _growing(kind: Message) -> tuple[str, ...]:
     """The fields of a message class that can hold texts or sequences of any length."""
     made = kind()
     names = []
@@ -80,7 +83,7 @@ def cut(text: str, longest: int = _LONGEST) -> str:
     return (whole[:room] if _size(whole[:room]) <= room else whole[: room // _PER_CHARACTER]) + _DOTS
 
 
-def results(found: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def results(found: Sequence[Record]) -> list[Record]:
     """Results of checks as plain data, in which no text is too long, nor all of them together."""
     longest = _LONGEST
     told = [_result(one, longest) for one in found]
@@ -90,7 +93,7 @@ def results(found: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     return told
 
 
-def _result(found: Mapping[str, Any], longest: int) -> dict[str, Any]:
+def _result(found: Record, longest: int) -> Record:
     steps = [{**step, "text": cut(str(step["text"]), _LONGEST_STEP)} for step in list(found["steps"])[:_MOST_STEPS]]
     return {**found, **{name: cut(str(found[name]), longest) for name in _TEXTS}, "steps": steps}
 

@@ -8,7 +8,7 @@ import time
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading import bounds, exercise, needs, submission
@@ -17,7 +17,6 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.job import Job
 from course_kit.grading.reading import Reader
 from course_kit.grading.report import CheckReport, Report
-from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.workers.worker import Worker
 from course_kit.ros.arrows import Arrow
 
@@ -26,7 +25,10 @@ if TYPE_CHECKING:
 
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.exercise import Exercise
+    from course_kit.grading.plain_data import Record
+    from course_kit.grading.sandbox.isolation import Isolation
     from course_kit.grading.submission import Submission
+    from course_kit.grading.workers.outcome import Outcome
 
 _NOT_STARTED = ("start.", "limit.")
 
@@ -153,7 +155,7 @@ def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadab
 
 def _grade(task: Exercise, job: Job, shown: str, worker: Worker, require_isolation: bool) -> Report:
     began = time.monotonic()
-    found = Isolation.from_mapping(worker.ready())
+    found = worker.ready()
     if require_isolation:
         found.require()
     isolation = _told(found, job.mode)
@@ -210,7 +212,7 @@ def _fault(text: Submission) -> str:
     return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."
 
 
-def _report(task: Exercise, shown: str, outcome: dict[str, Any], isolation: str, began: float) -> Report:
+def _report(task: Exercise, shown: str, outcome: Outcome, isolation: str, began: float) -> Report:
     checks = tuple(_check(task, result) for result in bounds.results(outcome["results"]))
     score = sum(check.points for check in checks)
     problem = _no_grade(outcome["problem"], checks)
@@ -246,24 +248,19 @@ def _no_grade(problem: str, checks: Sequence[CheckReport]) -> str:
     return f'The grading did not finish: it stopped at the check "{broken.title}". {broken.message}' if broken else ""
 
 
-def _check(task: Exercise, result: dict[str, Any]) -> CheckReport:
+def _check(task: Exercise, result: Record) -> CheckReport:
     failed = result["status"] == "failed"
     found = task.diagnosis(result["diagnosis"]) if failed else None
     hints = _hints(task, result["id"], found) if failed else ()
+    more = {
+        "message": catalogue.complete(result["message"], found),
+        "steps": tuple(Arrow(**step) for step in result["steps"]),
+    }
     return CheckReport(
-        id=result["id"],
-        title=result["title"],
-        status=result["status"],
+        **{**result, **more},
         points=result["max_points"] if result["status"] == "passed" else 0.0,
-        max_points=result["max_points"],
-        sent=result["sent"],
-        expected=result["expected"],
-        got=result["got"],
-        diagnosis=result["diagnosis"],
-        message=catalogue.complete(result["message"], found),
         hint=hints[0] if hints else None,
         told=result["message"],
-        steps=tuple(Arrow(**step) for step in result["steps"]),
         more_hints=hints[1:],
         known=found,
     )

@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros.arrows import Arrow
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.check import Evidence
     from course_kit.ros.arrows import Kind
+    from course_kit.ros.messages import Message
 
 GRADER, NODE = "grader", "your node"
 _MOST = 8  # steps; what happened before them is left out, and that is said
@@ -126,7 +127,7 @@ def _end(last: Arrow, evidence: Evidence) -> Iterator[Arrow]:
         yield Arrow(GRADER, GRADER, "note", _cut(f"expected: {evidence.expected}"))
 
 
-def in_one_line(message: Any) -> str:
+def in_one_line(message: Message) -> str:
     """A ROS message in one line, `value=21.5, from_unit='celsius'`; nested fields with a dot."""
     fields = list(_fields(message))
     told = fields if len(fields) <= _FEW else [(name, value) for name, value in fields if value]
@@ -137,7 +138,7 @@ def in_one_line(message: Any) -> str:
     return ", ".join(words)
 
 
-def _fields(message: Any, before: str = "") -> Iterator[tuple[str, Any]]:
+def _fields(message: Message, before: str = "") -> Iterator[tuple[str, object]]:
     for name in message.get_fields_and_field_types():
         value = getattr(message, name)
         if hasattr(value, "get_fields_and_field_types"):
@@ -146,7 +147,7 @@ def _fields(message: Any, before: str = "") -> Iterator[tuple[str, Any]]:
             yield f"{before}{name}", value
 
 
-def _value(value: Any, digits: int) -> str:
+def _value(value: object, digits: int) -> str:
     if isinstance(value, float):
         return repr(value) if value.is_integer() else f"{value:.{digits}g}"
     if isinstance(value, str):

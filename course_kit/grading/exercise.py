@@ -6,7 +6,7 @@ import re
 import sys
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.diagnosis import catalogue
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.grading.diagnosis.catalogue import Diagnosis
+    from course_kit.grading.plain_data import Record
 
 FORMAT_VERSION = 1
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
@@ -130,7 +131,7 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
         raise GradingError(f"{path} cannot be used: {what}.") from problem
 
 
-def _parse(table: dict[str, Any], folder: Path) -> Exercise:
+def _parse(table: Record, folder: Path) -> Exercise:
     if table["format_version"] != FORMAT_VERSION:
         raise ValueError(f"its format_version is {table['format_version']}, but this kit reads {FORMAT_VERSION}")
     for name in _TEXTS:
@@ -165,7 +166,7 @@ def _parse(table: dict[str, Any], folder: Path) -> Exercise:
     )
 
 
-def _diagnoses(tables: Any) -> dict[str, Diagnosis]:
+def _diagnoses(tables: object) -> dict[str, Diagnosis]:
     if not isinstance(tables, dict) or not all(isinstance(fields, dict) for fields in tables.values()):
         raise ValueError("'diagnoses' has to hold a table for each code")
     return {code: catalogue.reworded(code, fields) for code, fields in tables.items()}

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, field
 
 from course_kit.grading.limits import Limits
+from course_kit.grading.plain_data import Record, rebuilt
 from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.submission import Facts
 
@@ -46,7 +46,7 @@ class Job:
     fault: str = ""
     places: tuple[tuple[int, int], ...] = ()
     facts: Facts = field(default_factory=Facts)
-    literal: dict[str, Any] | None = None
+    literal: Record | None = None
     class_name: str = ""
     variable: str = ""
     command: tuple[str, ...] = ()
@@ -63,20 +63,7 @@ class Job:
         """Seconds of computing in which a node has to appear; a command has yet to load what a program finds loaded."""
         return self.limits.start_cpu_s if self.mode == "run" else math.inf
 
-    def to_mapping(self) -> dict[str, Any]:
-        """The job as JSON can carry it."""
-        return asdict(self)
-
     @classmethod
-    def from_mapping(cls, values: dict[str, Any]) -> Job:
-        """The inverse of `to_mapping`."""
-        job = cls(**values)
-        return replace(
-            job,
-            command=tuple(job.command),
-            hidden=tuple(job.hidden),
-            places=tuple((cell, lines) for cell, lines in job.places),
-            facts=Facts.from_mapping(values["facts"]),
-            limits=Limits.from_mapping(values["limits"]),
-            isolation=Isolation.from_mapping(values["isolation"]),
-        )
+    def from_record(cls, record: Record) -> Job:
+        """The job of which `dataclasses.asdict` has made a record."""
+        return rebuilt(cls, record, facts=Facts, limits=Limits, isolation=Isolation)

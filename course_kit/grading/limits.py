@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import resource
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class Limits:
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, Any]) -> Limits:
-        """Limits from a table of an exercise.toml, or from `to_mapping`.
+        """Limits from a table of an exercise.toml.
 
         Raises:
             ValueError: an unknown name, or a value that is no positive number.
@@ -58,10 +58,6 @@ class Limits:
             if isinstance(value, bool) or not isinstance(value, (int, float)) or value <= 0:
                 raise ValueError(f"the limit {name} = {value!r} is not a number above 0")
         return cls(**values)
-
-    def to_mapping(self) -> dict[str, Any]:
-        """The limits as plain data."""
-        return asdict(self)
 
 
 def apply_to_this_process(limits: Limits, others: int) -> None:

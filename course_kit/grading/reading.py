@@ -13,22 +13,21 @@ import socket
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 import course_kit
 from course_kit.grading.errors import GradingError
 from course_kit.grading.submission import Facts, Submission, SyntaxFault, UnreadableError
 from course_kit.process.child import INTO_STDOUT, Child
+from course_kit.process.closing import Closing
 from course_kit.process.output import LastWords
 from course_kit.reader import limits, packets
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
-
-    from typing_extensions import Self
 
     from course_kit.grading.exercise import Exercise
+    from course_kit.grading.plain_data import Record
     from course_kit.grading.submission import Copy
 
 # No folder but the kit's own and the standard library's is looked at for modules, whatever lies in them.
@@ -44,7 +43,7 @@ class ReadingStoppedError(Exception):
     """Somebody has asked to stop."""
 
 
-class Reader:
+class Reader(Closing):
     """The process. For one thread at a time."""
 
     def __init__(self, stopped: Callable[[], bool] = lambda: False) -> None:
@@ -58,14 +57,6 @@ class Reader:
         """
         self._stopped = stopped
         self._start()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def read(self, copy: Copy, exercise: Exercise) -> Submission:
         """The program that somebody has handed in for an exercise.
@@ -85,7 +76,7 @@ class Reader:
             source=told["source"],
             places=tuple((int(cell), int(lines)) for cell, lines in told["places"]),
             fault=SyntaxFault(*fault) if fault else None,
-            facts=Facts.from_mapping(facts) if facts else Facts(),
+            facts=_facts(facts) if facts else Facts(),
             literal=told["literal"],
         )
 
@@ -119,7 +110,7 @@ class Reader:
         except OSError as problem:
             raise GradingError(f"The process that reads submissions could not start: {problem.strerror}.") from problem
 
-    def _ask(self, what: str, copy: Copy, exercise: Exercise) -> dict[str, Any]:
+    def _ask(self, what: str, copy: Copy, exercise: Exercise) -> Record:
         request = {
             "do": what,
             "name": copy.name,
@@ -142,7 +133,7 @@ class Reader:
             self._start()
         raise GradingError(f"The process that reads submissions ended while it was reading. {words}".strip())
 
-    def _exchange(self, request: dict[str, Any], copy: Copy) -> tuple[dict[str, Any], bytes]:
+    def _exchange(self, request: Record, copy: Copy) -> tuple[Record, bytes]:
         """How the reader's child has ended, and what it has written.
 
         Raises:
@@ -154,7 +145,7 @@ class Reader:
             answer.seek(0)
             return ended, answer.read(limits.ANSWER_BYTES)
 
-    def _await_end(self) -> dict[str, Any]:
+    def _await_end(self) -> Record:
         """How the reader's child has ended.
 
         Raises:
@@ -171,7 +162,7 @@ class Reader:
                 raise EOFError("the reader hangs")
         return packets.receive(self._line)[0]
 
-    def _understood(self, copy: Copy, ended: dict[str, Any]) -> bool:
+    def _understood(self, copy: Copy, ended: Record) -> bool:
         """Whether there is an answer; False when the child was ended by somebody else, or has failed.
 
         Raises:
@@ -212,7 +203,7 @@ def _file_in_memory() -> BinaryIO:
         raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
 
 
-def _checked(answer: bytes) -> dict[str, Any]:
+def _checked(answer: bytes) -> Record:
     """What a child has written.
 
     Raises:
@@ -225,6 +216,12 @@ def _checked(answer: bytes) -> dict[str, Any]:
     if not isinstance(told, dict):
         raise GradingError("The process that reads submissions sent an answer that makes no sense.")
     return told
+
+
+def _facts(told: Record) -> Facts:
+    """What the reader's child says of a text; it has read what a stranger wrote."""
+    functions = tuple((int(first), int(last), bool(waits)) for first, last, waits in told["functions"])
+    return Facts(bool(told["awaits"]), bool(told["floor_divides"]), bool(told["loops"]), functions)
 
 
 def _program_name(name: str) -> str:

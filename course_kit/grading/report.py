@@ -4,44 +4,39 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from course_kit.grading.checks.check import Result
 from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
     from course_kit.grading.diagnosis.catalogue import Diagnosis
-    from course_kit.ros.arrows import Arrow
+    from course_kit.grading.plain_data import Record
 
 FORMAT_VERSION = 1
 _DIGITS = 6
+# What the JSON has of each check, in this order.
+_OF_A_CHECK = (
+    *("id", "title", "status", "points", "max_points"),
+    *("sent", "expected", "got", "diagnosis", "message", "hint"),
+)
 
 
 @dataclass(frozen=True)
-class CheckReport:
-    """How one check went, for the learner; `status` is passed, failed, skipped or error.
-
-    Beside what the JSON has of it:
+class CheckReport(Result):
+    """How one check went, for the learner: a `Result` whose message also tells why, and what it is worth.
 
     Attributes:
+        points: what it has earned.
+        hint: the first hint, None without any.
         told: what happened, without the reason and the link that `message` adds.
-        steps: what crossed the wire, when it failed.
         more_hints: what may follow on `hint`, the next one first.
         known: the entry of `diagnosis` in the catalogue, as the exercise words it.
     """
 
-    id: str
-    title: str
-    status: str
-    points: float
-    max_points: float
-    sent: str = ""
-    expected: str = ""
-    got: str = ""
-    diagnosis: str | None = None
-    message: str = ""
+    points: float = 0.0
     hint: str | None = None
     told: str = ""
-    steps: tuple[Arrow, ...] = ()
     more_hints: tuple[str, ...] = ()
     known: Diagnosis | None = None
 
@@ -82,9 +77,9 @@ class Report:
     stderr: str = ""
     problem: str = ""
     isolation: str = ""
-    timings: dict[str, Any] = field(default_factory=dict)
+    timings: Record = field(default_factory=dict)
 
-    def to_mapping(self) -> dict[str, Any]:
+    def to_mapping(self) -> Record:
         """The report as JSON has it: exactly these names."""
         return {
             "format_version": FORMAT_VERSION,
@@ -105,20 +100,9 @@ class Report:
         return encodable(json.dumps(self.to_mapping(), indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def _check_mapping(check: CheckReport) -> dict[str, Any]:
-    return {
-        "id": check.id,
-        "title": check.title,
-        "status": check.status,
-        "points": round(check.points, _DIGITS),
-        "max_points": round(check.max_points, _DIGITS),
-        "sent": check.sent,
-        "expected": check.expected,
-        "got": check.got,
-        "diagnosis": check.diagnosis,
-        "message": check.message,
-        "hint": check.hint,
-    }
+def _check_mapping(check: CheckReport) -> Record:
+    values = {name: getattr(check, name) for name in _OF_A_CHECK}
+    return {name: round(value, _DIGITS) if isinstance(value, float) else value for name, value in values.items()}
 
 
 def exit_code(report: Report) -> int:

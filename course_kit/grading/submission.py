@@ -10,15 +10,16 @@ import hashlib
 import os
 import stat
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
+from course_kit.process.closing import Closing
 
 if TYPE_CHECKING:
     from pathlib import Path
-    from types import TracebackType
 
-    from typing_extensions import Self
+    from course_kit.grading.plain_data import Record
+
 
 _MB = 1 << 20
 LARGEST = _MB  # bytes of a program
@@ -58,12 +59,6 @@ class Facts:
     loops: bool = False
     functions: tuple[tuple[int, int, bool], ...] = ()
 
-    @classmethod
-    def from_mapping(cls, values: dict[str, Any]) -> Facts:
-        """From plain data."""
-        functions = tuple((int(first), int(last), bool(waits)) for first, last, waits in values["functions"])
-        return cls(bool(values["awaits"]), bool(values["floor_divides"]), bool(values["loops"]), functions)
-
     def waits_for_a_future(self, line: int) -> bool:
         """Whether the function around `line` makes an asynchronous call and looks at its future itself."""
         around = [one for one in self.functions if one[0] <= line <= one[1]]
@@ -92,7 +87,7 @@ class Submission:
     places: tuple[tuple[int, int], ...] = ()
     fault: SyntaxFault | None = None
     facts: Facts = Facts()
-    literal: dict[str, Any] | None = None
+    literal: Record | None = None
 
     def where(self, line: int) -> str:
         """`line 12`, for notebooks `cell 3, line 2`."""
@@ -109,7 +104,7 @@ def where(places: tuple[tuple[int, int], ...], line: int) -> str:
     return f"line {line}"
 
 
-class Copy:
+class Copy(Closing):
     """A copy of a submission's file in memory, closed at the end of a `with`.
 
     Attributes:
@@ -139,14 +134,6 @@ class Copy:
                 raise
         except OSError as problem:  # what concerns the file itself is an UnreadableError
             raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def fileno(self) -> int:
         """Its descriptor."""

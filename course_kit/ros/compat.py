@@ -10,7 +10,7 @@ import importlib
 import sys
 from contextlib import suppress
 from types import FunctionType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros.compat_names import ALL, OF_THE_LAB, Feature
 
@@ -83,7 +83,7 @@ class _NeverRaised(Exception):  # noqa: N818 - it is none
     pass
 
 
-def _names_in(found: Any) -> set[str]:
+def _names_in(found: object) -> set[str]:
     """What the code of a function names and calls its variables; of a class, what its methods do."""
     if isinstance(found, FunctionType):
         return {*found.__code__.co_names, *found.__code__.co_varnames}
@@ -92,7 +92,7 @@ def _names_in(found: Any) -> set[str]:
     return {name for kind in found.__mro__ for value in vars(kind).values() for name in _names_in_method(value)}
 
 
-def _names_in_method(value: Any) -> Iterator[str]:
+def _names_in_method(value: object) -> Iterator[str]:
     parts = (value.fget, value.fset) if isinstance(value, property) else (value,)
     for part in parts:
         if isinstance(part, FunctionType):

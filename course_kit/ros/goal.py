@@ -25,6 +25,13 @@ from course_kit.ros.names import full_action_name
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.action.client import ClientGoalHandle
+    from rclpy.node import Node
+    from rclpy.task import Future
+    from rclpy.timer import Timer
+
+    from course_kit.ros.messages import ActionType, Message
+
 _LOOK = 0.5  # seconds between looks at whether the servers of goals are still there
 _DEPTH = 1000  # feedback messages that may wait while a callback keeps the thread
 # By action_msgs/msg/GoalStatus.
@@ -50,7 +57,7 @@ class GoalClient(ActionClient):
         busy: the goals that have not ended, by their identifiers; they are kept although nobody else may hold them.
     """
 
-    def __init__(self, node: Any, action_type: Any, action: str) -> None:
+    def __init__(self, node: Node, action_type: ActionType, action: str) -> None:
         super().__init__(
             node,
             action_type,
@@ -62,13 +69,13 @@ class GoalClient(ActionClient):
         self._own_node = node
         self._feedback_message = action_type.Impl.FeedbackMessage
         self.busy: dict[bytes, GoalTracker] = {}
-        self._watch: Any = None
+        self._watch: Timer | None = None
         self._ended: weakref.WeakValueDictionary[bytes, GoalTracker] = weakref.WeakValueDictionary()
 
-    def add_future(self, future: Any) -> None:
+    def add_future(self, future: Future) -> None:
         """Leave a future without an executor, so that it calls back at once, in the order in which things arrive."""
 
-    def remove_future(self, future: Any) -> None:
+    def remove_future(self, future: Future) -> None:
         """See `add_future`."""
 
     def take_data(self) -> dict[str, Any]:
@@ -94,20 +101,21 @@ class GoalClient(ActionClient):
                 tracker.note_status(status_name(status.status))
         await super().execute(taken_data)
 
-    def deliver(self, message: Any) -> None:
+    def deliver(self, message: Message) -> None:
         """Hand on one feedback message; those of other clients' goals come here, too."""
         tracker = self._find(message.goal_id)
         if tracker is not None:
             tracker.take_feedback(message.feedback)
 
-    def begin(self, tracker: GoalTracker, goal: Any) -> Any:
+    def begin(self, tracker: GoalTracker, goal: Message) -> Future:
         """Send a goal; returns the future of rclpy's goal handle."""
         identifier = UUID(uuid=list(uuid.uuid4().bytes))
         tracker.identifier = bytes(identifier.uuid)
         self.busy[tracker.identifier] = tracker
         if self._watch is None:
             self._watch = self._own_node.create_timer(_LOOK, self._look_for_servers, callback_group=self.callback_group)
-        return self.send_goal_async(goal, goal_uuid=identifier)
+        sent: Future = self.send_goal_async(goal, goal_uuid=identifier)
+        return sent
 
     def end(self, tracker: GoalTracker) -> None:
         """Keep track of a goal only as long as somebody holds it: it has ended."""
@@ -145,7 +153,7 @@ class GoalClient(ActionClient):
             self._own_node.destroy_timer(self._watch)
             self._watch = None
 
-    def _find(self, goal_id: Any) -> GoalTracker | None:
+    def _find(self, goal_id: UUID) -> GoalTracker | None:
         identifier = bytes(goal_id.uuid)
         return self.busy.get(identifier) or self._ended.get(identifier)
 
@@ -172,16 +180,16 @@ class GoalTracker:
     """
 
     def __init__(
-        self, client: GoalClient, goal: Any, call: Callable[[Callable[[], object]], object] = lambda run: run()
+        self, client: GoalClient, goal: Message, call: Callable[[Callable[[], object]], object] = lambda run: run()
     ) -> None:
         self.client = client
         self.identifier = b""
         self.accepted: bool | None = None
         self.status = ""
-        self.feedback: list[Any] = []
+        self.feedback: list[Message] = []
         self.ended = False
-        self.result: Any = None
-        self.on_feedback: Callable[[Any], object] | None = None
+        self.result: Message = None
+        self.on_feedback: Callable[[Message], object] | None = None
         self.on_result: Callable[[], object] | None = None
         self.listeners: list[Callable[[], None]] = []
         self.unwanted = False
@@ -189,7 +197,7 @@ class GoalTracker:
         self._servers: frozenset[bytes] = frozenset()
         self._missed = 0
         self._call = call
-        self._handle: Any = None
+        self._handle: ClientGoalHandle | None = None
 
     def begin(self) -> None:
         """Send it."""
@@ -198,18 +206,19 @@ class GoalTracker:
 
     def cancel(self, answered: Callable[[bool], None]) -> None:
         """Ask the server to cancel it; `answered` is told whether it will."""
-        if self.ended or self._handle is None:
+        handle = self._handle
+        if self.ended or handle is None:
             answered(False)
             return
 
-        def heard(future: Any) -> None:
-            agreed = any(one.goal_id == self._handle.goal_id for one in future.result().goals_canceling)
+        def heard(future: Future) -> None:
+            agreed = any(one.goal_id == handle.goal_id for one in future.result().goals_canceling)
             if agreed:
                 self.note_status("CANCELING")
             answered(agreed)
             self._changed()
 
-        self._handle.cancel_goal_async().add_done_callback(heard)
+        handle.cancel_goal_async().add_done_callback(heard)
 
     def note_status(self, status: str) -> None:
         """The server has published a state; the result tells the final one."""
@@ -217,7 +226,7 @@ class GoalTracker:
             self.status = status
             self._changed()
 
-    def take_feedback(self, message: Any) -> None:
+    def take_feedback(self, message: Message) -> None:
         """A feedback message has come."""
         self.feedback.append(message)
         self.note_status("EXECUTING")  # a goal with feedback is; the message that says so may come later
@@ -237,25 +246,25 @@ class GoalTracker:
         """Its server has gone: there will be no result."""
         self._end("UNKNOWN", None)
 
-    def _answered(self, future: Any) -> None:
-        self._handle = future.result()
-        if not self._handle.accepted:
+    def _answered(self, future: Future) -> None:
+        handle = self._handle = future.result()
+        if not handle.accepted:
             self.accepted = False
             self._end("REJECTED", None)
             return
         self.accepted = True
         self._servers = self.client.servers()
         self.status = self.status or "ACCEPTED"
-        self._handle.get_result_async().add_done_callback(self._finished)
+        handle.get_result_async().add_done_callback(self._finished)
         if self.unwanted:
-            self._handle.cancel_goal_async()
+            handle.cancel_goal_async()
         self._changed()
 
-    def _finished(self, future: Any) -> None:
+    def _finished(self, future: Future) -> None:
         response = future.result()
         self._end(status_name(response.status), response.result)
 
-    def _end(self, status: str, result: Any) -> None:
+    def _end(self, status: str, result: Message) -> None:
         if self.ended:
             return
         self.status, self.result, self.ended = status, result, True

@@ -5,12 +5,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.ros import names
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterable, Iterator
+
+    from rclpy.node import Node
 
 
 class Role(NamedTuple):
@@ -98,7 +100,7 @@ class Overview(NamedTuple):
         return found
 
 
-def read(node: Any, *, plumbing: bool = False) -> Overview:
+def read(node: Node, *, plumbing: bool = False) -> Overview:
     """The graph as a node sees it.
 
     Args:
@@ -121,13 +123,19 @@ def _is_plumbing(use: Use) -> bool:
     return names.is_hidden(use.channel) or names.is_of_ros(use.channel)
 
 
-def nodes(node: Any) -> list[str]:
+def nodes(node: Node) -> list[str]:
     """Full names of all nodes in alphabetical order; a name stands as often as nodes carry it."""
     return sorted(names.full_name(*one) for one in node.get_node_names_and_namespaces())
 
 
-def offered(node: Any, role: Role, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
-    """What has a server or a publisher on the graph, with its types; that of the nodes `except_by` is left out."""
+def offered(node: Node, role: Role, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
+    """What has a server or a publisher on the graph, with its types.
+
+    Args:
+        node: looks at the graph.
+        role: which kind of it.
+        except_by: nodes of which it is left out.
+    """
     found: dict[str, list[str]] = {}
     for name in set(nodes(node)) - except_by:
         for use in uses_of(node, name, role):
@@ -136,7 +144,7 @@ def offered(node: Any, role: Role, except_by: frozenset[str] = frozenset()) -> d
     return found
 
 
-def uses_of(node: Any, full_name: str, *roles: Role) -> Iterator[Use]:
+def uses_of(node: Node, full_name: str, *roles: Role) -> Iterator[Use]:
     """What a node does, as another node sees it; nothing more once it has gone.
 
     Args:
@@ -149,7 +157,7 @@ def uses_of(node: Any, full_name: str, *roles: Role) -> Iterator[Use]:
 
     namespace, _, name = full_name.rpartition("/")
     where = (name, namespace or "/")
-    readers: dict[Role, Any] = {
+    readers: dict[Role, Callable[[], Iterable[tuple[str, list[str]]]]] = {
         SERVES: lambda: node.get_service_names_and_types_by_node(*where),
         CALLS: lambda: node.get_client_names_and_types_by_node(*where),
         RUNS: lambda: action.get_action_server_names_and_types_by_node(node, *where),

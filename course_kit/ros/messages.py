@@ -59,17 +59,17 @@ def type_name(interface: Any) -> str:
     return "/".join([*module[:2], interface.__name__]) if len(module) > 1 else str(interface.__name__)
 
 
-def is_service_type(interface: Any) -> bool:
+def is_service_type(interface: object) -> bool:
     """Whether this is a service's class, with a Request and a Response."""
     return isinstance(interface, type) and hasattr(interface, "Request") and hasattr(interface, "Response")
 
 
-def is_action_type(interface: Any) -> bool:
+def is_action_type(interface: object) -> bool:
     """Whether this is an action's class, with a Goal, a Result and a Feedback."""
     return isinstance(interface, type) and all(hasattr(interface, part) for part in ("Goal", "Result", "Feedback"))
 
 
-def is_message_type(interface: Any) -> bool:
+def is_message_type(interface: object) -> bool:
     """Whether this is a message's class."""
     return isinstance(interface, type) and hasattr(interface, "get_fields_and_field_types")
 

@@ -5,10 +5,12 @@ See "Topic and service names" in the ROS 2 design articles.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from rclpy.node import Node
 
 # Every node has these services and topics; they are nobody's answer to a misspelt name.
 _SERVICES_OF_EVERY_NODE = frozenset(
@@ -42,7 +44,7 @@ def short_name(node: str) -> str:
     return node[1:] if node.startswith("/") and node.count("/") == 1 else node
 
 
-def full_action_name(node: Any, action: str) -> str:
+def full_action_name(node: Node, action: str) -> str:
     """An action's full name, as a node sees it; its services are renamed with it."""
     goals = "/_action/send_goal"
     return str(node.resolve_service_name(action + goals)).removesuffix(goals)

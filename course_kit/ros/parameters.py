@@ -19,7 +19,10 @@ from course_kit.ros.messages import with_article
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Generator, Iterable, Mapping, Sequence
 
-    from course_kit.ros.messages import Message
+    from rcl_interfaces.msg import Parameter, ParameterDescriptor, ParameterValue, SetParametersResult
+
+    from course_kit.ros.messages import Message, ServiceType
+
 
 NOT_SET = "not set"
 # By rcl_interfaces/msg/ParameterType; the field of ParameterValue that holds the value is called after the type.
@@ -59,11 +62,12 @@ class Question(NamedTuple):
     fields: dict[str, Any]
 
     @property
-    def interface(self) -> Any:
+    def interface(self) -> ServiceType:
         """The service's class."""
         import rcl_interfaces.srv
 
-        return getattr(rcl_interfaces.srv, "".join(word.capitalize() for word in self.service.split("_")))
+        found: ServiceType = getattr(rcl_interfaces.srv, "".join(word.capitalize() for word in self.service.split("_")))
+        return found
 
     @property
     def request(self) -> Message:
@@ -72,10 +76,10 @@ class Question(NamedTuple):
 
 
 if TYPE_CHECKING:
-    Steps = Generator[Question, Any, T]
+    Steps = Generator[Question, Message, T]
 
 
-def driven(steps: Steps[T], ask: Callable[[Question], Any]) -> T:
+def driven(steps: Steps[T], ask: Callable[[Question], Message]) -> T:
     """What a verb returns, each of its questions answered by `ask`."""
     response = None
     while True:
@@ -87,7 +91,7 @@ def driven(steps: Steps[T], ask: Callable[[Question], Any]) -> T:
         response = ask(question)
 
 
-async def awaited(steps: Steps[T], ask: Callable[[Question], Awaitable[Any]]) -> T:
+async def awaited(steps: Steps[T], ask: Callable[[Question], Awaitable[Message]]) -> T:
     """The same for an `ask` that is awaited."""
     response = None
     while True:
@@ -104,7 +108,7 @@ def names(prefixes: Iterable[str] = ()) -> Steps[list[str]]:
     return list((yield Question("list_parameters", {"prefixes": list(prefixes)})).result.names)
 
 
-def values(wanted: Sequence[str]) -> Steps[list[Any]]:
+def values(wanted: Sequence[str]) -> Steps[list[ParameterValue]]:
     """The rcl_interfaces/msg/ParameterValue of each name; of type 0 where a parameter is not declared or not set."""
     from rcl_interfaces.msg import ParameterValue
 
@@ -119,7 +123,7 @@ def values(wanted: Sequence[str]) -> Steps[list[Any]]:
     return one_by_one
 
 
-def descriptors(wanted: Sequence[str]) -> Steps[list[Any]]:
+def descriptors(wanted: Sequence[str]) -> Steps[list[ParameterDescriptor]]:
     """The rcl_interfaces/msg/ParameterDescriptor of each name."""
     found = list((yield Question("describe_parameters", {"names": list(wanted)})).descriptors)
     for name, descriptor in zip(wanted, found, strict=True):
@@ -127,17 +131,17 @@ def descriptors(wanted: Sequence[str]) -> Steps[list[Any]]:
     return found
 
 
-def set_each(parameters: Sequence[Any]) -> Steps[list[Any]]:
+def set_each(parameters: Sequence[Parameter]) -> Steps[list[SetParametersResult]]:
     """Set parameters (rcl_interfaces/msg/Parameter), each by itself; a SetParametersResult for each."""
     return list((yield Question("set_parameters", {"parameters": list(parameters)})).results)
 
 
-def set_together(parameters: Sequence[Any]) -> Steps[Any]:
+def set_together(parameters: Sequence[Parameter]) -> Steps[SetParametersResult]:
     """Set parameters, all or none, in this order; one SetParametersResult for all."""
     return (yield Question("set_parameters_atomically", {"parameters": list(parameters)})).result
 
 
-def to_messages(given: Mapping[str, Any]) -> Steps[list[Any]]:
+def to_messages(given: Mapping[str, object]) -> Steps[list[Parameter]]:
     """The parameters with these values; the node is asked what an empty list is a list of.
 
     Raises:
@@ -149,7 +153,7 @@ def to_messages(given: Mapping[str, Any]) -> Steps[list[Any]]:
     return [to_message(name, value, kinds.get(name)) for name, value in given.items()]
 
 
-def to_message(name: str, value: Any, empty_list: int | None = None) -> Any:
+def to_message(name: str, value: object, empty_list: int | None = None) -> Parameter:
     """The rcl_interfaces/msg/Parameter for a value; None for "not set", which deletes a dynamic one.
 
     Args:
@@ -171,18 +175,18 @@ def to_message(name: str, value: Any, empty_list: int | None = None) -> Any:
     return Parameter(name=name, value=message)
 
 
-def from_message(value: Any) -> Any:
+def from_message(value: ParameterValue) -> Any:
     """What an rcl_interfaces/msg/ParameterValue holds, arrays as lists; None when it is not set."""
     found = held(value)
     return list(found) if _ARRAYS <= value.type < len(TYPES) else found
 
 
-def held(value: Any) -> Any:
+def held(value: ParameterValue) -> Any:
     """The same, arrays as they are."""
     return getattr(value, f"{TYPES[value.type]}_value") if 0 < value.type < len(TYPES) else None
 
 
-def type_of(value: Any) -> str:
+def type_of(value: ParameterValue) -> str:
     """The type of an rcl_interfaces/msg/ParameterValue, also of one whose number has no name."""
     return TYPES[value.type] if value.type < len(TYPES) else f"of the unknown type {value.type}"
 
@@ -226,7 +230,7 @@ class Descriptor:
         return "\n".join(words)
 
 
-def described(message: Any) -> Descriptor:
+def described(message: ParameterDescriptor) -> Descriptor:
     """An rcl_interfaces/msg/ParameterDescriptor in plain values."""
     limits = [*message.floating_point_range, *message.integer_range]
     found = Range(limits[0].from_value, limits[0].to_value, limits[0].step) if limits else None
@@ -244,12 +248,12 @@ def is_of_every_node(name: str) -> bool:
     return name in _OF_EVERY_NODE or name.startswith(_OVERRIDES)
 
 
-def _is_empty_list(value: Any) -> bool:
+def _is_empty_list(value: object) -> bool:
     """Whether this is a list without elements, which does not say what it is a list of."""
     return not isinstance(value, str) and hasattr(value, "__len__") and len(value) == 0
 
 
-def _kind_of(name: str, value: Any, empty_list: int) -> int:
+def _kind_of(name: str, value: object, empty_list: int) -> int:
     if value is None:
         return 0
     for number, scalar in enumerate(_SCALARS, start=1):
@@ -270,11 +274,11 @@ def _kind_of(name: str, value: Any, empty_list: int) -> int:
     raise _unfit(name, value, "All elements of a list have one type: bool, int, float, str or bytes", hint)
 
 
-def _require_int64(name: str, given: Sequence[Any]) -> None:
+def _require_int64(name: str, given: Sequence[object]) -> None:
     if any(isinstance(one, int) and one not in _INT64 for one in given):
         raise _unfit(name, given[0], "An integer parameter has 64 bits")
 
 
-def _unfit(name: str, value: Any, rule: str, hint: str = "") -> BadFieldError:
+def _unfit(name: str, value: object, rule: str, hint: str = "") -> BadFieldError:
     shown = textwrap.shorten(repr(value), 60, placeholder="...")
     return BadFieldError(f"{rule}; {name!r} was given {shown}, {with_article(type(value).__name__)}.{hint}")

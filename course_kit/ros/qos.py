@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rclpy.qos import QoSProfile
+    from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 
-def as_offered(depth: int = 10, keepers: Sequence[Any] = ()) -> QoSProfile:
+def as_offered(depth: int = 10, keepers: Sequence[TopicEndpointInfo] = ()) -> QoSProfile:
     """A profile for a subscription that connects with all publishers that are on the topic when it is made.
 
     Args:

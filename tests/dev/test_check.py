@@ -173,11 +173,11 @@ def test_load_keeps_processors_busy_and_ends() -> None:
 
 def made_report(submission: corpus.ProofSubmission, **failed: str | None) -> Report:
     """A report in which the checks named have failed, each with its diagnosis, and `fine` has passed."""
-    checks = [CheckReport("fine", "Fine", "passed", 1.0, 1.0)]
+    checks = [CheckReport("fine", "Fine", "passed", 1.0, points=1.0)]
     for name, code in failed.items():
         known = catalogue().get(code or "")
         message = complete("It failed.", known)
-        checks.append(CheckReport(name, name, "failed", 0.0, 1.0, "", "a", "b", code, message, "a hint", known=known))
+        checks.append(CheckReport(name, name, "failed", 1.0, "", "a", "b", code, message, hint="a hint", known=known))
     score = float(not failed)
     return Report(submission.exercise, "", "", "graded", not failed, score, 1.0, 0.1, tuple(checks))
 

@@ -18,7 +18,7 @@ from std_msgs.msg import String
 
 from course_kit.grading import bounds
 from course_kit.grading.checks.actions import Feedback, Statuses
-from course_kit.grading.checks.grader_node import Heard
+from course_kit.grading.checks.grader_node import BoundedInbox
 
 INFO = {"received_timestamp": 2_000_000_000, "source_timestamp": 1_000_000_000}
 TEXTS = ("sent", "expected", "got", "message")
@@ -39,7 +39,7 @@ def test_texts_and_sequences_of_a_message_are_cut_wherever_they_stand() -> None:
 
 
 def test_of_a_flood_on_a_topic_the_last_messages_are_kept_and_all_are_counted() -> None:
-    heard = Heard()
+    heard = BoundedInbox()
     for number in range(5000):
         heard.take(String(data=f"{number} {'x' * 20_000}"), INFO)
     assert heard.count == 5000

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import pytest
@@ -138,7 +139,7 @@ def test_field_checks_are_on_whatever_the_user_has_set(monkeypatch: pytest.Monke
 
 def test_a_check_that_breaks_leaves_no_grade() -> None:
     outcomes = {"a": "passed", "b": "error", "c": "skipped"}
-    results = [Result(one, one.upper(), how, 4.0, message=f"about {one}").to_mapping() for one, how in outcomes.items()]
+    results = [asdict(Result(one, one.upper(), how, 4.0, message=f"about {one}")) for one, how in outcomes.items()]
     outcome = {"results": results, "problem": "", "stdout": "", "stderr": "", "timings": {}}
     report = engine._report(exercise.load(EXERCISE), "shown", outcome, "", time.monotonic())
     assert (report.status, report.score, report.passed) == ("error", 0.0, False)

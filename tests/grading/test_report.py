@@ -26,14 +26,13 @@ FAILED = CheckReport(
     "celsius_to_fahrenheit",
     "Celsius becomes Fahrenheit",
     "failed",
-    0.0,
     2.0,
     "value=100.0",
     "212.0",
     "<script>alert(1)</script>" + "x" * 300,
     "math.formula",
     "The factor is upside down & more.",
-    "Think.",
+    hint="Think.",
     told="The factor is upside down & more.",
     steps=(
         Arrow(GRADER, NODE, "request", "request /convert: value=100.0"),
@@ -44,9 +43,9 @@ FAILED = CheckReport(
     ),
     more_hints=("Think <again>.", "Think at last."),
 )
-PASSED = CheckReport("offered", "The service is there", "passed", 1.5, 1.5, "", "e", "e")
-FREE = CheckReport("known_ids", "Every entry belongs", "passed", 0.0, 0.0)
-SKIPPED = CheckReport("precision", "Every digit", "skipped", 0.0, 0.5, message="Not run.")
+PASSED = CheckReport("offered", "The service is there", "passed", 1.5, "", "e", "e", points=1.5)
+FREE = CheckReport("known_ids", "Every entry belongs", "passed", 0.0)
+SKIPPED = CheckReport("precision", "Every digit", "skipped", 0.5, message="Not run.")
 REPORT = Report(
     "temperature_service",
     "A service",

@@ -39,7 +39,7 @@ def a_report(score: float, status: str = "graded", *checks: CheckReport) -> Repo
 
 
 def a_check(name: str, status: str, diagnosis: str | None = None) -> CheckReport:
-    return CheckReport(name, name.title(), status, 0.0, 1.0, diagnosis=diagnosis)
+    return CheckReport(name, name.title(), status, 1.0, diagnosis=diagnosis)
 
 
 def test_the_best_score_and_the_first_pass_stay_and_the_failure_is_the_last_gradings(file: Path) -> None:

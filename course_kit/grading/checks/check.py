@@ -7,8 +7,8 @@ A check is a function that talks to the submission over the wire and either retu
 from __future__ import annotations
 
 import inspect
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from course_kit.grading.exchange_log import GRADER
 from course_kit.ros.arrows import Arrow
@@ -132,10 +132,6 @@ class Result:
     diagnosis: str | None = None
     message: str = ""
     steps: tuple[Arrow, ...] = ()
-
-    def to_mapping(self) -> dict[str, Any]:
-        """The result as plain data."""
-        return asdict(self)
 
 
 def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[Result]:

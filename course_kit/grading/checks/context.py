@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from course_kit.grading.job import Job
+    from course_kit.grading.plain_data import Record
     from course_kit.grading.workers.ipc import Channel
 
 _STEP_S = 0.02  # how often a condition is looked at beside each message: looking costs computing, which others need
@@ -277,6 +278,6 @@ class CheckContext:
     def _clock_of(self, state: Recent, most: float = MOST) -> FairClock:
         return FairClock(state, most, machine.processor_share())
 
-    def _ask(self, what: str, *, patience_s: float = 0.0, **more: Any) -> dict[str, Any]:
+    def _ask(self, what: str, *, patience_s: float = 0.0, **more: object) -> Record:
         self._supervisor.send({"do": what, **more})
         return self._supervisor.receive(patience_s + _RPC_S)

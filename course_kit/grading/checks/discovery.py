@@ -2,109 +2,133 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
+from course_kit.grading.checks.named import Interface, Named
 from course_kit.grading.diagnosis import exits, hangs
+from course_kit.grading.diagnosis.exceptions import explained
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.grader_node import Offer
+    from course_kit.grading.checks.fair_clock import FairClock
+    from course_kit.grading.checks.grader_node import GraderNode, Offer
+    from course_kit.ros.messages import Message
 
+ENDED = "a program that has ended"
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has made the servers it will make
 _NODE_S = 1.5  # a node's name arrives a moment after its endpoints
 _OTHER_TYPE_S = 0.5  # the right name with another type: the node was seen to offer just that
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """What is to be on the graph.
+class Server(Named[Interface], ABC):
+    """A service or an action as the exercise names it; of these the exercise's grader makes one."""
 
-    Attributes:
-        kind: "service" or "action", also the last part of the diagnosis for a wrong name.
-        name: its full name.
-        type: the interface's name, `package/srv/Name`.
-    """
+    @abstractmethod
+    def ready(self, node: GraderNode) -> bool:
+        """Whether the grader's own clients are connected with it."""
 
-    kind: str
-    name: str
-    type: str
+    @abstractmethod
+    def offers(self, node: GraderNode) -> list[Offer]:
+        """Everything of this kind on the graph."""
+
+    @abstractmethod
+    def meet(self, context: CheckContext, request: Message) -> None:
+        """Wait a moment until the server's process knows the grader's clients.
+
+        Args:
+            context: the check's.
+            request: what a service may be asked for that; None when there is nothing.
+
+        Raises:
+            SubmissionEndedError: the submission has ended meanwhile.
+        """
 
 
-def await_offer(
-    context: CheckContext, wanted: Wanted, ready: Callable[[], bool], offers: Callable[[], list[Offer]]
-) -> None:
-    """Wait until a server is there.
+def expect_offered(context: CheckContext, server: Server[Interface], request: Message = None) -> Evidence:
+    """A service or an action is on the graph, with its type, and its program is there to be asked.
 
     Args:
         context: the context of the check.
-        wanted: what for.
-        ready: whether the grader's own clients are connected with it.
-        offers: everything of this kind on the graph, for the explanation.
+        server: what is expected.
+        request: any request of a service; whether and how it is answered is for other checks. It tells a server from
+            a program that offers a service and ends at once, however fast each is discovered.
 
     Raises:
-        Failed: it does not come; with start.*, name.*, type.interface or limit.*.
+        Failed: it is not; with start.*, name.*, type.interface or limit.*.
     """
-    expected = f"the {wanted.kind} {wanted.name} of type {wanted.type}"
-    clock = context.clock()
+    expected = f"the {server.named}"
+    _await_offer(context, server, expected)
+    try:
+        server.meet(context, request)
+    except SubmissionEndedError as ended:
+        if ended.diagnosis == "start.exit":
+            raise Failed(Evidence("", expected, ENDED), ended.message, ended.diagnosis) from None
+    return Evidence("", expected, expected)
+
+
+def _await_offer(context: CheckContext, server: Server[Interface], expected: str) -> None:
+    node, clock = context.grader_node, context.clock()
 
     def other_type() -> bool:
         return clock.wall() > _OTHER_TYPE_S and any(
-            offer.name == wanted.name and offer.type != wanted.type for offer in offers()
+            offer.name == server.name and offer.type != server.type for offer in server.offers(node)
         )
 
-    def settled() -> bool:
-        return clock.past(_SETTLED_S) and bool(context.grader_node.nodes()) and hangs.spins(context)
-
-    def decided() -> bool:
-        return ready() or other_type() or settled()
-
-    try:
-        context.wait_for_start(decided)
-    except SubmissionEndedError as ended:
-        diagnosis, message = exits.of_start(ended.process, context.job)
-        raise Failed(Evidence("", expected, "a program that has ended"), message, diagnosis) from None
-    if not ready():
-        raise _not_offered(context, wanted, offers(), expected)
+    with explained(context, Evidence("", expected), exits.of_start, ENDED):
+        context.wait_for_start(lambda: server.ready(node) or other_type() or has_settled(context, clock))
+    if not server.ready(node):
+        raise _not_offered(context, server, expected)
 
 
-def ensure_running(context: CheckContext, wanted: Wanted, ready: Callable[[], bool]) -> None:
-    """Have a running submission: one that has died or hangs is started again.
+def has_settled(context: CheckContext, clock: FairClock) -> bool:
+    """Whether a node is up and spinning for so long that it has made all it will make.
 
     Args:
         context: the context of the check.
-        wanted: what it is to offer.
-        ready: whether the grader's own clients are connected with it; asked after a new start only.
+        clock: begun when the waiting began.
+    """
+    return clock.past(_SETTLED_S) and bool(context.grader_node.nodes()) and hangs.spins(context)
+
+
+def ensure_ready(context: CheckContext, server: Server[Interface]) -> None:
+    """Have a running submission that offers the server: one that has died or hangs is started again.
 
     Raises:
         Failed: it does not come up a second time.
     """
     if context.spoiled:
-        start_again(context, wanted, ready)
+        start_again(context, server)
 
 
-def start_again(
-    context: CheckContext, wanted: Wanted, ready: Callable[[], bool], variables: Mapping[str, str] | None = None
-) -> None:
+def start_again(context: CheckContext, server: Server[Interface], variables: Mapping[str, str] | None = None) -> None:
     """End the submission and start it anew, with other environment variables if wanted.
+
+    Args:
+        context: the context of the check.
+        server: what it is to offer.
+        variables: environment variables that differ from the exercise's own.
 
     Raises:
         Failed: it does not come up a second time.
     """
     context.launch(variables=variables)
     try:
-        if context.wait_for_start(ready):
-            return
+        came = context.wait_for_start(lambda: server.ready(context.grader_node))
     except SubmissionEndedError:
-        pass
-    context.spoil()
-    evidence = Evidence("", f"the {wanted.kind} {wanted.name}, started again", f"no {wanted.kind}")
-    raise Failed(evidence, "Your program started once, but did not come up when it was started again.")
+        came = False
+    if not came:
+        context.spoil()
+        evidence = Evidence("", f"the {server.kind} {server.name}, started again", f"no {server.kind}")
+        raise Failed(evidence, "Your program started once, but did not come up when it was started again.")
+    with suppress(SubmissionEndedError):  # whoever needs it will notice
+        server.meet(context, None)
 
 
 def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) -> Evidence:
@@ -119,20 +143,29 @@ def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) ->
         Failed: it is not; with name.node.
     """
     expected = f"a node called {name}"
-    try:
+    with explained(context, Evidence("", expected), exits.of_call, ENDED):
         ensure()
         found = context.wait_until(lambda: name in context.grader_node.nodes(), _NODE_S, step_s=GRAPH_STEP_S)
-    except SubmissionEndedError as ended:
-        raise Failed(Evidence("", expected, "a program that has ended"), ended.message, ended.diagnosis) from None
     if found:
         return Evidence("", expected, expected)
     nodes = context.grader_node.nodes()
-    got = f"on the graph: {', '.join(nodes) or 'no node'}"
+    raise other_nodes(name, nodes, Evidence("", expected, f"on the graph: {', '.join(nodes) or 'no node'}"))
+
+
+def other_nodes(name: str, nodes: Sequence[str], evidence: Evidence) -> Failed:
+    """There are nodes, but none of this name.
+
+    Args:
+        name: the full name that was wanted.
+        nodes: those there are.
+        evidence: of the check.
+    """
     message = f"The graph has {graph.listed(nodes, 'node')}, but none is called {name}.{graph.closest(name, nodes)}"
-    raise Failed(Evidence("", expected, got), message, "name.node")
+    return Failed(evidence, message, "name.node")
 
 
-def _not_offered(context: CheckContext, wanted: Wanted, offers: Sequence[Offer], expected: str) -> Failed:
+def _not_offered(context: CheckContext, wanted: Server[Interface], expected: str) -> Failed:
+    offers = wanted.offers(context.grader_node)
     nodes = context.grader_node.nodes()
     context.spoil()
     got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or graph.listed(nodes, "node")

@@ -5,17 +5,19 @@ from __future__ import annotations
 import itertools
 import uuid
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.bounds import bounded
-from course_kit.grading.checks.actions import ActionChannels, ensure_ready
+from course_kit.grading.checks.actions import ActionChannels
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.discovery import ensure_ready
 from course_kit.grading.checks.retry import RESEND_AFTER_S
-from course_kit.grading.diagnosis import goals, hangs
+from course_kit.grading.diagnosis import exits, goals, hangs
+from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
 from course_kit.ros.arrows import Arrow
 from course_kit.ros.goal import status_name
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.actions import ReceivedFeedback, WantedAction
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.process_status import ProcessStatus
+    from course_kit.ros.messages import Message
+    from course_kit.ros.service import SentRequest
 
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
 _QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
@@ -37,7 +41,7 @@ class Ended:
     """How a goal ended: its status (see action_msgs/msg/GoalStatus) and its result, as the client gets them."""
 
     status: int
-    result: Any
+    result: Message
 
     @property
     def name(self) -> str:
@@ -48,7 +52,7 @@ class Ended:
 class CheckedGoal:
     """A goal; made, it is sent."""
 
-    def __init__(self, context: CheckContext, action: WantedAction, message: Any, shown: str) -> None:
+    def __init__(self, context: CheckContext, action: WantedAction, message: Message, shown: str) -> None:
         """Send a goal; a submission that has died or hangs is started again before.
 
         Args:
@@ -60,27 +64,28 @@ class CheckedGoal:
         ensure_ready(context, action)
         context.require_time(Evidence(shown, "an answer to the goal"))
         self.shown = shown
-        self._context, self._parts, self._line = context, action.interface.Impl, ActionChannels(context, action)
+        self._context, self._parts = context, action.interface.Impl
+        self._line = ActionChannels(context.grader_node, action)
         self._stderr = context.process().stderr
         self._id = uuid.uuid4().bytes
-        self._results: list[Any] = []
+        self._result: SentRequest | None = None
         self.clock = context.clock()
         request = self._parts.SendGoalService.Request(goal_id=self._uuid(), goal=message)
         self._turn = context.record.sent(f"goal for {action.name}: {in_one_line(message)}")
         self._cancelling = Exchange()
         context.record.follow(self._feedback_steps)
         self._follow()
-        self._answer = self._line.goals.call_async(request)
+        self._answer = self._line.goals.send(request)
 
     @property
     def answered(self) -> bool:
         """Whether the server has said yes or no."""
-        return bool(self._answer.done())
+        return self._answer.answered()
 
     @property
     def accepted(self) -> bool:
         """Whether it has said yes."""
-        return self.answered and bool(self._answer.result().accepted)
+        return self.answered and bool(self._answer.response().accepted)
 
     @property
     def feedback(self) -> list[ReceivedFeedback]:
@@ -114,14 +119,12 @@ class CheckedGoal:
             nonlocal nudged
             if not nudged and self.clock.wall() > RESEND_AFTER_S:
                 nudged = True
-                self._line.results.call_async(self._parts.GetResultService.Request())
+                self._line.results.send(self._parts.GetResultService.Request())
             return self.answered
 
-        try:
+        evidence = Evidence(self.shown, expected)
+        with explained(self._context, evidence, exits.of_call, "no answer: the program ended"):
             found = self._context.wait_until(decided, seconds)
-        except SubmissionEndedError as ended:
-            evidence = Evidence(self.shown, expected, "no answer: the program ended")
-            raise Failed(evidence, ended.message, ended.diagnosis) from None
         if not found:
             raise hangs.unanswered(self._context, self.shown, expected, self.clock.fair())
         self._turn.came("accepted" if self.accepted else "rejected")
@@ -136,21 +139,24 @@ class CheckedGoal:
         Raises:
             Failed: none came; with the reason if it can be established.
         """
-        self._ask_for_result()
+        result = self._result
+        if result is None:
+            result = self._result = self._line.results.send(self._parts.GetResultService.Request(goal_id=self._uuid()))
+        else:
+            result.send_again()
         clock = self._context.clock()
         try:
-            self._context.wait_until(self._result_came, seconds)
+            self._context.wait_until(lambda: self._has_come(result), seconds)
         except SubmissionEndedError as ended:
             diagnosis, message = goals.of_program(ended.process, self._context.job)
             evidence = Evidence(self.shown, expected, "no result: the program ended")
             self._turn.missed(evidence.got)
             raise Failed(evidence, message, diagnosis) from None
-        for future in self._results:
-            if future.done():
-                response = bounded(future.result())
-                end = Ended(response.status, response.result)
-                self._turn.came(f"result: {end.name}, {in_one_line(end.result)}")
-                return end
+        if result.answered():
+            response = bounded(result.response())
+            end = Ended(response.status, response.result)
+            self._turn.came(f"result: {end.name}, {in_one_line(end.result)}")
+            return end
         self._context.spoil()
         seconds = min(seconds, clock.fair())
         over = next((status_name(status) for _, status in self.statuses if status >= SUCCEEDED), "")
@@ -176,13 +182,13 @@ class CheckedGoal:
         self._context.wait_until(quiet, hangs.ANSWER_S)
         return self.feedback
 
-    def cancel(self) -> Any:
-        """Ask the server to cancel it; a future of the response (action_msgs/srv/CancelGoal)."""
+    def cancel(self) -> SentRequest:
+        """Ask the server to cancel it, by an action_msgs/srv/CancelGoal."""
         request = self._parts.CancelGoalService.Request(goal_info=GoalInfo(goal_id=self._uuid()))
         self._cancelling = self._context.record.sent("request to cancel the goal")
-        return self._line.cancels.call_async(request)
+        return self._line.cancels.send(request)
 
-    def is_cancelled_by(self, response: Any) -> bool:
+    def is_cancelled_by(self, response: Message) -> bool:
         """Whether a response to `cancel` says that the goal will be cancelled."""
         agreed = any(bytes(info.goal_id.uuid) == self._id for info in response.goals_canceling)
         self._cancelling.came("cancelling accepted" if agreed else "cancelling refused")
@@ -194,14 +200,10 @@ class CheckedGoal:
         same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(self._stderr, process.stderr, strict=False))
         return replace(process, stderr=process.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
 
-    def _result_came(self) -> bool:
-        if len(self._results) == 1 and self.over_at is not None and self.clock.wall() > RESEND_AFTER_S:
-            self._ask_for_result()
-        return any(future.done() for future in self._results)
-
-    def _ask_for_result(self) -> None:
-        request = self._parts.GetResultService.Request(goal_id=self._uuid())
-        self._results.append(self._line.results.call_async(request))
+    def _has_come(self, result: SentRequest) -> bool:
+        if result.sent == 1 and self.over_at is not None and self.clock.wall() > RESEND_AFTER_S:
+            result.send_again()
+        return result.answered()
 
     def _feedback_steps(self) -> list[Followed]:
         """The first and the last feedback."""
@@ -219,5 +221,5 @@ class CheckedGoal:
         self._line.feedback.of(self._id)
         self._line.statuses.of(self._id)
 
-    def _uuid(self) -> Any:
+    def _uuid(self) -> UUID:
         return UUID(uuid=list(self._id))

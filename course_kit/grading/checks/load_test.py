@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from collections import deque
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.discovery import ensure_ready
 from course_kit.grading.checks.retry import RESEND_AFTER_S
-from course_kit.grading.checks.services import Service, ensure_ready
+from course_kit.grading.diagnosis import exits
+from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.diagnosis.hangs import unanswered
 from course_kit.grading.sandbox import scheduling
 
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.services import Service
+    from course_kit.ros.messages import Message
+    from course_kit.ros.service import SentRequest, ServiceClient
 
 _STEP_S = 0.004  # how often it is looked: what lies between two looks counts as the grader's lateness
 _WORTHWHILE = 0.4  # of the requests answered when half the time is over
@@ -40,8 +44,8 @@ class Load:
 
 
 def call_many(
-    context: CheckContext, service: Service, requests: Sequence[Any], load: Load, evidence: Evidence
-) -> list[Any]:
+    context: CheckContext, service: Service, requests: Sequence[Message], load: Load, evidence: Evidence
+) -> list[Message]:
     """Send all requests and return the responses in their order.
 
     Args:
@@ -55,16 +59,14 @@ def call_many(
         Failed: not all were answered in time, with service.blocks when they came one by one but too slowly.
     """
     ensure_ready(context, service)
-    clients = [context.grader_node.client(service.interface, service.name, number) for number in range(load.clients)]
-    try:
-        context.wait_until(lambda: all(client.service_is_ready() for client in clients), load.seconds, step_s=_STEP_S)
+    clients = [service.client(context.grader_node, number) for number in range(load.clients)]
+    with explained(context, evidence, exits.of_call):
+        context.wait_until(lambda: all(client.is_ready() for client in clients), load.seconds, step_s=_STEP_S)
         turn = context.record.sent(evidence.sent)
         late = Lateness()
         clock = context.clock(late.seconds)
         responses = _run(context, clients, requests, load, late)
         spent = clock.fair()
-    except SubmissionEndedError as ended:
-        raise Failed(replace(evidence, got="the program ended"), ended.message, ended.diagnosis) from None
     answered = sum(response is not None for response in responses)
     if answered:
         turn.came(f"{answered} of {len(requests)} responses within {spent:.1f} s")
@@ -108,46 +110,41 @@ class Lateness:
 class LoadRequest:
     """The requests on their way, and the responses."""
 
-    def __init__(self, clients: Sequence[Any], requests: Sequence[Any], unanswered: int, late: Lateness) -> None:
-        self.responses: list[Any] = [None] * len(requests)
+    def __init__(
+        self, clients: Sequence[ServiceClient], requests: Sequence[Message], unanswered: int, late: Lateness
+    ) -> None:
+        self.responses: list[Message] = [None] * len(requests)
         self._clients, self._requests, self._unanswered, self._late = clients, requests, unanswered, late
         self._waiting = deque(range(len(requests)))
-        self._flying: dict[int, list[Any]] = {}
+        self._flying: dict[int, SentRequest] = {}
         self._moved = time.monotonic()
 
     def done(self) -> bool:
         """Take in what has come and send what may be sent; True when all is answered."""
-        came = {number: bounded(done[0].result()) for number, sent in self._flying.items() if (done := _done(sent))}
+        came = {number: bounded(sent.response()) for number, sent in self._flying.items() if sent.answered()}
         self._late.look(found=bool(came))
         for number, response in came.items():
             self.responses[number] = response
             del self._flying[number]
         while self._waiting and len(self._flying) < self._unanswered:
-            self._send(self._waiting.popleft())
+            number = self._waiting.popleft()
+            self._flying[number] = self._clients[number % len(self._clients)].send(self._requests[number])
         if came:
             self._moved = time.monotonic()
         elif time.monotonic() - self._moved > RESEND_AFTER_S:
             self._send_first_ones_again()
         return not self._flying
 
-    def _send(self, number: int) -> None:
-        client = self._clients[number % len(self._clients)]
-        self._flying.setdefault(number, []).append(client.call_async(self._requests[number]))
-
     def _send_first_ones_again(self) -> None:
         """Once: the middleware drops a response while the server has not noticed the client, on a loaded machine."""
         for number, sent in self._flying.items():
-            if number < len(self._clients) and len(sent) == 1:
-                self._send(number)
-
-
-def _done(futures: Sequence[Any]) -> list[Any]:
-    return [future for future in futures if future.done()]
+            if number < len(self._clients) and sent.sent == 1:
+                sent.send_again()
 
 
 def _run(
-    context: CheckContext, clients: Sequence[Any], requests: Sequence[Any], load: Load, late: Lateness
-) -> list[Any]:
+    context: CheckContext, clients: Sequence[ServiceClient], requests: Sequence[Message], load: Load, late: Lateness
+) -> list[Message]:
     exchange = LoadRequest(clients, requests, load.unanswered, late)
     if not context.wait_until(exchange.done, load.seconds / 2, step_s=_STEP_S):
         answered = sum(response is not None for response in exchange.responses)

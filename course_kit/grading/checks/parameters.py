@@ -13,7 +13,7 @@ from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, Set
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.discovery import ENDED, has_settled, other_nodes
 from course_kit.grading.checks.retry import wait_for_match
 from course_kit.grading.diagnosis import exceptions, hangs
 from course_kit.ros import parameters
@@ -21,13 +21,15 @@ from course_kit.ros import parameters
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from rcl_interfaces.msg import ParameterValue, SetParametersResult
+
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.ros.messages import Message
     from course_kit.ros.parameters import Question, Steps
 
 INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
 _VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
 _QUESTIONS = _VERBS[:2]
-_SETTLED_S = 2.0  # a node that is up and spinning for so long has the name it will have
 T = TypeVar("T")
 
 
@@ -66,7 +68,7 @@ class Remote:
 
     def ready(self) -> bool:
         """Whether all its parameter services can be called."""
-        return all(client.service_is_ready() for client in self._clients.values())
+        return all(client.is_ready() for client in self._clients.values())
 
     def names(self) -> list[str]:
         """The names of all parameters of the node."""
@@ -76,13 +78,13 @@ class Remote:
         """The values of these parameters; one that is not declared, or has no value yet, counts as not set."""
         return dict(zip(names, map(_value, self._ask(parameters.values(names))), strict=True))
 
-    def set(self, name: str, value: Any) -> SetResult:
+    def set(self, name: str, value: object) -> SetResult:
         """Set one parameter."""
         self.changed = True
         results = self._ask(parameters.set_each([parameters.to_message(name, value)]))
         return _result(results[0]) if results else SetResult(successful=False, reason="")
 
-    def set_together(self, values: Mapping[str, Any]) -> SetResult:
+    def set_together(self, values: Mapping[str, object]) -> SetResult:
         """Set several at once, all or none, in this order."""
         self.changed = True
         messages = [parameters.to_message(*pair) for pair in values.items()]
@@ -91,22 +93,22 @@ class Remote:
     def _ask(self, steps: Steps[T]) -> T:
         return parameters.driven(steps, self._answer)
 
-    def _answer(self, question: Question) -> Any:
-        context, request = self._context, question.interface.Request(**question.fields)
+    def _answer(self, question: Question) -> Message:
+        context, request = self._context, question.request
         evidence = _evidence(question)
         context.require_time(evidence)
         turn = context.record.sent(evidence.sent, minor=question.service in _QUESTIONS)
         clock = context.clock()
         with exceptions.explained(context, evidence):
-            future = self._clients[question.service].call_async(request)
-            if context.wait_until(future.done, hangs.ANSWER_S):
-                response = bounded(future.result())
+            sent = self._clients[question.service].send(request)
+            if context.wait_until(sent.answered, hangs.ANSWER_S):
+                response = bounded(sent.response())
                 turn.came(_told(request, response))
                 return response
             raise exceptions.unanswered(context, evidence, clock.fair())
 
 
-def shown(values: Mapping[str, Any]) -> str:
+def shown(values: Mapping[str, object]) -> str:
     """`max_velocity=2.5, enabled=False`."""
     return ", ".join(f"{name}={value!r}" for name, value in values.items())
 
@@ -120,12 +122,8 @@ def expect_served(context: CheckContext, node: str) -> Evidence:
     expected = f"a node called {node}"
     remote = Remote(context, node)
     clock = context.clock()
-
-    def settled() -> bool:
-        return clock.past(_SETTLED_S) and bool(context.grader_node.nodes()) and hangs.spins(context)
-
-    try:
-        context.wait_for_start(lambda: remote.ready() or settled())
+    with exceptions.explained(context, Evidence("", expected), exceptions.of_start, ENDED):
+        context.wait_for_start(lambda: remote.ready() or has_settled(context, clock))
         if not remote.ready():
             raise _not_served(context, node, expected)
         client = context.grader_node.client(
@@ -134,9 +132,6 @@ def expect_served(context: CheckContext, node: str) -> Evidence:
         clock = context.clock()
         if not wait_for_match(context, client, ListParameters.Request(), hangs.ANSWER_S):
             raise exceptions.unanswered(context, Evidence("list_parameters", expected), clock.fair())
-    except SubmissionEndedError as ended:
-        diagnosis, message = exceptions.of_start(ended.process, context.job)
-        raise Failed(Evidence("", expected, "a program that has ended"), message, diagnosis) from None
     return Evidence("", expected, expected)
 
 
@@ -171,8 +166,7 @@ def _not_served(context: CheckContext, node: str, expected: str) -> Failed:
         )
         return Failed(evidence, message)
     if nodes:
-        message = f"The graph has {graph.listed(nodes, 'node')}, but none is called {node}.{graph.closest(node, nodes)}"
-        return Failed(evidence, message, "name.node")
+        return other_nodes(node, nodes, evidence)
     return Failed(evidence, *graph.why_empty(context, node)[::-1])
 
 
@@ -186,7 +180,7 @@ def _evidence(question: Question) -> Evidence:
     return Evidence(f"{question.service}: {shown(values)}", "an answer: accepted, or refused and why")
 
 
-def _told(request: Any, response: Any) -> str:
+def _told(request: Message, response: Message) -> str:
     """A response of one of the services as the learner is shown it."""
     if isinstance(response, ListParameters.Response):
         return f"names: {', '.join(response.result.names)}"
@@ -199,9 +193,9 @@ def _told(request: Any, response: Any) -> str:
     return "; ".join(_result(one).shown() for one in results)
 
 
-def _result(message: Any) -> SetResult:
+def _result(message: SetParametersResult) -> SetResult:
     return SetResult(message.successful, message.reason)
 
 
-def _value(message: Any) -> Value:
+def _value(message: ParameterValue) -> Value:
     return Value(parameters.type_of(message), parameters.from_message(message))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from course_kit.grading.plain_data import Record
 
 
 @dataclass(frozen=True)
@@ -23,9 +23,9 @@ class ProcessStatus:
     memory: int = 0
     stdout: str = ""
     stderr: str = ""
-    notes: dict[str, Any] = field(default_factory=dict)
+    notes: Record = field(default_factory=dict)
 
     @classmethod
-    def from_mapping(cls, facts: Mapping[str, Any]) -> ProcessStatus:
+    def from_mapping(cls, facts: Record) -> ProcessStatus:
         """Out of what the supervisor answers, which tells more."""
         return cls(**{one.name: facts[one.name] for one in fields(cls) if one.name in facts})

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.bounds import bounded
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rclpy.client import Client
-
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.ros.messages import Message
+    from course_kit.ros.service import ServiceClient
 
 RESEND_AFTER_S = (
     1.0  # when nothing has come for so long it is asked again; also what a program that ends at once is given
@@ -30,9 +30,9 @@ class RetriedRequest:
     def __init__(
         self,
         context: CheckContext,
-        request: Any,
-        client: Client,
-        again: Callable[[], Client],
+        request: Message,
+        client: ServiceClient,
+        again: Callable[[], ServiceClient],
         after_s: float = RESEND_AFTER_S,
     ) -> None:
         """Send it.
@@ -45,23 +45,25 @@ class RetriedRequest:
             after_s: when that is.
         """
         self.clock = context.clock()
-        self._request, self._again, self._after_s = request, again, after_s
-        self._futures = [client.call_async(request)]
+        self._again, self._after_s = again, after_s
+        self._sent = client.send(request)
 
     def answered(self) -> bool:
         """Whether an answer has come; to be asked again and again."""
-        if any(future.done() for future in self._futures):
+        if self._sent.answered():
             return True
-        if len(self._futures) == 1 and self.clock.wall() > self._after_s:
-            self._futures.append(self._again().call_async(self._request))
+        if self._sent.sent == 1 and self.clock.wall() > self._after_s:
+            self._sent.send_again(self._again())
         return False
 
-    def response(self) -> Any:
+    def response(self) -> Message:
         """The first answer; None as long as there is none."""
-        return next((bounded(future.result()) for future in self._futures if future.done()), None)
+        return bounded(self._sent.response()) if self._sent.answered() else None
 
 
-def wait_for_match(context: CheckContext, client: Client, request: Any, seconds: float = RESEND_AFTER_S) -> bool:
+def wait_for_match(
+    context: CheckContext, client: ServiceClient, request: Message, seconds: float = RESEND_AFTER_S
+) -> bool:
     """Ask until an answer has come, whatever it says: from then on the server's process knows the grader's clients.
 
     Args:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, ClassVar
 
 from rclpy.duration import Infinite
 from rclpy.qos import (
@@ -19,14 +19,17 @@ from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S
 from course_kit.grading.checks.grader_node import DEPTH
+from course_kit.grading.checks.named import Named
 from course_kit.grading.diagnosis import exceptions, exits, hangs
 from course_kit.grading.exchange_log import Exchange, in_one_line
+from course_kit.ros.messages import MessageType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.grader_node import Endpoint, Heard
+    from course_kit.ros.messages import Message
+    from course_kit.ros.topic import Endpoint, Inbox
 
 HEARD_S = 3.0  # how long the message that answers another one is waited for
 _GRAPH_S = 2.0  # how long an endpoint is waited for, of a node that is up
@@ -45,18 +48,10 @@ _DEFAULT = QoSProfile(
 
 
 @dataclass(frozen=True)
-class Topic:
-    """A topic as the exercise names it.
+class Topic(Named[MessageType]):
+    """A topic as the exercise names it."""
 
-    Attributes:
-        name: its full name.
-        interface: its class.
-        type: the interface's name, `package/msg/Name`.
-    """
-
-    name: str
-    interface: Any
-    type: str
+    kind: ClassVar[str] = "topic"
 
 
 def expect_endpoints(context: CheckContext, published: Sequence[Topic], subscribed: Sequence[Topic]) -> Evidence:
@@ -116,7 +111,7 @@ def _mismatch(end: Endpoint, *, publishes: bool) -> str:
     return str(reason) or "incompatible" if compatibility == QoSCompatibility.ERROR else ""
 
 
-def _policies(qos: Any) -> str:
+def _policies(qos: QoSProfile) -> str:
     return f"{qos.reliability.name.lower()}, {qos.durability.name.lower()}"
 
 
@@ -124,15 +119,21 @@ class TopicExchange:
     """A node that answers each message on one topic with a message on each of some others."""
 
     def __init__(self, context: CheckContext, sent: Topic, answers: Sequence[Topic]) -> None:
-        """Prepare; the endpoints are made on first use and kept, so that they connect while others are waited for."""
+        """Prepare; the endpoints are made on first use and kept, so that they connect while others are waited for.
+
+        Args:
+            context: the check's.
+            sent: the topic of the messages that are sent.
+            answers: those on which something comes for each.
+        """
         self._context = context
         self._sent = sent
         self._answers = tuple(answers)
         self._publisher = context.grader_node.publisher(sent.interface, sent.name)
         self._turn = Exchange()
-        self._heard = tuple(context.grader_node.hear(topic.interface, topic.name) for topic in answers)
+        self._heard = tuple(context.grader_node.inbox(topic.interface, topic.name) for topic in answers)
 
-    def send(self, message: Any, evidence: Evidence) -> tuple[Any, ...]:
+    def send(self, message: Message, evidence: Evidence) -> tuple[Message, ...]:
         """Send one message and return the next that comes on each of the other topics.
 
         Raises:
@@ -140,7 +141,7 @@ class TopicExchange:
         """
         return tuple(messages[-1] for messages in self.send_all([message], evidence))
 
-    def send_all(self, messages: Sequence[Any], evidence: Evidence) -> tuple[list[Any], ...]:
+    def send_all(self, messages: Sequence[Message], evidence: Evidence) -> tuple[list[Message], ...]:
         """Send some messages at once; returns what came on each topic, as soon as it is that many or more.
 
         Raises:
@@ -157,7 +158,7 @@ class TopicExchange:
             self._tell_came(places)
         return tuple(heard.since(place) for heard, place in zip(self._heard, places, strict=True))
 
-    def wait_for_better(self, good: Callable[[tuple[Any, ...]], bool], evidence: Evidence) -> tuple[Any, ...]:
+    def wait_for_better(self, good: Callable[[tuple[Message, ...]], bool], evidence: Evidence) -> tuple[Message, ...]:
         """Give the last message on each topic a moment to become what it should be, and return it, good or not.
 
         A node that publishes more than once for a message, or from a timer, leaves some that are taken for answers to
@@ -169,10 +170,10 @@ class TopicExchange:
         self._tell_came(places)
         return self._last()
 
-    def _last(self) -> tuple[Any, ...]:
+    def _last(self) -> tuple[Message, ...]:
         return tuple(heard.messages[-1] for heard in self._heard)
 
-    def _tell_sent(self, messages: Sequence[Any]) -> None:
+    def _tell_sent(self, messages: Sequence[Message]) -> None:
         what = in_one_line(messages[0]) if len(messages) == 1 else f"{len(messages)} messages"
         self._turn = self._context.record.sent(f"{self._sent.name}: {what}", "message")
 
@@ -227,7 +228,7 @@ class TopicExchange:
         return Failed(evidence, *_why_nothing(self._context, self._sent.name, names, seconds)[::-1])
 
 
-def await_next(context: CheckContext, heard: Heard, count: int, seconds: float, evidence: Evidence) -> bool:
+def await_next(context: CheckContext, heard: Inbox, count: int, seconds: float, evidence: Evidence) -> bool:
     """Wait until so many messages have come in all; False when they have not within `seconds`.
 
     Args:

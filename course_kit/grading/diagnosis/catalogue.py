@@ -7,7 +7,7 @@ import sys
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -59,7 +59,7 @@ def catalogue() -> dict[str, Diagnosis]:
     return {code: Diagnosis(code, **fields) for code, fields in entries.items()}
 
 
-def reworded(code: str, fields: Mapping[str, Any]) -> Diagnosis:
+def reworded(code: str, fields: Mapping[str, str]) -> Diagnosis:
     """The entry of a code as an exercise words it.
 
     Args:

@@ -16,7 +16,7 @@ from course_kit.grading.diagnosis import exits, hangs
 from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from course_kit.grading.checks.check import Evidence
     from course_kit.grading.checks.context import CheckContext
@@ -27,21 +27,40 @@ if TYPE_CHECKING:
 _JUDGES = "_set_parameters_atomically_common"
 # What rclpy says for a callback that returns something else than a SetParametersResult.
 INVALID_RESULT = "Callback returned an invalid type"
-_ENDED = "the program ended"
+
+
+def of_end(process: ProcessStatus, job: Job) -> exits.Cause:
+    """Why a submission ended that was up."""
+    if cause := exits.of_limit(process, job):
+        return cause
+    if process.notes.get("exit_in_callback"):
+        return None, "One of your callbacks ended the whole program (SystemExit)."
+    return of_logged(process.stderr, job) or exits.exited(process)
 
 
 @contextmanager
-def explained(context: CheckContext, evidence: Evidence) -> Iterator[None]:
+def explained(
+    context: CheckContext,
+    evidence: Evidence,
+    why: Callable[[ProcessStatus, Job], exits.Cause] = of_end,
+    got: str = "the program ended",
+) -> Iterator[None]:
     """Turn the end of the submission, while something is waited for, into a verdict that says why it ended.
 
+    Args:
+        context: the check's.
+        evidence: what the check has so far.
+        why: tells why a program ended, by what it was asked to do.
+        got: what came instead, in words.
+
     Raises:
-        Failed: it has ended; with parameter.*, field.type or limit.* where that is established.
+        Failed: it has ended; with the code that `why` has established.
     """
     try:
         yield
     except SubmissionEndedError as ended:
-        diagnosis, message = of_end(ended.process, context.job)
-        raise Failed(replace(evidence, got=_ENDED), message, diagnosis) from None
+        diagnosis, message = why(ended.process, context.job)
+        raise Failed(replace(evidence, got=got), message, diagnosis) from None
 
 
 def of_start(process: ProcessStatus, job: Job) -> exits.Cause:
@@ -57,15 +76,6 @@ def of_start(process: ProcessStatus, job: Job) -> exits.Cause:
         if raised is not None and (cause := _of_parameters(raised, job)):
             return cause
     return exits.of_start(process, job)
-
-
-def of_end(process: ProcessStatus, job: Job) -> exits.Cause:
-    """Why a submission ended that was up."""
-    if cause := exits.of_limit(process, job):
-        return cause
-    if process.notes.get("exit_in_callback"):
-        return None, "One of your callbacks ended the whole program (SystemExit)."
-    return of_logged(process.stderr, job) or exits.exited(process)
 
 
 def of_logged(stderr: str, job: Job) -> exits.Cause | None:

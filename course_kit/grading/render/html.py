@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from course_kit import environment
@@ -39,7 +39,7 @@ def render_page(report: Report, student: str) -> str:
     return str(render(_TEMPLATES / "page.html", student=student, **_values(report, Path.cwd())))
 
 
-def _values(report: Report, base: Path) -> dict[str, Any]:
+def _values(report: Report, base: Path) -> dict[str, object]:
     return {
         "report": report,
         "most_points": max((check.max_points for check in report.checks), default=0.0),

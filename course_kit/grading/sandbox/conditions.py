@@ -44,7 +44,13 @@ def of(job: Job, variables: Mapping[str, str], view: FileView) -> Conditions:
 
 
 def program(job: Job, arguments: tuple[str, ...], files: Mapping[str, str]) -> Program:
-    """The program of a job, for one start with these arguments and files beside it."""
+    """The program of a job, for one start.
+
+    Args:
+        job: what is graded.
+        arguments: what follows the program's name on its command line.
+        files: texts to lay beside it, by file name.
+    """
     return Program(
         name=job.name,
         source=job.source,

@@ -10,9 +10,9 @@ import os
 import sys
 import tempfile
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.sandbox import mounts
 
@@ -49,15 +49,6 @@ class FileView:
 
     shown: tuple[str, ...] = ()
     masked: tuple[str, ...] = ()
-
-    @classmethod
-    def from_mapping(cls, values: dict[str, Any]) -> FileView:
-        """The inverse of `to_mapping`."""
-        return cls(**{name: tuple(paths) for name, paths in values.items()})
-
-    def to_mapping(self) -> dict[str, Any]:
-        """The view as plain data."""
-        return asdict(self)
 
     def with_more(self, shown: Iterable[str] = (), masked: Iterable[str] = ()) -> FileView:
         """The same view and more."""

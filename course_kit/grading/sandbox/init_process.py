@@ -10,7 +10,7 @@ import os
 import select
 import signal
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.sandbox import memory, namespaces, runner
 from course_kit.grading.sandbox.isolation import arrange_files
@@ -20,6 +20,7 @@ from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from course_kit.grading.limits import Limits
+    from course_kit.grading.plain_data import Record
     from course_kit.grading.sandbox.runner import Program
     from course_kit.grading.sandbox.sandbox import Conditions, Streams
 
@@ -32,7 +33,13 @@ _MB = 1024 * 1024
 
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
-    """Arrange the files, start the program, watch it, and end when it has ended."""
+    """Arrange the files, start the program, watch it, and end when it has ended.
+
+    Args:
+        program: what to run.
+        cell: under which conditions.
+        inside: the streams' ends for the sandbox.
+    """
     set_name("grade init")
     die_with_parent()
     adopt_orphans()
@@ -147,14 +154,14 @@ class _Watch:
             self._known, self._last = tree.all_but(1), last
         return self._known
 
-    def _usage(self) -> dict[str, Any]:
+    def _usage(self) -> Record:
         everything = self._everything()
         usage = tree.usage(everything)
         waited_s = self._waiting.look(everything, usage.tasks)
         return {"cpu_s": usage.cpu_s, "waited_s": waited_s, "tasks": usage.tasks, "memory": usage.memory}
 
 
-def _how(status: int) -> dict[str, Any]:
+def _how(status: int) -> Record:
     if os.WIFSIGNALED(status):
         number = os.WTERMSIG(status)
         return {"signal": number, **({"limit": "time"} if number == signal.SIGXCPU else {})}

@@ -15,7 +15,7 @@ import tempfile
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
@@ -63,15 +63,6 @@ class Isolation:
     user: bool = False
     root: bool = False
     reason: str = ""
-
-    @classmethod
-    def from_mapping(cls, values: dict[str, Any]) -> Isolation:
-        """The inverse of `to_mapping`."""
-        return cls(**values)
-
-    def to_mapping(self) -> dict[str, Any]:
-        """The state as plain data: the booleans and the reason."""
-        return asdict(self)
 
     @property
     def full(self) -> bool:
@@ -143,7 +134,7 @@ def status() -> Isolation:
             timeout=_PATIENCE_S,
             check=True,
         )
-        return Isolation.from_mapping(json.loads(trial.stdout))
+        return Isolation(**json.loads(trial.stdout))
     except (OSError, subprocess.SubprocessError, ValueError, TypeError) as problem:
         return Isolation(reason=f"trying it out failed ({problem})")
 
@@ -266,4 +257,4 @@ def _say(writer: int, line: str) -> None:
 
 def print_trial() -> None:
     """Try out and print the outcome as JSON, for `status`."""
-    sys.stdout.write(json.dumps(try_out().to_mapping()))
+    sys.stdout.write(json.dumps(asdict(try_out())))

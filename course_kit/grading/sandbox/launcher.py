@@ -18,18 +18,22 @@ import os
 import signal
 import socket
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict
+from functools import partial
+from typing import TYPE_CHECKING
 
+from course_kit.grading.plain_data import rebuilt
 from course_kit.grading.sandbox import init_process, namespaces
 from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions, Streams
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.process import freezing, tree
+from course_kit.process.fork import fork
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
 _START, _END, _ENDED = b"start", b"end", b"ended"
 _LARGEST_ORDER = 16 * 1024  # bytes
@@ -74,7 +78,7 @@ class Launcher:
             descriptors = [theirs.fileno(), *inside.descriptors(), *network]
             socket.send_fds(self._line, [_START], descriptors)
             theirs.close()
-            request.send({"program": program.to_mapping(), "cell": cell.to_mapping()})
+            request.send({"program": asdict(program), "cell": asdict(cell)})
         except (OSError, ChannelClosedError) as problem:
             raise SandboxStartError(f"a program cannot be started: {problem}") from problem
         finally:
@@ -117,20 +121,20 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
         _serve(lines[0])
         return
     for line in lines:
-        if os.fork() == 0:
-            try:
-                die_with_parent()
-                for other in lines:
-                    if other is not line:
-                        other.close()
-                _serve(line)
-            finally:
-                os._exit(0)
+        fork(partial(_serve_one, line, lines))
     for line in lines:
         line.close()
     with suppress(ChildProcessError):
         while True:
             os.wait()
+
+
+def _serve_one(line: socket.socket, lines: Sequence[socket.socket]) -> None:
+    die_with_parent()
+    for other in lines:
+        if other is not line:
+            other.close()
+    _serve(line)
 
 
 def _load(names: Sequence[Sequence[str]]) -> None:
@@ -161,18 +165,13 @@ def _serve(line: socket.socket) -> None:
 
 
 def _fork_gate(line: socket.socket, descriptors: Sequence[int]) -> None:
-    child = os.fork()
-    if child == 0:
-        try:
-            line.close()
-            _gate(descriptors)
-        finally:
-            os._exit(init_process.FAILED)
+    fork(partial(_gate, line, descriptors), failed=init_process.FAILED)
     for descriptor in descriptors:
         os.close(descriptor)
 
 
-def _gate(descriptors: Sequence[int]) -> None:
+def _gate(line: socket.socket, descriptors: Sequence[int]) -> None:
+    line.close()
     gc.disable()  # a collection would copy pages; the program has it again
     set_name("grade enter")
     die_with_parent()
@@ -190,19 +189,13 @@ def _gate(descriptors: Sequence[int]) -> None:
         inside.tell(problem=f"the sandbox cannot be entered: {problem}")
         return
     die_with_parent()  # entering a user namespace has cleared it
-    child = os.fork()
-    if child == 0:
-        try:
-            init_process.main(program, cell, inside)
-        finally:
-            os._exit(init_process.FAILED)
+    child = fork(partial(init_process.main, program, cell, inside), failed=init_process.FAILED)
     inside.close()
     os.waitpid(child, 0)
-    os._exit(0)
 
 
 def _receive(descriptor: int) -> tuple[Program, Conditions]:
     channel = Channel(socket.socket(fileno=descriptor))
-    request: Mapping[str, Any] = channel.receive(_REQUEST_S)
+    request = channel.receive(_REQUEST_S)
     channel.close()
-    return Program.from_mapping(request["program"]), Conditions.from_mapping(request["cell"])
+    return rebuilt(Program, request["program"]), Conditions.from_record(request["cell"])

@@ -7,11 +7,12 @@ import os
 import re
 import signal
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.output import BoundedOutput
 
 if TYPE_CHECKING:
+    from course_kit.grading.plain_data import Record
     from course_kit.grading.sandbox.sandbox import Streams
 
 _CHUNK = 65536
@@ -37,8 +38,8 @@ class OutputCollector:
         self._limit = limit_kb * 1024
         self._output = {"stdout": BoundedOutput(), "stderr": BoundedOutput()}
         self._totals = dict(zip(("stdout", "stderr"), totals, strict=True))
-        self._facts: dict[str, Any] = {}
-        self._notes: dict[str, Any] = {}
+        self._facts: Record = {}
+        self._notes: Record = {}
         self._status = b""
         self._evidence = b""
         self._evidence_taken = 0
@@ -112,7 +113,7 @@ class OutputCollector:
             seen.add(match["id"])
         return 0
 
-    def facts(self) -> dict[str, Any]:
+    def facts(self) -> Record:
         """All of it, as plain data."""
         self._read_notes()
         return {
@@ -157,9 +158,9 @@ class OutputCollector:
                     self._notes.update(_sound(json.loads(line)["note"]))
 
 
-def _sound(note: dict[str, Any]) -> dict[str, Any]:
+def _sound(note: Record) -> Record:
     """What of a note has the shape the runner gives it: the submission can write here, too."""
-    sound: dict[str, Any] = {}
+    sound: Record = {}
     for name, value in note.items():
         if name in _LISTS and isinstance(value, list):
             sound[name] = [str(item)[:_NOTE_LENGTH] for item in value[:_NOTE_ITEMS]]

@@ -19,7 +19,7 @@ import sys
 import tempfile
 import threading
 import traceback
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
@@ -67,19 +67,15 @@ class Program:
     folder: str = ""
     variable: str = ""
 
-    @classmethod
-    def from_mapping(cls, values: Mapping[str, Any]) -> Program:
-        """The inverse of `to_mapping`."""
-        program = cls(**values)
-        return replace(program, arguments=tuple(program.arguments), command=tuple(program.command))
-
-    def to_mapping(self) -> dict[str, Any]:
-        """The program as plain data."""
-        return asdict(self)
-
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
-    """Turn this process into the submission; never returns but where it cannot be locked in."""
+    """Turn this process into the submission; never returns but where it cannot be locked in.
+
+    Args:
+        program: what to run.
+        cell: under which conditions.
+        inside: the streams' ends for the sandbox.
+    """
     set_name("submission")
     folder = cell.scratch
     os.setsid()
@@ -187,7 +183,7 @@ def _has_made_nodes() -> bool:
     return False
 
 
-def _find_class(module: ModuleType, wanted: str, evidence: int) -> Any:
+def _find_class(module: ModuleType, wanted: str, evidence: int) -> type | None:
     from rclpy.node import Node
 
     own = {
@@ -206,7 +202,7 @@ def _find_class(module: ModuleType, wanted: str, evidence: int) -> Any:
     return None
 
 
-def _spin(node_class: Any) -> None:
+def _spin(node_class: type) -> None:
     import rclpy
     from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 
@@ -230,7 +226,7 @@ def _spin(node_class: Any) -> None:
         return
 
 
-def _exit_status(code: Any) -> int:
+def _exit_status(code: object) -> int:
     if code is None:
         return 0
     if isinstance(code, int):
@@ -274,7 +270,7 @@ def _type_name(value: object) -> str:
     return "None" if value is None else type(value).__name__
 
 
-def _note(evidence: int, **what: Any) -> None:
+def _note(evidence: int, **what: object) -> None:
     os.write(evidence, b"\n" + json.dumps({"note": what}).encode() + b"\n")
 
 

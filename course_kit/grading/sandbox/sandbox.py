@@ -11,10 +11,11 @@ import os
 import shutil
 import tempfile
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from course_kit.grading.limits import Limits
+from course_kit.grading.plain_data import Record, rebuilt
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.grading.sandbox.isolation import Isolation
 
@@ -50,18 +51,9 @@ class Conditions:
     user: int = 0
 
     @classmethod
-    def from_mapping(cls, values: Mapping[str, Any]) -> Conditions:
-        """The inverse of `to_mapping`."""
-        made = {
-            "limits": Limits.from_mapping(values["limits"]),
-            "isolation": Isolation.from_mapping(values["isolation"]),
-            "view": FileView.from_mapping(values["view"]),
-        }
-        return cls(**{**values, **made})
-
-    def to_mapping(self) -> dict[str, Any]:
-        """The conditions as plain data."""
-        return asdict(self)
+    def from_record(cls, record: Record) -> Conditions:
+        """The conditions of which `dataclasses.asdict` has made a record."""
+        return rebuilt(cls, record, limits=Limits, isolation=Isolation, view=FileView)
 
 
 @dataclass
@@ -78,7 +70,7 @@ class Streams:
         """All of them, in the order of the arguments."""
         return (self.stdout, self.stderr, self.status, self.evidence, self.control)
 
-    def tell(self, **what: Any) -> None:
+    def tell(self, **what: object) -> None:
         """From the inside: tell the supervisor facts, on the stream for them."""
         with suppress(OSError):
             os.write(self.status, json.dumps(what).encode() + b"\n")

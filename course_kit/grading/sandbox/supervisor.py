@@ -9,7 +9,7 @@ import os
 import select
 import time
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading import limits
@@ -22,14 +22,17 @@ from course_kit.grading.sandbox.output_collector import OutputCollector
 from course_kit.grading.sandbox.sandbox import Sandbox
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.process import tree
+from course_kit.process.fork import fork
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.grading.job import Job
+    from course_kit.grading.plain_data import Record
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.launcher import Launcher
+    from course_kit.grading.workers.outcome import Outcome
 
 _ANSWER_S = 5.0  # how long the init process is waited for; it has answered long before, unless the machine is very busy
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
@@ -69,14 +72,13 @@ class Supervisor:
         self._queued_s = 0.0
         self._launches = 0
         self._arguments: tuple[str, ...] = ()
-        self._results: list[dict[str, Any]] = []
-        self._extra: dict[str, Any] = {}
+        self._results: list[Record] = []
+        self._extra: Record = {}
         self._fault = ""
         self._killed_before = memory.oom_kills()
-        self._probe_id = 0
         self._again = False  # whether this may go better the next time: something was killed that should not be
 
-    def run(self) -> dict[str, Any]:
+    def run(self) -> Outcome:
         """Grade, and return the outcome as plain data; nothing that was started is alive then."""
         set_name("grade supervise")
         die_with_parent()
@@ -100,7 +102,7 @@ class Supervisor:
             "again": self._again,
         }
 
-    def _timings(self, stopping: float) -> dict[str, Any]:
+    def _timings(self, stopping: float) -> Record:
         """Where the time went, in seconds; what came before the grader process ran counts as start."""
         now = time.monotonic()
         grader_process = sum(self._extra.get(f"{phase}_s", 0.0) for phase in (*PHASES, "checks"))
@@ -110,17 +112,16 @@ class Supervisor:
         return {**self._extra, **times}
 
     def _start_probe(self) -> Channel:
-        ours, theirs = Channel.pair()
-        self._probe_id = os.fork()
-        if self._probe_id == 0:
-            from course_kit.grading.workers import grader_process
+        from course_kit.grading.workers import grader_process
 
+        ours, theirs = Channel.pair()
+
+        def run() -> None:
             ours.close()
-            try:
-                die_with_parent()
-                grader_process.main(theirs, self._job)
-            finally:
-                os._exit(init_process.FAILED)
+            die_with_parent()
+            grader_process.main(theirs, self._job)
+
+        fork(run)
         theirs.close()
         return ours
 
@@ -164,7 +165,7 @@ class Supervisor:
         if now > deadline + _GRADER_GRACE_S:
             raise _BrokenOffError("the grader's own process did not finish in time")
 
-    def _obey(self, message: dict[str, Any]) -> dict[str, Any] | None:
+    def _obey(self, message: Record) -> Record | None:
         what = message["do"]
         if what == "result":
             self._results.append(message["result"])
@@ -181,7 +182,7 @@ class Supervisor:
             self._finish(message["seconds"])
         return self._facts(fresh=what == "facts")
 
-    def _launch(self, arguments: tuple[str, ...], files: dict[str, str], variables: dict[str, str]) -> dict[str, Any]:
+    def _launch(self, arguments: tuple[str, ...], files: dict[str, str], variables: dict[str, str]) -> Record:
         self._stop()
         self._arguments = arguments
         self._launches += 1
@@ -220,7 +221,7 @@ class Supervisor:
         self._began += queued_s  # that is not the submission's fault
         return domain, queued_s
 
-    def _facts(self, *, fresh: bool) -> dict[str, Any]:
+    def _facts(self, *, fresh: bool) -> Record:
         if self._collector is None or self._sandbox is None:
             return {"running": False}
         if fresh and not self._collector.over:

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import CodeType, ModuleType
+
+    from course_kit.grading.plain_data import Record
 
 _LONGEST = 48 * 1024  # characters of all together; the grader keeps 64 kB of a program's notes
 _LONGEST_NAME, _MOST_NAMES = 40, 50
@@ -37,7 +39,7 @@ def run(code: CodeType, module: ModuleType, variable: str, note: Callable[..., N
     note(**describe(vars(module), variable))
 
 
-def describe(names: Mapping[str, Any], variable: str) -> dict[str, Any]:
+def describe(names: Mapping[str, object], variable: str) -> Record:
     """What a program has set, as texts.
 
     Returns:
@@ -45,7 +47,7 @@ def describe(names: Mapping[str, Any], variable: str) -> dict[str, Any]:
         `entries`, in the words of `repr`; `too_large` instead of these when nobody would write so much by hand.
     """
     own = [str(name)[:_LONGEST_NAME] for name in names if not str(name).startswith("_")]
-    told: dict[str, Any] = {"set_names": own[:_MOST_NAMES]}
+    told: Record = {"set_names": own[:_MOST_NAMES]}
     if variable not in names:
         return told
     value = names[variable]

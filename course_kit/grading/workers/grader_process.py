@@ -5,7 +5,8 @@ from __future__ import annotations
 import importlib
 import os
 import time
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 from course_kit.grading import bounds, limits, machine
 from course_kit.grading.checks.check import run_all
@@ -15,9 +16,11 @@ from course_kit.process.parent import set_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from types import ModuleType
 
     from course_kit.grading.checks.check import Check
     from course_kit.grading.job import Job
+    from course_kit.grading.plain_data import Record
     from course_kit.grading.workers.ipc import Channel
 
 
@@ -36,7 +39,7 @@ def warm_up() -> None:
     del rclpy, course_kit
 
 
-def load(module: str) -> Any:
+def load(module: str) -> ModuleType:
     """A grader's module, its interfaces loaded."""
     from rclpy.type_support import check_for_type_support
 
@@ -46,7 +49,7 @@ def load(module: str) -> Any:
     return grader
 
 
-def checks_of(grader: Any, job: Job) -> Sequence[Check]:
+def checks_of(grader: ModuleType, job: Job) -> Sequence[Check]:
     """The checks of a grader module: its `CHECKS`, or what its `checks_for(job)` makes of the job's seed."""
     made: Sequence[Check] = grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS
     return made
@@ -57,7 +60,7 @@ def main(supervisor: Channel, job: Job) -> None:
     set_name("grade grader")
     os.setpriority(os.PRIO_PROCESS, 0, job.priority)
     limits.bound_reader(job.limits.wall_s)
-    told: dict[str, Any] = {"do": "done", "problem": "", "timings": {}}
+    told: Record = {"do": "done", "problem": "", "timings": {}}
     try:
         told["timings"] = _run(supervisor, job)
     except ChannelClosedError:
@@ -67,7 +70,7 @@ def main(supervisor: Channel, job: Job) -> None:
     supervisor.send(told)
 
 
-def _run(supervisor: Channel, job: Job) -> dict[str, Any]:
+def _run(supervisor: Channel, job: Job) -> Record:
     began = time.monotonic()
     grader = load(job.grader)
     context = CheckContext(supervisor, job, getattr(grader, "VARIABLES", None))
@@ -76,7 +79,7 @@ def _run(supervisor: Channel, job: Job) -> dict[str, Any]:
         context.launch()
     try:
         for result in run_all(checks_of(grader, job), context):
-            supervisor.send({"do": "result", "result": bounds.results([result.to_mapping()])[0]})
+            supervisor.send({"do": "result", "result": bounds.results([asdict(result)])[0]})
             times[result.id] = time.monotonic() - began
     finally:
         if (

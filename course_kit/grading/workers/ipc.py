@@ -12,10 +12,12 @@ import socket
 import struct
 import time
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from course_kit.grading.plain_data import Record
 
 _LENGTH = struct.Struct("!I")
 _LARGEST = 64 * 1024 * 1024  # bytes; a report is a few kB, a submission at most 1 MiB
@@ -42,7 +44,7 @@ class Channel:
         """The file descriptor, for `select`."""
         return self._socket.fileno()
 
-    def send(self, message: Mapping[str, Any]) -> None:
+    def send(self, message: Mapping[str, object]) -> None:
         """Send one message.
 
         Raises:
@@ -51,7 +53,7 @@ class Channel:
         payload = json.dumps(message).encode()
         self._send(_LENGTH.pack(len(payload)) + payload)
 
-    def receive(self, timeout: float | None = None) -> dict[str, Any]:
+    def receive(self, timeout: float | None = None) -> Record:
         """Wait for one message, at most `timeout` seconds for its beginning.
 
         Raises:

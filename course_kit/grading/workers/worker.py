@@ -7,26 +7,28 @@ once and forks. Several workers grade side by side. This is the handle in the tr
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict
+from typing import TYPE_CHECKING, cast
 
 from course_kit.grading import limits
 from course_kit.grading.errors import GradingError
+from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.grading.workers.warm_process import WarmProcess, variables_of
+from course_kit.process.closing import Closing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from types import TracebackType
-
-    from typing_extensions import Self
 
     from course_kit.grading.job import Job
+    from course_kit.grading.plain_data import Record
+    from course_kit.grading.workers.outcome import Outcome
 
 _START_S = 60.0  # importing everything from a cold disk on a loaded machine
 _GRACE_S = 60.0  # beyond the queue and the wall time; a worker that is later than that hangs, by a fault of ours
 
 
-class Worker:
+class Worker(Closing):
     """A worker process. Start many ahead of time; each takes one job at a time, from one thread at a time."""
 
     def __init__(
@@ -48,15 +50,7 @@ class Worker:
             at = (process, process.channels[0])
         self._process, self._channel = at
         self._closing = False
-        self._greeting: dict[str, Any] | None = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
+        self._greeting: Record | None = None
 
     @property
     def process_id(self) -> int:
@@ -68,7 +62,7 @@ class Worker:
         self.ready()
         return int((self._greeting or {})["process"])
 
-    def ready(self) -> dict[str, Any]:
+    def ready(self) -> Isolation:
         """Wait until it can take a job; returns the isolation it has found.
 
         Raises:
@@ -81,9 +75,9 @@ class Worker:
                 raise GradingError(f"The grader could not start. {self._last_words()}") from problem
         if problem_text := self._greeting.get("problem"):
             raise GradingError(str(problem_text))
-        return dict(self._greeting["isolation"])
+        return Isolation(**self._greeting["isolation"])
 
-    def grade(self, job: Job) -> dict[str, Any]:
+    def grade(self, job: Job) -> Outcome:
         """Grade one submission; returns the outcome as the supervisor describes it.
 
         Raises:
@@ -91,13 +85,13 @@ class Worker:
         """
         self.ready()
         try:
-            self._channel.send({"job": job.to_mapping()})
+            self._channel.send({"job": asdict(job)})
             outcome = self._channel.receive(limits.QUEUE_S + job.limits.wall_s + _GRACE_S)
         except (ChannelClosedError, TimeoutError) as problem:
             raise GradingError(f"The grader ended while it was grading. {self._last_words()}") from problem
         if "results" not in outcome:  # its last words
             raise GradingError(str(outcome.get("problem", "The grader ended while it was grading.")))
-        return outcome
+        return cast("Outcome", outcome)
 
     def has_ended(self) -> bool:
         """Whether its process has gone, for one that is not at work."""

@@ -12,8 +12,9 @@ import signal
 import socket
 import sys
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, cast
 
 from course_kit.grading import needs
 from course_kit.grading.job import Job
@@ -24,13 +25,16 @@ from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.process import freezing, tree
+from course_kit.process.fork import fork
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence
+    from types import ModuleType
 
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.isolation import Isolation
+    from course_kit.grading.workers.outcome import Outcome
 
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
 _FIRST_SERVED = -19  # nice value
@@ -81,7 +85,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
         _work(channels[0], launchers[0], common, keep=(starter,))
         return
     lines = list(zip(channels, launchers, strict=True))
-    children = [_fork_worker(line, lines, common) for line in lines]
+    children = [fork(partial(_work_apart, line, lines, common)) for line in lines]
     for channel, launcher in lines:
         channel.close()
         launcher.close()
@@ -100,47 +104,36 @@ def _fork_launchers(
     """
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     freezing.freeze()
-    if child := os.fork():
-        theirs.close()
-        return child, ours
-    try:
+
+    def serve_launchers() -> None:
         ours.close()
         for channel in channels:
             channel.close()
         for launcher, _ in pairs:
             launcher.close()
         launchers.serve_all(theirs, [end for _, end in pairs])
-    except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the file of last words has it
-        sys.excepthook(*sys.exc_info())
-    finally:
-        os._exit(0)
+
+    child = fork(serve_launchers)
+    theirs.close()
+    return child, ours
 
 
-def _interfaces(graders: Sequence[Any]) -> list[tuple[str, str]]:
+def _interfaces(graders: Sequence[ModuleType]) -> list[tuple[str, str]]:
     """Module and name of each interface that some graders use, for a process that must not load the graders."""
     return sorted({(one.__module__, one.__name__) for grader in graders for one in grader.INTERFACES})
 
 
-def _fork_worker(line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], common: _Common) -> int:
-    child = os.fork()
-    if child:
-        return child
-    status = 1
-    try:
-        os.setsid()  # Linux shares a busy machine out among sessions; each worker is to have its part
-        die_with_parent()
-        adopt_orphans()
-        for other in lines:
-            if other is not line:
-                other[0].close()  # else nobody would notice the end of that worker
-                other[1].close()
-        with suppress(ChannelClosedError):
-            _work(*line, common)
-        status = 0
-    except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the file of last words has it
-        sys.excepthook(*sys.exc_info())
-    finally:
-        os._exit(status)
+def _work_apart(line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], common: _Common) -> None:
+    """A worker that is a fork of this process, one of several."""
+    os.setsid()  # Linux shares a busy machine out among sessions; each worker is to have its part
+    die_with_parent()
+    adopt_orphans()
+    for other in lines:
+        if other is not line:
+            other[0].close()  # else nobody would notice the end of that worker
+            other[1].close()
+    with suppress(ChannelClosedError):
+        _work(*line, common)
 
 
 def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container[int] = ()) -> None:
@@ -160,9 +153,9 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
         folder.chmod(0o711)  # that user finds its own directory in it, and sees no other
     os.environ["ROS_LOG_DIR"] = str(folder)  # of the grader process, which logs nothing
     try:
-        channel.send({"isolation": found.to_mapping(), "process": os.getpid()})
+        channel.send({"isolation": asdict(found), "process": os.getpid()})
         while True:
-            job = Job.from_mapping(channel.receive()["job"])
+            job = Job.from_record(channel.receive()["job"])
             job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
             _load(job.grader)
             for _ in range(_TRIES):
@@ -175,25 +168,20 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
         scratch.remove(folder)
 
 
-def _load(module: str) -> Any:
+def _load(module: str) -> ModuleType | None:
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
         return grader_process.load(module)
     return None
 
 
-def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> dict[str, Any]:
+def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> Outcome:
     ours, theirs = Channel.pair()
-    child = os.fork()
-    if child == 0:
-        status = 1
-        try:
-            ours.close()
-            theirs.send(_run(job, launcher, view))
-            status = 0
-        except BaseException:  # noqa: BLE001 - a fork must not go on in its parent's code; the worker reports it
-            sys.excepthook(*sys.exc_info())
-        finally:
-            os._exit(status)
+
+    def supervise() -> None:
+        ours.close()
+        theirs.send(_run(job, launcher, view))
+
+    fork(supervise)
     theirs.close()
     try:
         return _outcome(ours, channel)
@@ -203,7 +191,7 @@ def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep:
         launcher.end()
 
 
-def _run(job: Job, launcher: Launcher, view: FileView) -> dict[str, Any]:
+def _run(job: Job, launcher: Launcher, view: FileView) -> Outcome:
     if problem := needs.lacking(job.limits, guest=job.user != 0, disk="" if job.isolation.files else job.scratch):
         return _broken_off(problem, again=False)
     try:
@@ -212,12 +200,12 @@ def _run(job: Job, launcher: Launcher, view: FileView) -> dict[str, Any]:
         return _broken_off(f"the submission could not be run: {problem}")
 
 
-def _broken_off(problem: str, *, again: bool = True) -> dict[str, Any]:
+def _broken_off(problem: str, *, again: bool = True) -> Outcome:
     """The outcome, as `Supervisor.run` gives it, of a grading that came to nothing by no fault of the submission."""
     return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": again}
 
 
-def _outcome(supervisor: Channel, parent: Channel) -> dict[str, Any]:
+def _outcome(supervisor: Channel, parent: Channel) -> Outcome:
     poll = select.poll()
     poll.register(supervisor.fileno(), select.POLLIN)
     poll.register(parent.fileno(), select.POLLIN)
@@ -225,7 +213,7 @@ def _outcome(supervisor: Channel, parent: Channel) -> dict[str, Any]:
     if parent.fileno() in ready:
         raise ChannelClosedError("the parent process has ended, or sent a message out of turn")
     try:
-        return supervisor.receive()
+        return cast("Outcome", supervisor.receive())
     except ChannelClosedError:
         return _broken_off("the process that supervises it was killed")
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from tests.attack_table import TABLE
-from tests.grading import attack_modes
-from tests.grading.attacks import ATTACKS, SECRET_OF_A_STUDENT
+from tests.grading.sandbox import attack_modes
+from tests.grading.sandbox.attacks import ATTACKS, SECRET_OF_A_STUDENT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

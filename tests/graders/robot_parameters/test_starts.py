@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from tests.robot_parameters.conftest import EXERCISE, SOLUTION, not_passed
+from tests.graders.robot_parameters.conftest import EXERCISE, SOLUTION, not_passed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
-from tests.grading.strange_programs import ANYTHING, PROGRAMS
+from tests.graders.strange_programs import ANYTHING, PROGRAMS
 
 if TYPE_CHECKING:
     from pathlib import Path

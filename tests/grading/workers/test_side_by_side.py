@@ -108,7 +108,7 @@ def test_what_keeps_them_from_starting_is_told_by_each(monkeypatch: pytest.Monke
 def test_a_network_of_its_own_has_a_profile_of_its_own(worker: Worker, tmp_path: Path) -> None:
     (tmp_path / "a.py").write_text(TELLS_PROFILE)
     profiles = (environment.LOOPBACK_PROFILE, environment.PRIVATE_NETWORK_PROFILE)
-    expected = profiles[worker.ready()["network"]]
+    expected = profiles[worker.ready().network]
     assert grading.grade(EXERCISE, tmp_path / "a.py", worker=worker).stdout == f"{expected}\n"
     shared, private = (path.read_text(encoding="utf-8").partition("<dds")[2] for path in profiles)
     assert private == shared.replace("Range>64<", "Range>16<")

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading.sandbox import isolation
 from course_kit.process import tree
-from tests.grading.hostile_table import Table
+from tests.grading.sandbox.hostile_table import Table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -167,7 +166,7 @@ def nothing_lives(worker: grading.Worker) -> Iterator[Callable[[], bool]]:
 @pytest.fixture(scope="module")
 def table(worker: grading.Worker) -> Iterator[Table]:
     """Takes a row for each attack, and is written when none of them is missing."""
-    written = Table(isolation.Isolation.from_mapping(worker.ready()))
+    written = Table(worker.ready())
     yield written
     written.write({attack for attack, _ in TRIES.values()} | set(OTHER_TRIES))
 

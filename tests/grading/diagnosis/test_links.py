@@ -14,7 +14,7 @@ from course_kit.grading import GradingError, engine, exercise, render_html, rend
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.report import Report
 
-REPOSITORY = Path(__file__).resolve().parent.parent.parent
+REPOSITORY = Path(__file__).resolve().parents[3]
 OWN = [(name, code) for name in exercise.ids() for code in exercise.load(name).diagnoses]
 RESULT = {
     "id": "some_check",

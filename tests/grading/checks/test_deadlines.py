@@ -15,14 +15,14 @@ from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
 
 from course_kit import environment
-from course_kit.grading.checks.actions import WantedAction, expect_action, start_again
+from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.check import Check, Evidence, run_all
 from course_kit.grading.checks.context import CheckContext
-from course_kit.grading.checks.discovery import expect_node
+from course_kit.grading.checks.discovery import expect_node, expect_offered, start_again
 from course_kit.grading.checks.goals import CheckedGoal
 from course_kit.grading.checks.load_test import Load, call_many
 from course_kit.grading.checks.parameters import Remote, expect_served
-from course_kit.grading.checks.services import Service, call, expect_offered
+from course_kit.grading.checks.services import Service, call
 from course_kit.grading.checks.topics import HEARD_S, Topic, TopicExchange, await_next, expect_endpoints
 from course_kit.grading.diagnosis.hangs import ANSWER_S
 from course_kit.grading.job import Job
@@ -34,13 +34,13 @@ if TYPE_CHECKING:
 
 DEADLINE_S = 0.4
 START_S = PATIENCE_S = 60.0  # against hanging only
-SERVICE = Service("/convert_temperature", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
-MISSING = Service("/not_there", ConvertTemperature, "course_interfaces/srv/ConvertTemperature")
-ACTION = WantedAction("/move_robot", MoveRobot, "course_interfaces/action/MoveRobot")
-NO_ACTION = WantedAction("/no_action", MoveRobot, "course_interfaces/action/MoveRobot")
-SENT = Topic("/cmd_vel_in", Twist, "geometry_msgs/msg/Twist")
-HEARD = Topic("/cmd_vel", Twist, "geometry_msgs/msg/Twist")
-OTHER = Topic("/other", Twist, "geometry_msgs/msg/Twist")
+SERVICE = Service("/convert_temperature", ConvertTemperature)
+MISSING = Service("/not_there", ConvertTemperature)
+ACTION = WantedAction("/move_robot", MoveRobot)
+NO_ACTION = WantedAction("/no_action", MoveRobot)
+SENT = Topic("/cmd_vel_in", Twist)
+HEARD = Topic("/cmd_vel", Twist)
+OTHER = Topic("/other", Twist)
 NODE = "/silent"
 REQUEST = ConvertTemperature.Request()
 EVIDENCE = Evidence("something", "an answer")
@@ -84,7 +84,7 @@ def send(context: CheckContext) -> CheckedGoal:
 
 
 def cancel(context: CheckContext) -> None:
-    assert not context.wait_until(send(context).cancel().done, ANSWER_S)
+    assert not context.wait_until(send(context).cancel().answered, ANSWER_S)
 
 
 # Each asks the silent node for something, and how long it would wait by itself.
@@ -102,12 +102,12 @@ VERBS: dict[str, tuple[Callable[[CheckContext], Any], float]] = {
     "node that serves its parameters": (lambda context: expect_served(context, NODE), ANSWER_S),
     "exchange": (lambda context: TopicExchange(context, SENT, [HEARD]).send(Twist(), EVIDENCE), HEARD_S),
     "next message": (
-        lambda context: await_next(context, context.grader_node.hear(Twist, "/cmd_vel"), 1, 9.0, EVIDENCE),
+        lambda context: await_next(context, context.grader_node.inbox(Twist, "/cmd_vel"), 1, 9.0, EVIDENCE),
         9.0,
     ),
     "endpoints": (lambda context: expect_endpoints(context, [OTHER], []), 2.0),
     "service that is missing": (lambda context: expect_offered(context, MISSING, REQUEST), 2.0),
-    "action that is missing": (lambda context: expect_action(context, NO_ACTION), 2.0),
+    "action that is missing": (lambda context: expect_offered(context, NO_ACTION), 2.0),
     "node that is missing": (lambda context: expect_served(context, "/nobody"), 2.0),
     "node's name": (lambda context: expect_node(context, "/nobody", lambda: None), 1.5),
     "start": (lambda context: context.wait_for_start(lambda: False), START_S),

@@ -17,6 +17,8 @@ from course_kit.grading.checks import receiving
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from course_kit.ros.service import SentRequest
+
 CLIENTS, CALLS = 10, 50
 STEPS_S = (0.004, 0.005, 0.006)  # no two in a row the same
 PATIENCE_S = 30.0  # against hanging only
@@ -67,20 +69,20 @@ def add(request: Any, response: Any) -> Any:
 def test_each_of_many_clients_gets_its_own_responses(peer: Any, grader_node: graders.GraderNode) -> None:
     peer.create_service(AddTwoInts, "/add", add)
     clients = [grader_node.client(AddTwoInts, "/add", number) for number in range(CLIENTS)]
-    turn(peer, grader_node, lambda: all(client.service_is_ready() for client in clients))
+    turn(peer, grader_node, lambda: all(client.is_ready() for client in clients))
     for client in clients:  # from then on the server knows them, and loses nothing
-        known = client.call_async(AddTwoInts.Request())
-        turn(peer, grader_node, known.done)
+        known = client.send(AddTwoInts.Request())
+        turn(peer, grader_node, known.answered)
     waiting = list(range(CALLS))
-    flying: dict[int, Any] = {}
+    flying: dict[int, SentRequest] = {}
     sums: dict[int, int] = {}
 
     def all_answered() -> bool:
-        for number in [number for number, future in flying.items() if future.done()]:
-            sums[number] = flying.pop(number).result().sum
+        for number in [number for number, sent in flying.items() if sent.answered()]:
+            sums[number] = flying.pop(number).response().sum
         while waiting and len(flying) < CLIENTS:
             number = waiting.pop(0)
-            flying[number] = clients[number % CLIENTS].call_async(AddTwoInts.Request(a=number, b=1000))
+            flying[number] = clients[number % CLIENTS].send(AddTwoInts.Request(a=number, b=1000))
         return not flying
 
     turn(peer, grader_node, all_answered)
@@ -88,7 +90,7 @@ def test_each_of_many_clients_gets_its_own_responses(peer: Any, grader_node: gra
 
 
 def test_a_message_comes_with_its_times(peer: Any, grader_node: graders.GraderNode) -> None:
-    heard = grader_node.hear(String, "/chatter")
+    heard = grader_node.inbox(String, "/chatter")
     publisher = peer.create_publisher(String, "/chatter", 10)
     turn(peer, grader_node, lambda: publisher.get_subscription_count() > 0 and bool(grader_node.publishers("/chatter")))
     before = time.time()

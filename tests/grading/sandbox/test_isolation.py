@@ -14,8 +14,8 @@ import pytest
 
 from course_kit import grading
 from course_kit.grading.sandbox import isolation
-from tests.grading import attack_modes
 from tests.grading.conftest import EXERCISE, ROOT
+from tests.grading.sandbox import attack_modes
 from tests.refused import COMMAND_WITHOUT_NAMESPACES, WITHOUT_NAMESPACES
 
 GRADE = """
@@ -61,7 +61,7 @@ def _command(path: Path) -> str:
 
 
 def test_status_agrees_with_what_a_worker_uses(worker: grading.Worker) -> None:
-    assert isolation.status() == isolation.Isolation.from_mapping(worker.ready())
+    assert isolation.status() == worker.ready()
 
 
 def test_status_says_why_something_is_missing() -> None:

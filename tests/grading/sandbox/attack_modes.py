@@ -13,6 +13,7 @@ import stat
 import subprocess
 import sys
 import tempfile
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +32,10 @@ _LANDLOCK = {"landlock_create_ruleset": 444}
 NOBODY = 65534
 
 
-_START = "import sys; sys.path.insert(0, sys.argv.pop(1)); from tests.grading import attack_modes; attack_modes.main()"
+_START = (
+    "import sys; sys.path.insert(0, sys.argv.pop(1)); "
+    "from tests.grading.sandbox import attack_modes; attack_modes.main()"
+)
 
 
 def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
@@ -40,7 +44,7 @@ def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
     Returns:
         the outcome of each by its name, and what was found to isolate them as "isolation".
     """
-    from tests.grading.attacks import SEED  # not above: the process that starts submissions must not know it
+    from tests.grading.sandbox.attacks import SEED  # not above: the process that starts submissions must not know it
 
     command = [sys.executable, "-c", _START, str(ROOT), mode, EXERCISE]
     asked = json.dumps({**programs, "seed": SEED})
@@ -49,7 +53,7 @@ def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
     first, *rows = (json.loads(line) for line in done.stdout.splitlines())
     by_name = {row["name"]: row for row in rows}
     assert set(by_name) == set(programs)
-    return {"isolation": isolation.Isolation.from_mapping(first["isolation"]), **by_name}
+    return {"isolation": isolation.Isolation(**first["isolation"]), **by_name}
 
 
 def main() -> None:
@@ -73,7 +77,7 @@ def main() -> None:
     end.close()
     programs = json.load(sys.stdin)
     seed = programs.pop("seed")
-    print(json.dumps({"isolation": found.to_mapping()}), flush=True)
+    print(json.dumps({"isolation": asdict(found)}), flush=True)
     for name, source in programs.items():
         user = isolation.guest(os.getpid()) if found.user else 0
         job = Job(
@@ -84,8 +88,8 @@ def main() -> None:
             source=source,
             class_name="TemperatureService",
             isolation=found,
+            user=user,
         )
-        job = Job.from_mapping({**job.to_mapping(), "user": user})
         sys.stdout.flush()
         if os.fork() == 0:
             outcome = Supervisor(job, handle).run()

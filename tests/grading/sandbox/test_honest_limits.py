@@ -8,7 +8,6 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from course_kit import grading
-from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.workers.warm_process import _PASSED_ON, _PASSED_ON_PREFIXES
 from tests.grading.conftest import ROOT
 
@@ -38,7 +37,7 @@ def test_what_the_page_admits_and_promises_is_so(
 ) -> None:
     other, path = tmp_path / "of_another_student.py", tmp_path / "socket"
     other.write_text("their work")
-    found = Isolation.from_mapping(worker.ready())
+    found = worker.ready()
     name = f"course-kit-{tmp_path.name}"
     with socket.socket(socket.AF_UNIX) as by_file, socket.socket(socket.AF_UNIX) as by_name:
         by_file.bind(str(path))
@@ -67,7 +66,7 @@ def test_a_command_sees_the_variables_and_the_folder_and_cannot_change_it(
     command = 'sh -c "echo $MY_SECRET_TOKEN; cat mine.txt; echo theirs > mine.txt"'
     report = grading.grade("temperature_service", exec_command=command)
     assert report.stdout == "abc123\nmine"
-    found = Isolation.from_mapping(worker.ready())
+    found = worker.ready()
     assert ((tmp_path / "mine.txt").read_text() == "mine") == (found.files or found.landlock)
     assert "The command saw your environment variables" in report.isolation
 

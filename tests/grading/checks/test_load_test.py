@@ -14,6 +14,7 @@ from rclpy.task import Future
 
 from course_kit import environment
 from course_kit.grading.checks.load_test import Lateness, LoadRequest
+from course_kit.ros.service import ServiceClient
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -56,9 +57,9 @@ def exchanged(executor: SingleThreadedExecutor, number: int) -> tuple[LoadReques
     """An exchange with a server that forgets this request, as far as it goes without waiting for nothing."""
     server, asker = executor.get_nodes()
     forgetful = Forgetful(server, number)
-    clients = [asker.create_client(AddTwoInts, "/add") for _ in range(CLIENTS)]
+    clients = [ServiceClient(asker, AddTwoInts, "/add") for _ in range(CLIENTS)]
     for client in clients:
-        while not client.service_is_ready():
+        while not client.is_ready():
             executor.spin_once(timeout_sec=0.05)
     requests = [AddTwoInts.Request(a=each, b=1) for each in range(CALLS)]
     exchange = LoadRequest(clients, requests, CLIENTS, Lateness())
@@ -87,7 +88,7 @@ def test_a_later_one_is_not(executor: SingleThreadedExecutor) -> None:
     exchange._moved -= 60.0  # as if nothing had come for a minute
     assert not exchange.done()
     # What the same client sends afterwards comes afterwards.
-    exchange._clients[(CALLS - 1) % CLIENTS].call_async(AddTwoInts.Request(a=CALLS, b=1))
+    exchange._clients[(CALLS - 1) % CLIENTS].send(AddTwoInts.Request(a=CALLS, b=1))
     deadline = time.monotonic() + PATIENCE_S
     while CALLS not in server.asked:
         assert time.monotonic() < deadline

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
+from tests.graders.robot_parameters.conftest import EXERCISE, ROOT, SOLUTION, not_passed
 from tests.reading import read
-from tests.robot_parameters.conftest import EXERCISE, ROOT, SOLUTION, not_passed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -1,0 +1,28 @@
+"""What a grading has come to, as the supervisor tells it to the process that writes the report."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypedDict
+
+if TYPE_CHECKING:
+    from course_kit.grading.plain_data import Record
+
+
+class Outcome(TypedDict):
+    """The outcome.
+
+    Attributes:
+        results: of each check, as a record of `checks.check.Result`.
+        stdout: first and last 4 kB of what the submission printed.
+        stderr: the same of its errors.
+        problem: why the grading came to no end; empty when it did.
+        timings: where the time went, see `Report.timings`.
+        again: whether it may go better the next time, because something was killed that should not be.
+    """
+
+    results: list[Record]
+    stdout: str
+    stderr: str
+    problem: str
+    timings: Record
+    again: bool

@@ -1,0 +1,107 @@
+"""A request on its way, whoever spins the node."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import rclpy
+from example_interfaces.srv import AddTwoInts
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+from course_kit.ros.service import ServiceClient
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+PATIENCE = 60.0
+
+
+class Pair:
+    """A client and its server, which leaves the first `forgotten` requests without an answer."""
+
+    def __init__(self, domain_id: int) -> None:
+        self.context = Context()
+        rclpy.init(context=self.context, domain_id=domain_id)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.server, self.asking = Node("server", context=self.context), Node("asking", context=self.context)
+        for node in (self.server, self.asking):
+            self.executor.add_node(node)
+        self.asked, self.forgotten = 0, 0
+        self.server.create_service(AddTwoInts, "/ns/add", self.add, callback_group=ReentrantCallbackGroup())
+        self.client = ServiceClient(self.asking, AddTwoInts, "ns/add")
+        self.spin_until(self.client.is_ready)
+
+    async def add(self, request: Any, response: Any) -> Any:
+        self.asked += 1
+        if self.asked <= self.forgotten:
+            await Future()
+        response.sum = request.a + request.b
+        return response
+
+    def spin_until(self, is_true: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + PATIENCE
+        while not is_true():
+            assert time.monotonic() < deadline
+            self.executor.spin_once(timeout_sec=0.1)
+
+
+@pytest.fixture
+def pair(domain: int) -> Iterator[Pair]:
+    made = Pair(domain)
+    yield made
+    made.executor.shutdown(timeout_sec=0)
+    made.context.try_shutdown()
+
+
+def test_a_request_is_answered(pair: Pair) -> None:
+    told: list[int] = []
+    sent = pair.client.send(AddTwoInts.Request(a=1, b=2))
+    sent.when_answered(lambda: told.append(sent.response().sum))
+    assert (sent.answered(), sent.response()) == (False, None)
+    pair.spin_until(lambda: bool(told))
+    assert (sent.response().sum, told, sent.sent, pair.client.name) == (3, [3], 1, "/ns/add")
+
+
+def test_the_first_response_to_any_sending_counts(pair: Pair) -> None:
+    pair.forgotten = 1
+    sent = pair.client.send(AddTwoInts.Request(a=2, b=2))
+    pair.spin_until(lambda: pair.asked == 1)
+    sent.send_again(ServiceClient(pair.asking, AddTwoInts, "/ns/add"))
+    pair.spin_until(sent.answered)
+    assert (sent.response().sum, sent.sent) == (4, 2)
+
+
+def test_what_the_sending_ends_with_instead_is_raised(pair: Pair) -> None:
+    pair.forgotten = 1
+    sent = pair.client.send(AddTwoInts.Request())
+    pair.client.rclpy_client.get_pending_request(1).set_exception(LookupError("the callback failed"))
+    assert sent.answered()
+    with pytest.raises(LookupError, match="the callback failed"):
+        sent.response()
+
+
+def test_an_abandoned_request_is_answered_for_nobody(pair: Pair) -> None:
+    sent = pair.client.send(AddTwoInts.Request(a=1, b=1))
+    sent.abandon()
+    sent.abandon()
+    after = pair.client.send(AddTwoInts.Request(a=5, b=5))
+    pair.spin_until(after.answered)
+    assert (after.response().sum, sent.response()) == (10, None)
+
+
+def test_a_request_of_another_service_is_refused(pair: Pair) -> None:
+    with pytest.raises(TypeError):
+        pair.client.send(Trigger.Request())
+
+
+def test_a_client_of_a_destroyed_node_is_not_ready(pair: Pair) -> None:
+    pair.executor.remove_node(pair.asking)
+    pair.asking.destroy_node()
+    assert not pair.client.is_ready()

@@ -1,0 +1,100 @@
+"""What comes on a topic, and who is at its other end."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from std_msgs.msg import Int32, String
+
+from course_kit.ros import topic
+from course_kit.ros.topic import Inbox, MessageInfo
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+PATIENCE = 60.0
+
+
+class Pair:
+    def __init__(self, domain_id: int) -> None:
+        self.context = Context()
+        rclpy.init(context=self.context, domain_id=domain_id)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.talker, self.listener = Node("talker", context=self.context), Node("listener", context=self.context)
+        for node in (self.talker, self.listener):
+            self.executor.add_node(node)
+
+    def spin_until(self, is_true: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + PATIENCE
+        while not is_true():
+            assert time.monotonic() < deadline
+            self.executor.spin_once(timeout_sec=0.1)
+
+
+@pytest.fixture
+def pair(domain: int) -> Iterator[Pair]:
+    made = Pair(domain)
+    yield made
+    made.executor.shutdown(timeout_sec=0)
+    made.context.try_shutdown()
+
+
+def test_what_comes_is_kept_with_its_time(pair: Pair) -> None:
+    inbox = Inbox()
+    told: list[int] = []
+    inbox.on_message = lambda: told.append(inbox.count)
+    publisher = pair.talker.create_publisher(Int32, "/numbers", 10)
+    subscription = inbox.subscribe(pair.listener, Int32, "numbers", 10)
+    pair.spin_until(lambda: topic.hears(pair.listener, subscription) and subscription.get_publisher_count() == 1)
+    pair.spin_until(lambda: topic.is_heard(pair.talker, publisher) and publisher.get_subscription_count() == 1)
+    before = time.time()
+    for number in range(3):
+        publisher.publish(Int32(data=number))
+    pair.spin_until(lambda: inbox.count == 3)
+    assert [message.data for message in inbox.messages] == [0, 1, 2]
+    assert before <= inbox.times[0] <= inbox.times[2] <= time.time()
+    assert told == [1, 2, 3]
+
+
+def test_of_many_messages_the_last_are_kept_and_all_are_counted() -> None:
+    inbox = Inbox(kept=2)
+    for number in range(5):
+        inbox.take(number, MessageInfo(source_timestamp=0, received_timestamp=number * 1_000_000_000))
+    assert (inbox.count, list(inbox.messages), list(inbox.times)) == (5, [3, 4], [3.0, 4.0])
+    assert (inbox.since(4), inbox.since(0), inbox.since(5)) == ([4], [3, 4], [])
+    assert (inbox.after(4.0), inbox.after(4.5)) == ([4], [])
+
+
+def test_both_ends_of_a_topic_are_named(pair: Pair) -> None:
+    pair.talker.create_publisher(String, "/words", 10)
+    Inbox().subscribe(pair.listener, String, "/words", 5)
+    pair.spin_until(lambda: bool(topic.publishers(pair.listener, "/words")))
+    pair.spin_until(lambda: bool(topic.subscriptions(pair.listener, "/words")))
+    (publisher,), (subscription,) = (ends(pair.listener, "/words") for ends in (topic.publishers, topic.subscriptions))
+    assert (publisher.node, publisher.type) == ("talker", "std_msgs/msg/String")
+    assert (subscription.node, subscription.type) == ("listener", "std_msgs/msg/String")
+    assert topic.types_of(pair.listener, "/words") == ["std_msgs/msg/String"]
+    assert topic.types_of(pair.listener, "/nothing") == []
+
+
+def test_an_end_that_is_there_and_not_connected_is_waited_for(pair: Pair) -> None:
+    publisher = pair.talker.create_publisher(String, "/words", 10)
+    pair.talker.create_publisher(String, "/words", 10)
+    subscription = Inbox().subscribe(pair.listener, String, "/words", 10)
+    pair.spin_until(lambda: subscription.get_publisher_count() == 2)
+    assert topic.hears(pair.listener, subscription)
+    pair.talker.destroy_publisher(publisher)
+    best_effort = Inbox().subscribe(pair.listener, String, "/words", rclpy.qos.qos_profile_sensor_data)
+    pair.spin_until(lambda: best_effort.get_publisher_count() == 1 and subscription.get_publisher_count() == 1)
+    unreliable = pair.talker.create_publisher(String, "/sensed", rclpy.qos.qos_profile_sensor_data)
+    reliable = Inbox().subscribe(pair.listener, String, "/sensed", 10, quiet=True)
+    pair.spin_until(lambda: pair.talker.count_subscribers("/sensed") == 1)
+    assert not topic.is_heard(pair.talker, unreliable)
+    pair.spin_until(lambda: pair.listener.count_publishers("/sensed") == 1)
+    assert not topic.hears(pair.listener, reliable)
