@@ -123,16 +123,9 @@ class ServiceForm(Panel):
         del buffers
         if self.widget.ended:
             return
-        known = self.widget.values
-        self.widget.values = {**known, **content.get("values", {})}
+        self._form.type_in(self.widget, content)
         if content.get("do") == "send":
             self.send()
-        elif content.get("do") in {"add", "remove"}:
-            self._form.resize(content["path"], 1 if content["do"] == "add" else -1)
-            fresh = self._form.defaults()
-            with self.widget.hold_sync():  # in one message: whoever sees the new field may type into it at once
-                self.widget.entries = self._form.entries()
-                self.widget.values = {path: self.widget.values.get(path, value) for path, value in fresh.items()}
 
     def _show(self, state: str, text: str, **more: object) -> None:
         self.widget.outcome = {"state": state, "text": text, **more}

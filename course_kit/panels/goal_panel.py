@@ -87,17 +87,11 @@ class ActionPanel(GoalFollower):
         self._sender.send(goal)
 
     def _take_wish(self, wish: dict[str, Any]) -> None:
-        self.fill(wish.get("values", {}))
+        self._form.type_in(self.widget, wish)
         if wish.get("do") == "send":
             self.send()
         elif wish.get("do") == "cancel":
             self.cancel()
-        elif wish.get("do") in {"add", "remove"}:
-            self._form.resize(wish["path"], 1 if wish["do"] == "add" else -1)
-            known = self.widget.values
-            with self.widget.hold_sync():  # in one message: whoever sees the new field may type into it at once
-                self.widget.entries = self._form.entries()
-                self.widget.values = {path: known.get(path, value) for path, value in self._form.defaults().items()}
 
     def _show(self, standing: Standing) -> None:
         progress, errors = standing.progress, self._errors

@@ -12,6 +12,8 @@ from course_kit.interfaces.message_fields import MessageField, message_fields
 from course_kit.ros.messages import ros_word
 
 if TYPE_CHECKING:
+    from ipywidgets import Widget
+
     from course_kit.interfaces.field_types import FieldType
     from course_kit.ros.messages import Message
 
@@ -59,6 +61,21 @@ class MessageForm:
         if entry is not None:
             wanted = max(0, len(entry["fields"]) + change)
             self._lengths[path] = min(wanted, entry["most"] or wanted)
+
+    def type_in(self, page: Widget, wish: dict[str, Any]) -> None:
+        """Take over what a page has sent: what was typed, and a list that is to grow or shrink.
+
+        Args:
+            page: the widget with `entries` and `values`.
+            wish: from the page: `values`, and for a list `do` ("add" or "remove") with its `path`.
+        """
+        page.values = {**page.values, **wish.get("values", {})}
+        if wish.get("do") in {"add", "remove"}:
+            self.resize(wish["path"], 1 if wish["do"] == "add" else -1)
+            known = page.values
+            with page.hold_sync():  # in one message: whoever sees the new field may type into it at once
+                page.entries = self.entries()
+                page.values = {path: known.get(path, value) for path, value in self.defaults().items()}
 
     def read(self, values: Values) -> Message:
         """The message these values make; fields without one keep their defaults.

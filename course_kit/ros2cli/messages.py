@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
+from course_kit.ros.topic import Inbox
 from course_kit.ros2cli import types
 from course_kit.ros2cli.errors import CommandError
 
@@ -38,7 +39,7 @@ class Listener:
 
     def __init__(self, options: Namespace, session: Session, topic: str) -> None:
         self._options, self._session, self._topic = options, session, topic
-        self._messages: deque[tuple[float, Message]] = deque()
+        self._inbox = Inbox()
 
     def echo(self, layout: Layout) -> None:
         """Print messages as YAML or CSV, for as long as they come."""
@@ -79,20 +80,17 @@ class Listener:
         type_name = getattr(self._options, "message_type", None) or self._type_on_graph(node)
         message_type = types.find_type(type_name, "msg")
         profile = qos.for_listening(self._options, node.get_publishers_info_by_topic(self._topic))
-        node.create_subscription(message_type, self._topic, self._take, profile)
-
-    def _take(self, message: Message) -> None:
-        self._messages.append((time.monotonic(), message))
+        self._inbox.subscribe(node, message_type, self._topic, profile)
 
     def _next(self) -> tuple[float, Message]:
-        if not self._session.spin_until(lambda: bool(self._messages), self._options.timeout):
+        if not self._session.spin_until(lambda: bool(self._inbox.messages), self._options.timeout):
             publishers = self._session.node.count_publishers(self._topic)
             raise CommandError(
                 f"No message on {self._topic} for {self._options.timeout:g} s; "
                 f"{publishers or 'no'} publisher{'' if publishers == 1 else 's'} on it. "
                 "A longer wait: --timeout SECONDS."
             )
-        return self._messages.popleft()
+        return self._inbox.times.popleft(), self._inbox.messages.popleft()
 
     def _type_on_graph(self, node: Node) -> str:
         found: dict[str, list[str]] = {}
