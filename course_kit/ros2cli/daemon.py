@@ -34,12 +34,14 @@ def main() -> None:
     environment.apply()  # while the command that has started us still holds the domain
     daemon_socket = DaemonSocket.here()
     with daemon_socket.listen() as listening:
-        sys.stdout.write("ready\n")
-        sys.stdout.flush()
+        told = os.dup(sys.stdout.fileno())
         _let_go_of_terminal()
         from course_kit.ros2cli.observe import observer
 
         with observer(name=f"_ros2cli_daemon_{os.environ['ROS_DOMAIN_ID']}") as looking:
+            looking.graph(0.0)  # loads the rest of rclpy: who asks first waits no longer than others
+            os.write(told, b"ready\n")
+            os.close(told)
             _serve(listening, looking, daemon_socket)
 
 
