@@ -1,6 +1,6 @@
 """The course kit's `ros2` against the real one: `python benchmarks/ros2_command.py [--settle RUNS]`.
 
-The real command's seconds stand in its recordings (tests/ros2/golden); ours are measured here, each a process of its
+The real command's seconds stand in its recordings (tests/ros2cli/golden); ours are measured here, each a process of its
 own, against the node of the recordings. A first listing without the daemon and an empty graph are measured as well.
 With --settle, listings are made again and again while a node is up, and the empty ones counted.
 """

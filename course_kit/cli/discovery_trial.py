@@ -45,20 +45,23 @@ def _ask(domain_id: int) -> float | None:
     from rclpy.executors import SingleThreadedExecutor
     from std_srvs.srv import Trigger
 
+    from course_kit.ros.node import quiet_node
+    from course_kit.ros.service import ServiceClient
+
     started = time.monotonic()
     context = Context()
     rclpy.init(context=context, domain_id=domain_id)
     try:
-        node = rclpy.create_node("doctor_client", context=context)
+        node = quiet_node("doctor_client", context)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
-        client = node.create_client(Trigger, "doctor")
-        future = None
+        client = ServiceClient(node, Trigger, "doctor")
+        sent = None
         while time.monotonic() - started < DEADLINE_S:
-            if future is None and client.service_is_ready():
-                future = client.call_async(Trigger.Request())
+            if sent is None and client.is_ready():
+                sent = client.send(Trigger.Request())
             executor.spin_once(timeout_sec=0.02)  # returns as soon as there is anything to do
-            if future is not None and future.done():
+            if sent is not None and sent.answered():
                 return time.monotonic() - started
         return None
     finally:

@@ -158,25 +158,16 @@ def settings() -> Finding:
 
 def rclpy_itself() -> Finding:
     """Whether rclpy loads, asked in a process of its own: a wrong RMW ends the process that imports it."""
-    done = subprocess.run(
-        [sys.executable, "-c", "import rclpy; print(rclpy.__file__)"],
-        env=environment.child_environment(ROS_DOMAIN_ID="0"),  # nothing joins it
-        capture_output=True,
-        text=True,
-        errors="replace",
-        timeout=60,
-        check=False,
-    )
-    if done.returncode:
-        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+    said, failed = _run("import rclpy; print(rclpy.__file__)", ROS_DOMAIN_ID="0")  # nothing joins it
+    if failed:
         advice = "Run ./course lab, which installs it; or source a ROS 2 Jazzy first and delete .venv."
         if os.environ.get("RMW_IMPLEMENTATION"):
             advice = f"RMW_IMPLEMENTATION is {os.environ['RMW_IMPLEMENTATION']}: unset RMW_IMPLEMENTATION."
-        return Finding("rclpy", f"cannot be imported: {last}", "bad", advice)
+        return Finding("rclpy", f"cannot be imported: {said}", "bad", advice)
     try:
         return Finding("rclpy", f"{importlib.metadata.version('ros-rclpy')} from PyPI wheels")
     except importlib.metadata.PackageNotFoundError:
-        return Finding("rclpy", f"from the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {done.stdout.strip()}")
+        return Finding("rclpy", f"from the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {said}")
 
 
 def rclpy_names() -> Finding:
@@ -214,21 +205,27 @@ def interfaces() -> Finding:
     program = (
         "from example_interfaces.srv import AddTwoInts as T; T.__class__.__import_type_support__(); print(T.__module__)"
     )
+    said, failed = _run(program)
+    if not failed:
+        return Finding("message types", "example_interfaces and course_interfaces can be imported in any program")
+    return Finding(
+        "message types", said, "bad", "Delete .venv and run ./course lab: it builds the small library they need."
+    )
+
+
+def _run(program: str, **environ: str) -> tuple[str, bool]:
+    """The last line that a Python program prints in a process of its own, and whether it has failed."""
     done = subprocess.run(
         [sys.executable, "-c", program],
-        env=environment.child_environment(),
+        env=environment.child_environment(**environ),
         capture_output=True,
         text=True,
         errors="replace",
         timeout=60,
         check=False,
     )
-    if done.returncode == 0:
-        return Finding("message types", "example_interfaces and course_interfaces can be imported in any program")
-    last = (done.stderr.strip().splitlines() or ["no message"])[-1]
-    return Finding(
-        "message types", last, "bad", "Delete .venv and run ./course lab: it builds the small library they need."
-    )
+    failed = done.returncode != 0
+    return ((done.stderr if failed else done.stdout).strip().splitlines() or ["no message"])[-1], failed
 
 
 def shared_memory() -> Finding:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 ENDS = "--ends"
 INSTALLERS = ("pip", "uv")
-FAST_TESTS = ("environment", "interfaces", "lab", "panels", "ros2")
+FAST_TESTS = ("environment", "interfaces", "lab", "panels", "ros2cli")
 _TABLE = Path("artifacts/python_matrix.md")
 _NOT_INHERITED = (
     "ROS",

@@ -9,10 +9,13 @@ from course_kit.lab.singleton import current
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.calls import Asked
+    from rclpy.qos import QoSProfile
+
+    from course_kit.lab.calls import ServiceCall
     from course_kit.lab.runtime.nodes import NodeList
     from course_kit.lab.scripts.script import Script
     from course_kit.lab.topics import Subscription
+    from course_kit.ros.messages import Message, ServiceType
 
 NodeT = TypeVar("NodeT")
 
@@ -56,7 +59,9 @@ def nodes() -> NodeList:
     return current().nodes()
 
 
-async def call(service: str, service_type: Any, request: Any = None, /, *, timeout: float = 5.0, **fields: Any) -> Any:
+async def call(
+    service: str, service_type: ServiceType, request: Message = None, /, *, timeout: float = 5.0, **fields: object
+) -> Message:
     """Call a service and wait for its response: `await lab.call("/add_two_ints", AddTwoInts, a=1, b=2)`.
 
     Args:
@@ -75,31 +80,32 @@ async def call(service: str, service_type: Any, request: Any = None, /, *, timeo
         ServiceFailedError: the callback of a node in this lab raised or returned no response.
         NoAnswerError: nothing came back in time, or the server went away.
     """
-    return await current().call(service, service_type, _asked(request, fields, timeout))
+    from course_kit.lab.calls import call_async
+
+    return await call_async(_service_call("lab.call()", service, service_type, (request, fields, timeout)))
 
 
 def call_blocking(
-    service: str, service_type: Any, request: Any = None, /, *, timeout: float = 5.0, **fields: Any
-) -> Any:
-    """The same as `call` for programs, which have no `await` at top level.
+    service: str, service_type: ServiceType, request: Message = None, /, *, timeout: float = 5.0, **fields: object
+) -> Message:
+    """See `call`; this is the same for programs, which have no `await` at top level."""
+    from course_kit.lab import calls
 
-    Args:
-        service: as for `call`.
-        service_type: as for `call`.
-        request: as for `call`.
-        timeout: as for `call`.
-        fields: as for `call`.
-    """
-    return current().call_blocking(service, service_type, _asked(request, fields, timeout))
+    pending = _service_call("lab.call_blocking()", service, service_type, (request, fields, timeout))
+    return calls.call_blocking(pending)
 
 
-def _asked(request: Any, fields: dict[str, Any], timeout: float) -> Asked:
-    from course_kit.lab.calls import Asked
+def _service_call(
+    verb: str, service: str, service_type: ServiceType, asked: tuple[Message, dict[str, object], float]
+) -> ServiceCall:
+    from course_kit.lab.calls import Asked, ServiceCall
 
-    return Asked(request, fields, timeout)
+    engine = current().engine
+    engine.not_in_callback(verb)
+    return ServiceCall(engine, service, service_type, Asked(*asked))
 
 
-def publish(topic: str, message_type: Any, message: Any = None, /, **fields: Any) -> None:
+def publish(topic: str, message_type: type[Message], message: Message = None, /, **fields: object) -> None:
     """Publish one message: `lab.publish("/chatter", String, data="hello")`.
 
     The first one on a topic waits for the subscriptions that are on the graph (1 s at most), so that it is not lost.
@@ -114,10 +120,14 @@ def publish(topic: str, message_type: Any, message: Any = None, /, **fields: Any
     Raises:
         FieldError: no such field, or a value it cannot take.
     """
-    current().publish(topic, message_type, message, fields)
+    from course_kit.lab import topics
+
+    topics.publish(current().engine, topic, message_type, message, fields)
 
 
-async def next_messages(topic: str, message_type: Any, count: int = 1, *, timeout: float = 5.0) -> list[Any]:
+async def next_messages(
+    topic: str, message_type: type[Message], count: int = 1, *, timeout: float = 5.0
+) -> list[Message]:
     """Subscribe and return the next `count` messages: `await lab.next_messages("/chatter", String, 3)`.
 
     Args:
@@ -129,10 +139,14 @@ async def next_messages(topic: str, message_type: Any, count: int = 1, *, timeou
     Raises:
         NoAnswerError: fewer came within `timeout` seconds.
     """
-    return await current().next_messages(topic, message_type, count, timeout)
+    from course_kit.lab import topics
+
+    return await topics.next_messages(current().engine, topic, message_type, count, timeout)
 
 
-def subscribe(topic: str, message_type: Any, callback: Callable[[Any], None], /, *, qos: Any = None) -> Subscription:
+def subscribe(
+    topic: str, message_type: type[Message], callback: Callable[[Message], None], /, *, qos: QoSProfile | None = None
+) -> Subscription:
     """Have a function called with each message of a topic: `lab.subscribe("/chatter", String, print)`.
 
     Args:
@@ -148,7 +162,9 @@ def subscribe(topic: str, message_type: Any, callback: Callable[[Any], None], /,
         FieldError: this is no message type.
         LabError: the topic is no ROS name, or is in use here with another type.
     """
-    return current().subscribe(topic, message_type, callback, qos)
+    from course_kit.lab.topics import Subscription
+
+    return Subscription(current().engine, topic, message_type, callback, qos)
 
 
 def script(name: str, source: str, /, *args: object, mode: str = "auto") -> Script:

@@ -8,24 +8,31 @@ import time
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Any
 
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
-from course_kit.lab.errors import ActionNotFoundError, LabError, ServiceNotFoundError
-from course_kit.lab.graph import WantedServer, not_offered
+from course_kit.lab.errors import LabError
+from course_kit.lab.graph import WantedServer, not_found
 from course_kit.ros import graph
 from course_kit.ros.compat import rcl_error
 from course_kit.ros.goal import GoalClient
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name
 from course_kit.ros.node import quiet_node
+from course_kit.ros.service import ServiceClient
+from course_kit.ros.topic import types_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.recording.hooks import Tapping
-    from course_kit.lab.runtime.executor_thread import Spinner
+    from rclpy.node import Node
+    from rclpy.publisher import Publisher
+    from rclpy.qos import QoSProfile
+    from rclpy.subscription import Subscription
+
+    from course_kit.lab.recording.hooks import MessageHooks
+    from course_kit.lab.runtime.executor_thread import ExecutorThread
+    from course_kit.ros.messages import ActionType, Message, ServiceType
 
 HIDDEN_NAME = "_lab_"  # and the process's number, so that two notebooks do not share it
 _POLL = 0.005  # seconds
@@ -41,58 +48,60 @@ class Clients:
     """What the lab speaks through.
 
     Args:
-        spinner: runs the node.
-        tapping: told that these clients are the lab's.
+        executor_thread: runs the node.
+        hooks: told that these clients are the lab's.
         alias: the node's name in recordings.
     """
 
-    def __init__(self, spinner: Spinner, tapping: Tapping, alias: str) -> None:
-        self._spinner = spinner
-        self._tapping = tapping
+    def __init__(self, executor_thread: ExecutorThread, hooks: MessageHooks, alias: str) -> None:
+        self._executor_thread = executor_thread
+        self._hooks = hooks
         self._alias = alias
         self._clients: OrderedDict[tuple[Any, str], Any] = OrderedDict()
         self._publishers: OrderedDict[tuple[Any, str], Any] = OrderedDict()
         self._goal_clients: OrderedDict[tuple[Any, str], GoalClient] = OrderedDict()
-        self.known_node: Any = None
+        self.known_node: Node | None = None
 
     @property
-    def node(self) -> Any:
+    def node(self) -> Node:
         """The node, made on first use. The underscore in its name hides it from `ros2 node list`."""
         if self.known_node is None:
-            node = quiet_node(f"{HIDDEN_NAME}{os.getpid()}", self._spinner.context)
-            self._tapping.aliases[node.get_fully_qualified_name()] = self._alias
-            self._spinner.executor.add_node(node)
+            node = quiet_node(f"{HIDDEN_NAME}{os.getpid()}", self._executor_thread.context)
+            self._hooks.aliases[node.get_fully_qualified_name()] = self._alias
+            self._executor_thread.executor.add_node(node)
             self.known_node = node
         return self.known_node
 
-    def client(self, service_type: Any, service: str) -> Any:
+    def client(self, service_type: ServiceType, service: str) -> ServiceClient:
         """The client for a service; one of the same name and another type is replaced.
 
         Raises:
             ServiceNotFoundError: no server of this name and type.
         """
 
-        def make() -> Any:
-            client = self.node.create_client(service_type, service, callback_group=ReentrantCallbackGroup())
-            self._tapping.direct.add(client)
+        def make() -> ServiceClient:
+            client = ServiceClient(self.node, service_type, service)
+            self._hooks.direct.add(client.rclpy_client)
             return client
 
         try:
-            return self._use(self._clients, (service_type, service), make, self._drop_client)
+            found: ServiceClient = self._use(self._clients, (service_type, service), make, self._drop_client)
         except OtherTypeError:
             wanted = WantedServer(graph.SERVES, self.node.resolve_service_name(service), type_name(service_type))
             own = frozenset({self.node.get_fully_qualified_name()})
-            raise ServiceNotFoundError(not_offered(self.node, wanted, 0.0, own)) from None
+            raise not_found(self.node, wanted, 0.0, own) from None
+        return found
 
-    def publisher(self, message_type: Any, topic: str) -> Any:
+    def publisher(self, message_type: type[Message], topic: str) -> Publisher:
         """The publisher for a topic; one of the same name and another type is replaced."""
 
         def make() -> Any:
             return self.node.create_publisher(message_type, topic, 10)
 
-        return self._use(self._publishers, (message_type, topic), make, self._drop_publisher)
+        found: Publisher = self._use(self._publishers, (message_type, topic), make, self._drop_publisher)
+        return found
 
-    def goal_client(self, action_type: Any, action: str) -> GoalClient:
+    def goal_client(self, action_type: ActionType, action: str) -> GoalClient:
         """The client for an action; one of the same name and another type is replaced.
 
         Raises:
@@ -106,13 +115,13 @@ class Clients:
             if types and type_name(action_type) not in types:  # rclpy would make half a client, and lose it
                 raise OtherTypeError(f"{action} is already in use with a different type than {type_name(action_type)}.")
             # On the thread that will use it, and not while that looks through the node's entities.
-            return self._spinner.ask(lambda: GoalClient(node, action_type, action), _FREE)
+            return self._executor_thread.ask(lambda: GoalClient(node, action_type, action), _FREE)
 
         try:
             found: GoalClient = self._use(self._goal_clients, (action_type, action), make, self._drop_goal_client)
         except OtherTypeError:
             wanted = WantedServer(graph.RUNS, full_action_name(self.node, action), type_name(action_type))
-            raise ActionNotFoundError(not_offered(self.node, wanted, 0.0)) from None
+            raise not_found(self.node, wanted, 0.0) from None
         return found
 
     def wait_for_results(self, actions: set[str], timeout: float) -> None:
@@ -123,7 +132,9 @@ class Clients:
         while any(client.busy for client in clients) and time.monotonic() < deadline:
             pause.wait(_POLL)
 
-    def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
+    def subscription(
+        self, message_type: type[Message], topic: str, callback: Callable[[Message], None], qos: QoSProfile
+    ) -> Subscription:
         """A new subscription.
 
         Args:
@@ -136,16 +147,19 @@ class Clients:
             LabError: the topic is no ROS name, or has another type on the graph.
         """
         wanted = type_name(message_type)
-        types = dict(self.node.get_topic_names_and_types()).get("/" + str(topic).lstrip("/"), [wanted])
-        if wanted not in types:  # nothing could ever arrive; in one process rcl would fail, and say nothing useful
+        types = types_of(self.node, "/" + str(topic).lstrip("/"))
+        if types and wanted not in types:  # nothing could ever arrive; rcl would fail, and not say why
             raise OtherTypeError(f"{topic} has the type {' and '.join(types)}, but you asked for {wanted}.")
-        return _named(lambda: self.node.create_subscription(message_type, topic, callback, qos), (message_type, topic))
+        made: Subscription = _named(
+            lambda: self.node.create_subscription(message_type, topic, callback, qos), (message_type, topic)
+        )
+        return made
 
     def forget(self, channels: set[str]) -> None:
         """Let go of these services, actions and topics, so that they can come back with another type."""
         for key, client in list(self._clients.items()):
-            somebody_waits = getattr(client, "_pending_requests", None)  # a private name; see ros.compat
-            if client.service_name in channels and not somebody_waits:
+            somebody_waits = getattr(client.rclpy_client, "_pending_requests", None)  # a private name; see ros.compat
+            if client.name in channels and not somebody_waits:
                 self._drop_client(self._clients.pop(key))
         for key in [key for key, publisher in self._publishers.items() if publisher.topic_name in channels]:
             self._drop_publisher(self._publishers.pop(key))
@@ -159,9 +173,9 @@ class Clients:
         self._publishers.clear()
         while self._goal_clients:
             self._goal_clients.popitem()[1].destroy()
-        self._tapping.direct.clear()
+        self._hooks.direct.clear()
         if self.known_node is not None:
-            self._spinner.executor.remove_node(self.known_node)
+            self._executor_thread.executor.remove_node(self.known_node)
             self.known_node.destroy_node()
             self.known_node = None
 
@@ -183,22 +197,22 @@ class Clients:
             drop(cache.popitem(last=False)[1])
         return entity
 
-    def _drop_client(self, client: Any) -> None:
-        self._tapping.direct.discard(client)
-        self._spinner.run_between_callbacks(lambda: self.node.destroy_client(client), 1.0)
+    def _drop_client(self, client: ServiceClient) -> None:
+        self._hooks.direct.discard(client.rclpy_client)
+        self._executor_thread.run_between_callbacks(client.destroy, 1.0)
 
     def _drop_goal_client(self, client: GoalClient) -> None:
         """Destroy an action's client; goals that have not ended have lost their server, or their server its type."""
 
         def drop() -> None:
-            for pursuit in list(client.busy.values()):
-                pursuit.lose()
+            for tracker in list(client.busy.values()):
+                tracker.lose()
             client.destroy()
 
-        self._spinner.run_between_callbacks(drop, 1.0)
+        self._executor_thread.run_between_callbacks(drop, 1.0)
 
-    def _drop_publisher(self, publisher: Any) -> None:
-        self._spinner.run_between_callbacks(lambda: self.node.destroy_publisher(publisher), 1.0)
+    def _drop_publisher(self, publisher: Publisher) -> None:
+        self._executor_thread.run_between_callbacks(lambda: self.node.destroy_publisher(publisher), 1.0)
 
 
 def incompatible(error: BaseException) -> bool:

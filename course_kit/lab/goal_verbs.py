@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.lab.singleton import current
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.goals import AskedGoal, Goal
+    from course_kit.lab.goals import AskedGoal, Goal, Sending
+    from course_kit.ros.messages import ActionType, Message
 
 
 async def send_goal(  # noqa: PLR0913 - four of them are options, by name
     action: str,
-    action_type: Any,
-    goal: Any = None,
+    action_type: ActionType,
+    goal: Message = None,
     /,
     *,
     timeout: float = 5.0,
-    on_feedback: Callable[[Any], object] | None = None,
+    on_feedback: Callable[[Message], object] | None = None,
     on_result: Callable[[Goal], object] | None = None,
-    **fields: Any,
+    **fields: object,
 ) -> Goal:
     """Send a goal and wait until it is accepted or rejected: `await lab.send_goal("/fibonacci", Fibonacci, order=5)`.
 
@@ -43,36 +44,37 @@ async def send_goal(  # noqa: PLR0913 - four of them are options, by name
         FieldError: no such field, or a value it cannot take.
         NoAnswerError: the server neither accepted nor rejected it in time, or went away.
     """
-    return await current().send_goal(action, action_type, _asked_goal(goal, fields, timeout, on_feedback, on_result))
+    from course_kit.lab.calls import call_async
+    from course_kit.lab.goals import AskedGoal
+
+    asked = AskedGoal(goal, fields, timeout, on_feedback, on_result)
+    sent: Goal = await call_async(_sending("lab.send_goal()", action, action_type, asked))
+    return sent
 
 
 def send_goal_blocking(  # noqa: PLR0913 - the same
     action: str,
-    action_type: Any,
-    goal: Any = None,
+    action_type: ActionType,
+    goal: Message = None,
     /,
     *,
     timeout: float = 5.0,
-    on_feedback: Callable[[Any], object] | None = None,
+    on_feedback: Callable[[Message], object] | None = None,
     on_result: Callable[[Goal], object] | None = None,
-    **fields: Any,
+    **fields: object,
 ) -> Goal:
-    """The same as `send_goal` for programs; so are `goal.result_blocking()` and `goal.cancel_blocking()`.
-
-    Args:
-        action: as for `send_goal`.
-        action_type: as for `send_goal`.
-        goal: as for `send_goal`.
-        timeout: as for `send_goal`.
-        on_feedback: as for `send_goal`.
-        on_result: as for `send_goal`.
-        fields: as for `send_goal`.
-    """
-    asked = _asked_goal(goal, fields, timeout, on_feedback, on_result)
-    return current().send_goal_blocking(action, action_type, asked)
-
-
-def _asked_goal(goal: Any, fields: dict[str, Any], timeout: float, on_feedback: Any, on_result: Any) -> AskedGoal:
+    """See `send_goal`; this is the same for programs, and so are `goal.result_blocking()` and `cancel_blocking()`."""
+    from course_kit.lab.calls import call_blocking
     from course_kit.lab.goals import AskedGoal
 
-    return AskedGoal(goal, fields, timeout, on_feedback, on_result)
+    asked = AskedGoal(goal, fields, timeout, on_feedback, on_result)
+    sent: Goal = call_blocking(_sending("lab.send_goal_blocking()", action, action_type, asked))
+    return sent
+
+
+def _sending(verb: str, action: str, action_type: ActionType, asked: AskedGoal) -> Sending:
+    from course_kit.lab.goals import Sending
+
+    engine = current().engine
+    engine.not_in_callback(verb)
+    return Sending(engine, action, action_type, asked)

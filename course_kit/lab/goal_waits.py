@@ -5,49 +5,20 @@ Each wait is driven by asyncio in a notebook and by an event in a program (see `
 
 from __future__ import annotations
 
-import time
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rclpy.exceptions import InvalidHandle
-
+from course_kit.lab.calls import PendingCall
 from course_kit.lab.errors import NoAnswerError
+from course_kit.lab.graph import WantedServer
+from course_kit.ros.graph import RUNS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.ros.goal import GoalClient, GoalTracker
+    from course_kit.lab.runtime.engine import Engine
+    from course_kit.ros.goal import GoalTracker
 
-_CHECK = 0.2  # seconds between looks at whether the server is still there
-_MISSED = 2  # such looks in a row without it
-
-
-class GoalSurroundings(Protocol):
-    """What a goal needs to know about the lab."""
-
-    @property
-    def node(self) -> Any:
-        """The lab's own node."""
-
-    def goal_client(self, action_type: Any, action: str) -> GoalClient:
-        """The lab's client for an action."""
-
-    def do(self, function: Callable[[], None]) -> None:
-        """Have the lab's thread call a function between two callbacks; does not wait for it."""
-
-    def call_back(self, function: Callable[[], object]) -> None:
-        """Call a function of the learner's on the lab's thread; what it raises is told."""
-
-    def why_no_result(self, action: str) -> str:
-        """What is known about an action server that does not answer."""
-
-    def before_blaming(self) -> None:
-        """A server has gone: let a script that is about to end say why first."""
-
-    def flush_output(self) -> None:
-        """Show what callbacks have printed; called in the caller's thread."""
-
-    def not_in_callback(self, what: str) -> None:
-        """Raise DeadlockError if the caller is a callback on the lab's thread."""
+_MISSED = 2  # looks in a row without the server, after which it has gone
 
 
 class Awaited(NamedTuple):
@@ -66,22 +37,23 @@ class Awaited(NamedTuple):
     outcome: Callable[[], Any] = lambda: None
 
 
-class Wait:
-    """A wait for news of a goal; see `calls.Exchanged`.
+class Wait(PendingCall):
+    """A wait for news of a goal.
 
     Args:
-        lab: the surroundings.
-        pursuit: the goal.
+        lab: sends what is to be sent.
+        tracker: of the goal.
         timeout: seconds.
         awaited: the news.
+        action_type: the name of the action's type, where a server is still to be found.
     """
 
-    def __init__(self, lab: GoalSurroundings, pursuit: GoalTracker, timeout: float, awaited: Awaited) -> None:
-        self._lab = lab
-        self._pursuit = pursuit
-        self._timeout = timeout
+    def __init__(
+        self, lab: Engine, tracker: GoalTracker, timeout: float, awaited: Awaited, action_type: str = ""
+    ) -> None:
+        super().__init__(lab, WantedServer(RUNS, tracker.client.action_name, action_type), timeout)
+        self._tracker = tracker
         self._awaited = awaited
-        self._start = time.monotonic()
         self._missing = 0  # looks in a row that have not found the server
         self._listener: Callable[[], None] = lambda: None
 
@@ -102,33 +74,11 @@ class Wait:
             look()
 
         self._listener = look
-        self._pursuit.listeners.append(look)
+        self._tracker.listeners.append(look)
         if self._awaited.begin is not None:
             self._lab.do(begin)
         else:
             look()
-
-    def next_check(self) -> float:
-        """Seconds until `check` should be called."""
-        return max(0.0, min(_CHECK, self._start + self._timeout - time.monotonic()))
-
-    def check(self) -> None:
-        """Look whether an answer can still come.
-
-        Raises:
-            NoAnswerError: the time is over, or the server has gone.
-        """
-        if self._awaited.arrived():
-            return
-        if time.monotonic() - self._start >= self._timeout:
-            why = self._lab.why_no_result(self._pursuit.client.action_name)
-            raise NoAnswerError(f"{self._awaited.lacking} within {self._timeout:g} s. {why}")
-        self._missing = 0 if is_there(self._pursuit.client) else self._missing + 1
-        if self._missing == _MISSED:  # before that, what it sent at the very end may be on its way
-            self._lab.before_blaming()
-            self._lab.do(self._pursuit.lose)
-        elif self._missing > _MISSED:
-            raise NoAnswerError(gone(self._pursuit.client.action_name))
 
     def result(self) -> Any:
         """What was waited for."""
@@ -136,17 +86,26 @@ class Wait:
 
     def close(self) -> None:
         """Stop waiting."""
-        if self._listener in self._pursuit.listeners:
-            self._pursuit.listeners.remove(self._listener)
-        self._lab.flush_output()
+        if self._listener in self._tracker.listeners:
+            self._tracker.listeners.remove(self._listener)
+        super().close()
 
+    def _has_come(self) -> bool:
+        return self._awaited.arrived()
 
-def is_there(client: Any) -> bool:
-    """Whether an action's server is on the graph."""
-    try:
-        return bool(client.server_is_ready())
-    except InvalidHandle:  # the lab is being closed
-        return False
+    def _too_late(self) -> str:
+        return f"{self._awaited.lacking} within {self._timeout:g} s. {self._lab.why_no_result(self._wanted.name)}"
+
+    def _check_server(self) -> None:
+        self._missing = 0 if self._is_there() else self._missing + 1
+        if self._missing == _MISSED:  # before that, what it sent at the very end may be on its way
+            self._lab.before_blaming()
+            self._lab.do(self._tracker.lose)
+        elif self._missing > _MISSED:
+            raise NoAnswerError(gone(self._wanted.name))
+
+    def _is_there(self) -> bool:
+        return self._tracker.client.has_server()
 
 
 def gone(action: str) -> str:

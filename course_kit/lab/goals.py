@@ -6,22 +6,21 @@ A `Goal` is what the learner holds; what arrives for it is kept by its `GoalTrac
 from __future__ import annotations
 
 import itertools
-import time
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from course_kit.lab import calls, graph
-from course_kit.lab.errors import ActionNotFoundError, FieldError, LabError, NoAnswerError
-from course_kit.lab.goal_waits import Awaited, Wait, gone, is_there
-from course_kit.lab.messages import build
-from course_kit.lab.recording.snapshot import snapshot
+from course_kit.lab.calls import PendingCall, call_async, call_blocking, not_of_kind
+from course_kit.lab.errors import FieldError, LabError, NoAnswerError
+from course_kit.lab.goal_waits import Awaited, Wait, gone
+from course_kit.lab.messages import message_of
 from course_kit.ros.goal import GoalTracker
-from course_kit.ros.graph import RUNS
 from course_kit.ros.messages import is_action_type, type_name
+from course_kit.ros.showing import snapshot
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
-    from course_kit.lab.goal_waits import GoalSurroundings
+    from course_kit.lab.runtime.engine import Engine
+    from course_kit.ros.messages import ActionType, Message
 
 _QUIET = 60.0  # seconds without any news of a goal, until its feedback is no longer waited for
 
@@ -37,10 +36,10 @@ class AskedGoal(NamedTuple):
         on_result: called with the goal when it has ended, on the lab's thread.
     """
 
-    goal: Any
-    fields: dict[str, Any]
+    goal: Message
+    fields: dict[str, object]
     timeout: float
-    on_feedback: Callable[[Any], object] | None = None
+    on_feedback: Callable[[Message], object] | None = None
     on_result: Callable[[Goal], object] | None = None
 
 
@@ -52,16 +51,16 @@ class Goal:
         request: the goal message.
     """
 
-    def __init__(self, lab: GoalSurroundings, pursuit: GoalTracker, request: Any) -> None:
-        self.action = pursuit.client.action_name
+    def __init__(self, lab: Engine, tracker: GoalTracker, request: Message) -> None:
+        self.action = tracker.client.action_name
         self.request = request
         self._lab = lab
-        self._pursuit = pursuit
+        self._tracker = tracker
 
     @property
     def accepted(self) -> bool:
         """Whether the server has accepted it."""
-        return bool(self._pursuit.accepted)
+        return bool(self._tracker.accepted)
 
     @property
     def status(self) -> str:
@@ -71,30 +70,30 @@ class Goal:
             "REJECTED", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED" or "ABORTED"; "UNKNOWN" if its
             server has gone before it ended.
         """
-        return self._pursuit.status
+        return self._tracker.status
 
     @property
     def done(self) -> bool:
         """Whether it has ended, or was rejected."""
-        return self._pursuit.ended
+        return self._tracker.ended
 
     @property
-    def feedback(self) -> list[Any]:
+    def feedback(self) -> list[Message]:
         """The feedback messages received so far."""
-        return list(self._pursuit.feedback)
+        return list(self._tracker.feedback)
 
-    async def result(self, timeout: float = 60.0) -> Any:
+    async def result(self, timeout: float = 60.0) -> Message:
         """Wait for the result message; `status` says whether it was reached.
 
         Raises:
             LabError: the goal was rejected, so there is none.
             NoAnswerError: it has not ended within `timeout` seconds, or its server went away.
         """
-        return self._result_of(await calls.call_async(self._wait_for_end(timeout)))
+        return self._result_of(await call_async(self._wait_for_end(timeout)))
 
-    def result_blocking(self, timeout: float = 60.0) -> Any:
+    def result_blocking(self, timeout: float = 60.0) -> Message:
         """The same as `result` for programs, which have no `await` at top level."""
-        return self._result_of(calls.call_blocking(self._wait_for_end(timeout), self._lab.flush_output))
+        return self._result_of(call_blocking(self._wait_for_end(timeout)))
 
     async def cancel(self, timeout: float = 5.0) -> bool:
         """Ask the server to cancel it.
@@ -106,27 +105,27 @@ class Goal:
         Raises:
             NoAnswerError: no answer within `timeout` seconds, or the server went away.
         """
-        return bool(await calls.call_async(self._wait_for_cancel(timeout)))
+        return bool(await call_async(self._wait_for_cancel(timeout)))
 
     def cancel_blocking(self, timeout: float = 5.0) -> bool:
         """The same as `cancel` for programs."""
-        return bool(calls.call_blocking(self._wait_for_cancel(timeout), self._lab.flush_output))
+        return bool(call_blocking(self._wait_for_cancel(timeout)))
 
-    async def __aiter__(self) -> AsyncIterator[Any]:
+    async def __aiter__(self) -> AsyncIterator[Message]:
         """Each feedback message from the first one on, until the goal has ended.
 
         Raises:
             NoAnswerError: the server went away, or nothing was heard of the goal for 60 s.
         """
-        pursuit = self._pursuit
+        tracker = self._tracker
         for number in itertools.count():
-            if len(pursuit.feedback) <= number and not pursuit.ended:
+            if len(tracker.feedback) <= number and not tracker.ended:
                 self._lab.not_in_callback("async for feedback in goal")
-                await calls.call_async(self._wait_for_news(number))
-            if len(pursuit.feedback) <= number:
+                await call_async(self._wait_for_news(number))
+            if len(tracker.feedback) <= number:
                 break
-            yield pursuit.feedback[number]
-        if pursuit.status == "UNKNOWN":
+            yield tracker.feedback[number]
+        if tracker.status == "UNKNOWN":
             raise NoAnswerError(gone(self.action))
 
     def __repr__(self) -> str:
@@ -137,26 +136,26 @@ class Goal:
         return f"Goal({shown}) for {self.action}: {state}"
 
     def _wait_for_end(self, timeout: float) -> Wait:
-        pursuit = self._pursuit
-        if pursuit.accepted is False:
+        tracker = self._tracker
+        if tracker.accepted is False:
             raise LabError(f"{self.action} has rejected this goal, so there will be no result.")
         self._lab.not_in_callback("result() of a goal")
-        awaited = Awaited(f"{self.action} did not finish the goal", lambda: pursuit.ended)
-        return Wait(self._lab, pursuit, timeout, awaited)
+        awaited = Awaited(f"{self.action} did not finish the goal", lambda: tracker.ended)
+        return Wait(self._lab, tracker, timeout, awaited)
 
     def _wait_for_news(self, number: int) -> Wait:
-        pursuit = self._pursuit
+        tracker = self._tracker
         awaited = Awaited(
             f"No feedback and no result of the goal for {self.action} arrived",
-            lambda: len(pursuit.feedback) > number or pursuit.ended,
+            lambda: len(tracker.feedback) > number or tracker.ended,
         )
-        return Wait(self._lab, pursuit, _QUIET, awaited)
+        return Wait(self._lab, tracker, _QUIET, awaited)
 
-    def _result_of(self, _: object) -> Any:
-        if self._pursuit.result is None:
+    def _result_of(self, _: object) -> Message:
+        if self._tracker.result is None:
             self._lab.before_blaming()
             raise NoAnswerError(gone(self.action))
-        return self._pursuit.result
+        return self._tracker.result
 
     def _wait_for_cancel(self, timeout: float) -> Wait:
         self._lab.not_in_callback("cancel() of a goal")
@@ -164,10 +163,10 @@ class Goal:
         awaited = Awaited(
             f"{self.action} did not answer the request to cancel",
             lambda: bool(answer),
-            lambda: self._pursuit.cancel(answer.append),
+            lambda: self._tracker.cancel(answer.append),
             lambda: answer[0],
         )
-        return Wait(self._lab, self._pursuit, timeout, awaited)
+        return Wait(self._lab, self._tracker, timeout, awaited)
 
 
 class Sending(Wait):
@@ -177,62 +176,31 @@ class Sending(Wait):
         FieldError: the goal cannot be built.
     """
 
-    def __init__(self, lab: GoalSurroundings, action: str, action_type: Any, asked: AskedGoal) -> None:
-        request = _goal_message(action_type, asked)
-        client = lab.goal_client(action_type, action)
-        pursuit = GoalTracker(client, request, lab.call_back)
-        goal = Goal(lab, pursuit, request)
-        pursuit.on_feedback = asked.on_feedback
+    def __init__(self, lab: Engine, action: str, action_type: ActionType, asked: AskedGoal) -> None:
+        if not is_action_type(action_type):
+            raise FieldError(not_of_kind(action_type, "action", ("_Goal", "_Result", "_Feedback"), "lab.send_goal"))
+        request = message_of(action_type.Goal, asked.goal, asked.fields, f"a goal of {type_name(action_type)}")
+        client = lab.clients.goal_client(action_type, action)
+        tracker = GoalTracker(client, request, lab.call_back)
+        goal = Goal(lab, tracker, request)
+        tracker.on_feedback = asked.on_feedback
         on_result = asked.on_result
         if on_result is not None:
-            pursuit.on_result = lambda: on_result(goal)
-        self._type = type_name(action_type)
+            tracker.on_result = lambda: on_result(goal)
         awaited = Awaited(
             f"{client.action_name} neither accepted nor rejected the goal",
-            lambda: pursuit.accepted is not None,
-            pursuit.begin,
+            lambda: tracker.accepted is not None,
+            tracker.begin,
             lambda: goal,
         )
-        super().__init__(lab, pursuit, asked.timeout, awaited)
+        super().__init__(lab, tracker, asked.timeout, awaited, type_name(action_type))
 
     def may_send(self) -> bool:
-        """Whether the server is there.
-
-        Raises:
-            ActionNotFoundError: it has been waited for long enough.
-        """
-        if is_there(self._pursuit.client):
-            return True
-        waited = min(calls.APPEARANCE, self._timeout)
-        if time.monotonic() - self._start < waited:
-            return False
-        action = self._pursuit.client.action_name
-        raise ActionNotFoundError(
-            graph.not_offered(self._lab.node, graph.WantedServer(RUNS, action, self._type), waited)
-        )
+        """Whether the server is there; see `PendingCall.may_send`."""
+        return PendingCall.may_send(self)
 
     def close(self) -> None:
         """Stop waiting; a goal that nobody will hold is cancelled should it be accepted after all."""
-        if self._pursuit.accepted is None:
-            self._pursuit.unwanted = True
+        if self._tracker.accepted is None:
+            self._tracker.unwanted = True
         super().close()
-
-
-def _goal_message(action_type: Any, asked: AskedGoal) -> Any:
-    if not is_action_type(action_type):
-        raise FieldError(_not_an_action(action_type))
-    if asked.goal is None:
-        return build(action_type.Goal, asked.fields, f"a goal of {type_name(action_type)}")
-    if asked.fields or not isinstance(asked.goal, action_type.Goal):
-        raise FieldError(f"Pass either a goal of {type_name(action_type)} or its fields as keywords.")
-    return asked.goal
-
-
-def _not_an_action(given: Any) -> str:
-    hint = ""
-    owner = getattr(given, "__name__", "")
-    if owner.endswith(("_Goal", "_Result", "_Feedback")):
-        hint = f" Use {owner.rpartition('_')[0]} itself."
-    elif not isinstance(given, type):
-        hint = " The order is: lab.send_goal(name, Type, field=value)."
-    return f"{owner or repr(given)} is not an action type.{hint}"

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
+from course_kit.lab.errors import ActionNotFoundError, LabError, ServiceNotFoundError
 from course_kit.ros import graph
 from course_kit.ros.names import is_hidden, is_of_every_node, nearest
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
 
 _SETTLING = 3.0  # seconds; a killed participant's lease lasts 2
 _POLL = 0.01
@@ -27,8 +31,8 @@ class WantedServer(NamedTuple):
     type: str
 
 
-def not_offered(node: Any, wanted: WantedServer, waited: float, except_by: frozenset[str] = frozenset()) -> str:
-    """Why no such server was found, and what to do.
+def not_found(node: Node, wanted: WantedServer, waited: float, except_by: frozenset[str] = frozenset()) -> LabError:
+    """The error that says why no such server was found, and what to do.
 
     Args:
         node: looks at the graph.
@@ -36,6 +40,11 @@ def not_offered(node: Any, wanted: WantedServer, waited: float, except_by: froze
         waited: seconds.
         except_by: nodes whose servers do not count.
     """
+    kind = ServiceNotFoundError if wanted.role == graph.SERVES else ActionNotFoundError
+    return kind(_not_offered(node, wanted, waited, except_by))
+
+
+def _not_offered(node: Node, wanted: WantedServer, waited: float, except_by: frozenset[str]) -> str:
     role, name, wanted_type = wanted
     offered = graph.offered(node, role, except_by)
     there = {one: types for one, types in offered.items() if not (is_of_every_node(one) or is_hidden(one))}
@@ -54,7 +63,7 @@ def not_offered(node: Any, wanted: WantedServer, waited: float, except_by: froze
     return f"{message}No {role.kind} at all is on the graph: has its server been started?"
 
 
-def wait_for_nodes(node: Any, names: list[str], own: set[str], *, there: bool) -> None:
+def wait_for_nodes(node: Node, names: list[str], own: set[str], *, there: bool) -> None:
     """Wait until every node of these names is on the graph, or none is; 3 s at most.
 
     Args:

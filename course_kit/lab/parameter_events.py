@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import threading
-from typing import Any
+from typing import TYPE_CHECKING
 
 from course_kit.lab.singleton import current
+
+if TYPE_CHECKING:
+    from rclpy.subscription import Subscription
 
 _HEARING = 1.0  # seconds
 
@@ -15,7 +18,7 @@ class ParameterEventWait:
 
     def __init__(self) -> None:
         self._engine = current().engine
-        self._counts: dict[Any, int] = {}
+        self._counts: dict[Subscription, int] = {}
         self._expected = 0
         self._complete = threading.Event()
 
@@ -42,7 +45,7 @@ class ParameterEventWait:
             self._complete.wait(_HEARING)
         self._engine.flush_output()
 
-    def _heard(self, subscription: Any) -> None:
+    def _heard(self, subscription: Subscription) -> None:
         if subscription in self._counts:
             self._counts[subscription] += 1
             if self._expected and self._all_heard():

@@ -26,7 +26,7 @@ class Outcome:
         reasons: why the node refused, by name; in the node's own words where it has any.
     """
 
-    def __init__(self, node: str, values: dict[str, Any], reasons: dict[str, str], *, atomically: bool) -> None:
+    def __init__(self, node: str, values: dict[str, object], reasons: dict[str, str], *, atomically: bool) -> None:
         self.node = node
         self.values = values
         self.reasons = reasons
@@ -68,7 +68,7 @@ class Descriptors(list[Descriptor]):
     __str__ = __repr__
 
 
-def _hint(value: Any, reason: str) -> str:
+def _hint(value: object, reason: str) -> str:
     """For the slip everybody makes: 1 is an integer, and a double does not take it."""
     if type(value) is int and re.match(r"wrong parameter type.*double", reason, re.IGNORECASE):
         return f". {value} is an integer: write {float(value)}"

@@ -7,7 +7,7 @@ notebook and by a wait in a program.
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from course_kit.lab.errors import (
     FieldError,
@@ -21,13 +21,16 @@ from course_kit.lab.parameter_values import Descriptors, Outcome, Values
 from course_kit.ros import errors, graph, names, parameters
 
 if TYPE_CHECKING:
+    from rclpy.node import Node
+
+    from course_kit.ros.messages import Message
     from course_kit.ros.parameters import Question, Steps
 
 T = TypeVar("T")
 _TIMEOUT = 5.0  # seconds for each answer
 
 
-async def get_parameters(node: Any, /, *names: str, timeout: float = _TIMEOUT) -> Values:
+async def get_parameters(node: str | Node, /, *names: str, timeout: float = _TIMEOUT) -> Values:
     """Values of a node's parameters: `await lab.get_parameters("/parameter_node", "max_velocity")`.
 
     Args:
@@ -47,14 +50,14 @@ async def get_parameters(node: Any, /, *names: str, timeout: float = _TIMEOUT) -
     return await _ask(name, _getting(name, names), timeout)
 
 
-def get_parameters_blocking(node: Any, /, *names: str, timeout: float = _TIMEOUT) -> Values:
-    """The same as `get_parameters` for programs and for threads without an event loop."""
+def get_parameters_blocking(node: str | Node, /, *names: str, timeout: float = _TIMEOUT) -> Values:
+    """See `get_parameters`; this is the same for programs and for threads without an event loop."""
     name = full_name(node)
     return _ask_blocking(name, _getting(name, names), timeout)
 
 
 async def set_parameters(
-    node: Any, given: dict[str, Any] | None = None, /, *, atomically: bool = False, **values: Any
+    node: str | Node, given: dict[str, object] | None = None, /, *, atomically: bool = False, **values: object
 ) -> Outcome:
     """Set parameters of a node: `await lab.set_parameters("/parameter_node", max_velocity=2.0)`.
 
@@ -77,33 +80,26 @@ async def set_parameters(
         NoAnswerError: nothing came back in time.
     """
     name = full_name(node)
-    with ParameterEventWait() as hearing:
+    with ParameterEventWait() as waiting:
         outcome = await _ask(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
-        if hearing.expects(outcome.events):
-            await asyncio.to_thread(hearing.wait)
+        if waiting.expects(outcome.events):
+            await asyncio.to_thread(waiting.wait)
     return outcome
 
 
 def set_parameters_blocking(
-    node: Any, given: dict[str, Any] | None = None, /, *, atomically: bool = False, **values: Any
+    node: str | Node, given: dict[str, object] | None = None, /, *, atomically: bool = False, **values: object
 ) -> Outcome:
-    """The same as `set_parameters` for programs and for threads without an event loop.
-
-    Args:
-        node: as for `set_parameters`.
-        given: as for `set_parameters`.
-        atomically: as for `set_parameters`.
-        values: as for `set_parameters`.
-    """
+    """See `set_parameters`; this is the same for programs and for threads without an event loop."""
     name = full_name(node)
-    with ParameterEventWait() as hearing:
+    with ParameterEventWait() as waiting:
         outcome = _ask_blocking(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
-        if hearing.expects(outcome.events):
-            hearing.wait()
+        if waiting.expects(outcome.events):
+            waiting.wait()
     return outcome
 
 
-async def describe_parameters(node: Any, /, *, timeout: float = _TIMEOUT) -> Descriptors:
+async def describe_parameters(node: str | Node, /, *, timeout: float = _TIMEOUT) -> Descriptors:
     """What a node says about its parameters: name, type, description, range, read_only, constraints.
 
     Returns:
@@ -116,12 +112,12 @@ async def describe_parameters(node: Any, /, *, timeout: float = _TIMEOUT) -> Des
     return await _ask(full_name(node), _describing(), timeout)
 
 
-def describe_parameters_blocking(node: Any, /, *, timeout: float = _TIMEOUT) -> Descriptors:
-    """The same as `describe_parameters` for programs and for threads without an event loop."""
+def describe_parameters_blocking(node: str | Node, /, *, timeout: float = _TIMEOUT) -> Descriptors:
+    """See `describe_parameters`; this is the same for programs and for threads without an event loop."""
     return _ask_blocking(full_name(node), _describing(), timeout)
 
 
-def full_name(node: Any) -> str:
+def full_name(node: str | Node) -> str:
     """A node's fully qualified name, for a name or the node itself; one without a slash is in the root namespace.
 
     Raises:
@@ -145,7 +141,7 @@ def _getting(node: str, wanted: tuple[str, ...]) -> Steps[Values]:
     return Values(zip(asked, map(parameters.from_message, found), strict=True))
 
 
-def _setting(node: str, values: dict[str, Any], *, atomically: bool) -> Steps[Outcome]:
+def _setting(node: str, values: dict[str, object], *, atomically: bool) -> Steps[Outcome]:
     if not values:
         raise LabError('Say what to set: lab.set_parameters("/node", name=value).')
     try:
@@ -187,7 +183,7 @@ def _declared(node: str, name: str, known: list[str]) -> str:
 async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
     from course_kit.lab.api import call
 
-    def ask(question: Question) -> Any:
+    def ask(question: Question) -> Message:
         return call(f"{node}/{question.service}", question.interface, timeout=timeout, **question.fields)
 
     try:
@@ -199,7 +195,7 @@ async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
 def _ask_blocking(node: str, steps: Steps[T], timeout: float) -> T:
     from course_kit.lab.api import call_blocking
 
-    def ask(question: Question) -> Any:
+    def ask(question: Question) -> Message:
         return call_blocking(f"{node}/{question.service}", question.interface, timeout=timeout, **question.fields)
 
     try:

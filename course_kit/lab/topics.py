@@ -5,17 +5,24 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING
 
-from course_kit.lab.errors import FieldError, NoAnswerError
-from course_kit.lab.messages import build
-from course_kit.ros.messages import is_message_type, type_name
+from course_kit.lab.errors import NoAnswerError
+from course_kit.lab.messages import message_of, require_message_type
+from course_kit.ros.messages import type_name
 from course_kit.ros.qos import as_offered
+from course_kit.ros.topic import hears, is_heard, publishers
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.calls import Surroundings
+    from rclpy.node import Node
+    from rclpy.qos import QoSProfile
+    from rclpy.subscription import Subscription as RclpySubscription
+
+    from course_kit.lab.runtime.engine import Engine
+    from course_kit.ros.filling import Fields
+    from course_kit.ros.messages import Message
 
 _MATCHING = 1.0  # seconds a new publisher waits for the subscriptions that are on the graph
 _DELIVERY = 1.0  # seconds the lab's own subscriptions are given to take what was published
@@ -23,61 +30,12 @@ _POLL = 0.005
 _DEPTH = 10
 
 
-def require_message_type(message_type: Any) -> None:
-    """Raise FieldError unless this is a message's class."""
-    if not is_message_type(message_type):
-        raise FieldError(f"{getattr(message_type, '__name__', message_type)!r} is not a message type.")
-
-
-def message_of(message_type: Any, message: Any, fields: dict[str, Any]) -> Any:
-    """The message to publish: a ready one, or one made of fields.
-
-    Args:
-        message_type: its class.
-        message: a ready one.
-        fields: or its fields.
-
-    Raises:
-        FieldError: both are given, no such field, or a value it cannot take.
-    """
-    require_message_type(message_type)
-    if message is None:
-        return build(message_type, fields, f"a {type_name(message_type)}")
-    if fields or not isinstance(message, message_type):
-        raise FieldError(f"Pass either a {type_name(message_type)} or its fields as keywords.")
-    return message
-
-
-def wait_for_subscriptions(node: Any, publisher: Any) -> None:
-    """Wait until a publisher is connected to the subscriptions that are there, so that none misses the first message.
-
-    At most one second: a subscription of another type or quality of service never connects.
-    """
-    _wait_while(lambda: publisher.get_subscription_count() < node.count_subscribers(publisher.topic_name))
-
-
-def _wait_while(condition: Callable[[], bool]) -> None:
+def _wait_until(condition: Callable[[], bool]) -> None:
+    """Wait for something on the graph, at most one second."""
     deadline = time.monotonic() + _MATCHING
     pause = threading.Event()  # the graph has no event to wait for in rclpy: look often, with a deadline
-    while condition() and time.monotonic() < deadline:
+    while not condition() and time.monotonic() < deadline:
         pause.wait(_POLL)
-
-
-class Subscriber(Protocol):
-    """What a subscription needs to know about the lab."""
-
-    @property
-    def node(self) -> Any:
-        """The lab's own node."""
-
-    def in_callback(self) -> bool:
-        """Whether the caller is inside a callback of the lab."""
-
-    def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
-        """A new subscription of the lab's node."""
-
-    def destroy_subscription(self, subscription: Any) -> None:
-        """Destroy a subscription of the lab's node."""
 
 
 class Subscription:
@@ -86,21 +44,37 @@ class Subscription:
     Making one waits until it is connected to the publishers that are there, one second at most, so that what they
     publish next is not missed.
 
+    Args:
+        lab: has it.
+        topic: the topic's name.
+        message_type: the messages' class.
+        callback: called with each message.
+        qos: a profile; what the topic's publishers offer unless given.
+
     Attributes:
         topic: the topic's full name.
+
+    Raises:
+        FieldError: this is no message type.
+        LabError: the topic is no ROS name, or is in use here with another type.
     """
 
     def __init__(
-        self, lab: Subscriber, topic: str, message_type: Any, callback: Callable[[Any], None], qos: Any = None
+        self,
+        lab: Engine,
+        topic: str,
+        message_type: type[Message],
+        callback: Callable[[Message], None],
+        qos: QoSProfile | None = None,
     ) -> None:
+        require_message_type(message_type)
         self._lab = lab
         self._type = type_name(message_type)
         self._open = True
-        self._subscription = lab.subscription(message_type, topic, callback, qos or as_offered(_DEPTH))
+        self._subscription = lab.clients.subscription(message_type, topic, callback, qos or as_offered(_DEPTH))
         self.topic: str = self._subscription.topic_name
         if not lab.in_callback():
-            node, new = lab.node, self._subscription
-            _wait_while(lambda: new.get_publisher_count() < node.count_publishers(self.topic))
+            _wait_until(lambda: hears(lab.node, self._subscription))
 
     def close(self) -> None:
         """End it: the callback is not called again. Safe to call twice, and after the lab has ended."""
@@ -112,45 +86,40 @@ class Subscription:
         return f"subscription to {self.topic} [{self._type}]{'' if self._open else ' (closed)'}"
 
 
-class Deliveries(Protocol):
-    """What publishing needs to know about the lab."""
+def publish(lab: Engine, topic: str, message_type: type[Message], message: Message, fields: Fields) -> None:
+    """Publish a message once the topic's subscriptions are connected; return when those of this lab have had it.
 
-    def in_callback(self) -> bool:
-        """Whether the caller is inside a callback of the lab."""
+    So what their callbacks print is printed with the cell that published. At most one second each: a subscription of
+    another type or quality of service never gets it, and a callback may take long.
 
-    def subscriptions(self, topic: str, message_type: Any) -> set[Any]:
-        """The subscriptions of the lab's nodes to a topic."""
+    Args:
+        lab: publishes it.
+        topic: its name.
+        message_type: its class.
+        message: a ready message instead of `fields`.
+        fields: the message's fields.
 
-    def tells_deliveries(self) -> bool:
-        """Whether a subscription that has had a message can be known."""
-
-    def listen_for_deliveries(self, told: Callable[[Any], None], *, listen: bool) -> None:
-        """Begin or end to call `told` with each subscription whose callback has had a message."""
-
-    def flush_output(self) -> None:
-        """Show what callbacks have printed."""
-
-
-def publish(lab: Deliveries, publisher: Any, message: Any) -> None:
-    """Publish, and return when the callbacks of this lab's subscriptions have had the message.
-
-    So what they print is printed with the cell that published. At most one second: a subscription of another
-    quality of service gets nothing, and a callback may take long.
+    Raises:
+        FieldError: no such field, or a value it cannot take.
     """
+    require_message_type(message_type)
+    ready = message_of(message_type, message, fields, f"a {type_name(message_type)}")
+    publisher = lab.clients.publisher(message_type, topic)
+    _wait_until(lambda: is_heard(lab.node, publisher))
     if lab.in_callback() or not lab.tells_deliveries():  # in a callback this is the thread that would deliver
-        publisher.publish(message)
+        publisher.publish(ready)
         return
     waiting = lab.subscriptions(publisher.topic_name, publisher.msg_type)
     all_had_it = threading.Event()
 
-    def had(subscription: Any) -> None:
+    def had(subscription: RclpySubscription) -> None:
         waiting.discard(subscription)
         if not waiting:
             all_had_it.set()
 
     lab.listen_for_deliveries(had, listen=True)
     try:
-        publisher.publish(message)
+        publisher.publish(ready)
         if waiting:
             all_had_it.wait(_DELIVERY)
     finally:
@@ -158,7 +127,9 @@ def publish(lab: Deliveries, publisher: Any, message: Any) -> None:
         lab.flush_output()
 
 
-async def next_messages(lab: Surroundings, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:
+async def next_messages(
+    lab: Engine, topic: str, message_type: type[Message], count: int, timeout: float
+) -> list[Message]:
     """Subscribe, and return the next messages once there are `count`.
 
     Args:
@@ -174,13 +145,13 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
     require_message_type(message_type)
     loop = asyncio.get_running_loop()
     complete = loop.create_future()
-    received: list[Any] = []
+    received: list[Message] = []
 
     def finish() -> None:
         if not complete.done():
             complete.set_result(None)
 
-    def keep(message: Any) -> None:
+    def keep(message: Message) -> None:
         if len(received) < count:
             received.append(message)
             if len(received) == count:
@@ -199,13 +170,13 @@ async def next_messages(lab: Surroundings, topic: str, message_type: Any, count:
     return received
 
 
-def _why_none(node: Any, subscription: Any) -> str:
-    publishers = node.get_publishers_info_by_topic(subscription.topic_name)
-    if not publishers:
+def _why_none(node: Node, subscription: RclpySubscription) -> str:
+    found = publishers(node, subscription.topic_name)
+    if not found:
         return "No node publishes it."
-    types = sorted({publisher.topic_type for publisher in publishers})
+    types = sorted({one.type for one in found})
     wanted = type_name(subscription.msg_type)
     if types != [wanted]:
         return f"It is published as {', '.join(types)}, but you asked for {wanted}."
-    names = sorted({publisher.node_name for publisher in publishers})
+    names = sorted({one.node for one in found})
     return f"{', '.join(names)} has a publisher for it but may not have published yet."

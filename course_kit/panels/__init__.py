@@ -6,10 +6,12 @@ again for the same thing replaces the one before; panels end with the lab.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from rclpy.node import Node
 
     from course_kit.panels.arena_map import RobotMap
     from course_kit.panels.comparison import Comparison
@@ -19,12 +21,13 @@ if TYPE_CHECKING:
     from course_kit.panels.plotting import Plot
     from course_kit.panels.quiz_panel import QuizPanel
     from course_kit.panels.sliders import ParameterSliders
+    from course_kit.ros.messages import ActionType, Message, ServiceType
 
 # A panel's module is never called like its function: importing it would put the module in the function's place.
 __all__ = ["action_panel", "compare", "graph", "parameter_sliders", "plot", "quiz", "robot_map", "service_form"]
 
 
-def service_form(service: str, service_type: Any, *, timeout: float = 5.0) -> ServiceForm:
+def service_form(service: str, service_type: ServiceType, *, timeout: float = 5.0) -> ServiceForm:
     """A form that calls a service: a place for each field of the request, then the response or what went wrong.
 
     Args:
@@ -47,7 +50,7 @@ def graph() -> GraphView:
     return GraphView()
 
 
-def action_panel(action: str, action_type: Any) -> ActionPanel:
+def action_panel(action: str, action_type: ActionType) -> ActionPanel:
     """A form that sends goals: a place for each field of the goal, a progress bar, feedback, Cancel, the result.
 
     Args:
@@ -89,7 +92,7 @@ def compare(title: str, values: Mapping[str, float], unit: str) -> Comparison:
     return Comparison(title, values, unit)
 
 
-def parameter_sliders(node: Any) -> ParameterSliders:
+def parameter_sliders(node: str | Node) -> ParameterSliders:
     """Sliders, boxes and texts that set the parameters of a node, made from its own descriptors.
 
     Args:
@@ -103,7 +106,7 @@ def parameter_sliders(node: Any) -> ParameterSliders:
     return ParameterSliders(node)
 
 
-def plot(topic: str, message_type: Any, field: str, *, seconds: float = 20.0) -> Plot:
+def plot(topic: str, message_type: type[Message], field: str, *, seconds: float = 20.0) -> Plot:
     """A number of a topic against time, drawn while it arrives: `panels.plot("/cmd_vel", Twist, "linear.x")`.
 
     Args:

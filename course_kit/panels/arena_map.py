@@ -9,13 +9,14 @@ import anywidget
 import traitlets
 
 from course_kit.panels import goal_words
-from course_kit.panels.base import Latest, Panel, of_files
-from course_kit.panels.goal_sender import GoalSender
+from course_kit.panels.base import of_files
+from course_kit.panels.goal_follower import GoalFollower
 from course_kit.panels.track import Place, Track
 from course_kit.robot import SimulatedRobot
 
 if TYPE_CHECKING:
     from course_kit.panels.goal_sender import Standing
+    from course_kit.ros.messages import Message
 
 _ENDED = "This map has ended. Run its cell again to use it."
 
@@ -29,7 +30,7 @@ class _MapWidget(anywidget.AnyWidget):
     view = traitlets.Dict().tag(sync=True)
 
 
-class RobotMap(Panel):
+class RobotMap(GoalFollower):
     """The arena of `course_interfaces/action/MoveRobot`, 10 m x 10 m, and what its feedback says about the robot.
 
     The map knows nothing but what crosses the graph: until the first feedback it does not know where the robot is.
@@ -42,22 +43,10 @@ class RobotMap(Panel):
         super().__init__(action)
         from course_interfaces.action import MoveRobot
 
-        self._action, self._type = action, MoveRobot
+        self._type = MoveRobot
         self._track = Track()
-        self._drawing = _MapWidget()
-        self._updates: Latest[Standing] = Latest(self._show)
-        self._sender = GoalSender(action, MoveRobot, self._updates.put, self._take_feedback)
-        self._drawing.on_msg(self._take_wish)
-        self._ended = False
-        self.at_close(self._end)
-        self.at_close(self._updates.close)
-        self.at_close(self._sender.close)
-        self._show(self._sender.standing)
-
-    @property
-    def widget(self) -> Any:
-        """The anywidget."""
-        return self._drawing
+        self.widget = _MapWidget()
+        self._follow(MoveRobot, self._take_feedback)
 
     def describe(self) -> str:
         """The panel in words."""
@@ -72,14 +61,7 @@ class RobotMap(Panel):
 
         self._sender.send(self._type.Goal(target=Point(x=float(x), y=float(y))))
 
-    def cancel(self) -> None:
-        """Ask the server to cancel the goal that is shown; returns at once."""
-        self._sender.cancel()
-
-    def _take_wish(self, widget: Any, wish: Any, buffers: Any) -> None:
-        del widget, buffers
-        if self._ended:
-            return
+    def _take_wish(self, wish: dict[str, Any]) -> None:
         if wish.get("do") == "cancel":
             self.cancel()
         elif isinstance(wish.get("x"), int | float) and isinstance(wish.get("y"), int | float):
@@ -87,13 +69,13 @@ class RobotMap(Panel):
         else:
             self._sender.say("Type a number for x and one for y.")
 
-    def _take_feedback(self, feedback: Any) -> None:
+    def _take_feedback(self, feedback: Message) -> None:
         self._track.add(Place(feedback.position.x, feedback.position.y))
 
     def _show(self, standing: Standing) -> None:
         if standing.result is not None:
             self._track.add(Place(standing.result.final_position.x, standing.result.final_position.y))
-        self._drawing.view = {
+        self.widget.view = {
             "track": [list(corner) for corner in self._track.corners],
             "target": _drawable(standing),
             "line": _ENDED if self._ended else _line(self._action, standing),
@@ -102,10 +84,6 @@ class RobotMap(Panel):
             "tone": standing.tone,
             "ended": self._ended,
         }
-
-    def _end(self) -> None:
-        self._ended = True
-        self._show(self._sender.standing)
 
 
 def _drawable(standing: Standing) -> list[float]:
@@ -157,5 +135,5 @@ def _refusal(standing: Standing) -> str:
     return f"{begin} {why}".strip()
 
 
-def _place(point: Any) -> str:
+def _place(point: Message) -> str:
     return f"({point.x:.1f}, {point.y:.1f})"

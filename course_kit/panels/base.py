@@ -11,6 +11,8 @@ from course_kit import lab
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
 
+    from ipywidgets import Widget
+
 _HERE = Path(__file__).parent
 RATE = 10.0  # updates a second; above 1,000 the Jupyter server drops some for good
 _JOIN = 2.0  # seconds an update is given to end
@@ -31,20 +33,16 @@ class Panel:
 
     Args:
         subject: what it is for. A panel of the same class for the same subject is closed first.
+
+    Attributes:
+        widget: the ipywidget to be displayed.
     """
+
+    widget: Widget
 
     def __init__(self, *subject: Hashable) -> None:
         self._closing: list[Callable[[], None]] = []
         lab.current().attach_panel((type(self).__name__, *subject), self.close)
-
-    @property
-    def widget(self) -> Any:
-        """The ipywidget to be displayed.
-
-        Raises:
-            NotImplementedError: the panel has not said.
-        """
-        raise NotImplementedError
 
     def describe(self) -> str:
         """The panel in a sentence or two, for where no widget can be shown.

@@ -36,12 +36,7 @@ class Comparison(Panel):
         self._title = title
         self._order = sorted(values, key=lambda name: values[name])
         drawn = render(_TEMPLATE, title=title, values=values, unit=unit, longest=max(values.values()) or 1.0)
-        self._html = ipywidgets.HTML(str(drawn))
-
-    @property
-    def widget(self) -> ipywidgets.HTML:
-        """The bars, each with its number beside it."""
-        return self._html
+        self.widget = ipywidgets.HTML(str(drawn))
 
     def describe(self) -> str:
         """The order without the numbers, which no two runs share."""

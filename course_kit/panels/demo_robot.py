@@ -7,7 +7,7 @@ tells where it is four times a second only, and does not measure its way.
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
@@ -17,6 +17,10 @@ from course_kit.robot import SimulatedRobot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from rclpy.action.server import ServerGoalHandle
+
+    from course_kit.ros.messages import Message
 
 _STEPS = 5  # between two feedback messages
 
@@ -40,12 +44,12 @@ class DemoRobot(Node):
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
 
-    def _decide(self, goal: Any) -> GoalResponse:
+    def _decide(self, goal: Message) -> GoalResponse:
         size = SimulatedRobot.ARENA_SIZE
         reachable = 0.0 <= goal.target.x <= size and 0.0 <= goal.target.y <= size and goal.target.z == 0.0
         return GoalResponse.ACCEPT if reachable and self._free.acquire(blocking=False) else GoalResponse.REJECT
 
-    def _execute(self, goal_handle: Any) -> Any:
+    def _execute(self, goal_handle: ServerGoalHandle) -> Message:
         target = Place(goal_handle.request.target.x, goal_handle.request.target.y)
         try:
             for number, way in enumerate(self._ways(target)):
@@ -68,16 +72,16 @@ class DemoRobot(Node):
                 yield way
                 self._robot.step_towards(*corner)
 
-    def _feedback(self, target: Place, way: float) -> Any:
+    def _feedback(self, target: Place, way: float) -> Message:
         here = self._robot.position
         left = abs(target.x - here.x) + abs(target.y - here.y)
         done = 1.0 - left / way if way else 1.0
         return self._type.Feedback(position=self._point(), distance_remaining=left, progress=done)
 
-    def _result(self, message: str) -> Any:
+    def _result(self, message: str) -> Message:
         return self._type.Result(final_position=self._point(), message=message)
 
-    def _point(self) -> Any:
+    def _point(self) -> Message:
         from geometry_msgs.msg import Point
 
         return Point(x=self._robot.position.x, y=self._robot.position.y)

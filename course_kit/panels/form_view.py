@@ -11,13 +11,16 @@ import traitlets
 
 from course_kit import lab
 from course_kit.lab.errors import FieldError, LabError
-from course_kit.lab.recording.snapshot import snapshot
 from course_kit.panels.base import Panel, of_files
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 from course_kit.ros.messages import is_service_type, type_name
+from course_kit.ros.showing import rows as rows_of
+from course_kit.ros.showing import snapshot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from course_kit.ros.messages import Message, ServiceType
 
 _LINES = 12  # of the exchange; other nodes may talk meanwhile
 
@@ -36,7 +39,7 @@ class FormWidget(anywidget.AnyWidget):
     _esm = of_files("dom.js", "message_form.js", "form_view.js")
     _css = of_files("frame.css", "panels.css")
     title = traitlets.Dict().tag(sync=True)
-    entries: Any = traitlets.List().tag(sync=True)
+    entries: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)
     outcome = traitlets.Dict().tag(sync=True)
     ended = traitlets.Unicode().tag(sync=True)
@@ -54,7 +57,7 @@ class ServiceForm(Panel):
         FieldError: `service_type` is not a service's class.
     """
 
-    def __init__(self, service: str, service_type: Any, timeout: float) -> None:
+    def __init__(self, service: str, service_type: ServiceType, timeout: float) -> None:
         if not isinstance(service, str) or not is_service_type(service_type):
             raise FieldError(
                 'A form needs a name and a service type: panels.service_form("/add_two_ints", AddTwoInts).'
@@ -62,19 +65,14 @@ class ServiceForm(Panel):
         super().__init__(service)
         self.service, self.service_type, self.timeout = service, service_type, timeout
         self._form = MessageForm(service_type.Request)
-        self._widget = FormWidget(
+        self.widget = FormWidget(
             title={"service": service, "type": type_name(service_type)},
             entries=self._form.entries(),
             values=self._form.defaults(),
             outcome={"state": "new"},
         )
-        self._widget.on_msg(self._asked)
+        self.widget.on_msg(self._asked)
         self.at_close(self._end)
-
-    @property
-    def widget(self) -> FormWidget:
-        """The form."""
-        return self._widget
 
     def describe(self) -> str:
         """What can be asked and what comes back."""
@@ -86,16 +84,16 @@ class ServiceForm(Panel):
 
     def fill(self, values: Values) -> None:
         """Type into fields, by path, such as {"target.x": "1.5"}; the others stay."""
-        self._widget.values = {**self._widget.values, **values}
+        self.widget.values = {**self.widget.values, **values}
 
-    def send(self) -> Any:
+    def send(self) -> Message:
         """Send what the fields hold, as the button does.
 
         Returns:
             the response; None when there is none, and the form says why.
         """
         try:
-            request = self._form.read(self._widget.values)
+            request = self._form.read(self.widget.values)
         except FormError as error:
             self._show("invalid", str(error), errors=error.fields)
             return None
@@ -104,10 +102,10 @@ class ServiceForm(Panel):
         with _printed() as printed:
             outcome, response = self._call(request)
         seen = {"printed": printed.getvalue().rstrip(), "exchange": _exchange_since(before)}
-        self._widget.outcome = {**outcome, **seen}
+        self.widget.outcome = {**outcome, **seen}
         return response
 
-    def _call(self, request: Any) -> tuple[dict[str, Any], Any]:
+    def _call(self, request: Message) -> tuple[dict[str, object], Message]:
         """What to show of a call, and the response if there is one."""
         try:
             response = lab.call_blocking(self.service, self.service_type, request, timeout=self.timeout)
@@ -116,31 +114,24 @@ class ServiceForm(Panel):
         except BaseException:
             self._show("failed", "The call was interrupted.")
             raise
-        rows = response_rows(snapshot(response))
+        rows = rows_of(snapshot(response))
         text = "" if rows else "The response has no fields; it says that the server has done its part."
         return {"state": "answered", "text": text, "rows": rows}, response
 
-    def _asked(self, _: Any, content: dict[str, Any], buffers: Any) -> None:
+    def _asked(self, _: object, content: dict[str, Any], buffers: object) -> None:
         """The page wants something done."""
         del buffers
-        if self._widget.ended:
+        if self.widget.ended:
             return
-        known = self._widget.values
-        self._widget.values = {**known, **content.get("values", {})}
+        self._form.type_in(self.widget, content)
         if content.get("do") == "send":
             self.send()
-        elif content.get("do") in {"add", "remove"}:
-            self._form.resize(content["path"], 1 if content["do"] == "add" else -1)
-            fresh = self._form.defaults()
-            with self._widget.hold_sync():  # in one message: whoever sees the new field may type into it at once
-                self._widget.entries = self._form.entries()
-                self._widget.values = {path: self._widget.values.get(path, value) for path, value in fresh.items()}
 
-    def _show(self, state: str, text: str, **more: Any) -> None:
-        self._widget.outcome = {"state": state, "text": text, **more}
+    def _show(self, state: str, text: str, **more: object) -> None:
+        self.widget.outcome = {"state": state, "text": text, **more}
 
     def _end(self) -> None:
-        self._widget.ended = "This form has ended. Run its cell again to use it."
+        self.widget.ended = "This form has ended. Run its cell again to use it."
 
 
 @contextmanager
@@ -150,23 +141,6 @@ def _printed() -> Iterator[io.StringIO]:
     with redirect_stdout(kept), redirect_stderr(kept):
         yield kept
         lab.current().output.drain()
-
-
-def response_rows(value: Any, path: str = "") -> list[list[str]]:
-    """Path and value of each field of a message's plain copy, messages inside it taken apart."""
-    if not isinstance(value, dict):
-        return [[path, _in_words(value)]]
-    return [row for name, part in value.items() for row in response_rows(part, f"{path}.{name}" if path else str(name))]
-
-
-def _in_words(value: Any) -> str:
-    if isinstance(value, str) and value.startswith("+") and value.endswith(" more"):  # left out by the copy
-        return value
-    if isinstance(value, list):
-        return f"[{', '.join(_in_words(one) for one in value)}]"
-    if isinstance(value, dict):
-        return f"({', '.join(f'{name}={_in_words(part)}' for name, part in value.items())})"
-    return repr(value)
 
 
 def _arrows() -> int:

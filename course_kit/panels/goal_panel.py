@@ -9,13 +9,14 @@ import traitlets
 
 from course_kit.lab.errors import FieldError
 from course_kit.panels import goal_words
-from course_kit.panels.base import Latest, Panel, of_files
-from course_kit.panels.goal_sender import GoalSender
+from course_kit.panels.base import of_files
+from course_kit.panels.goal_follower import GoalFollower
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 from course_kit.ros.messages import is_action_type, type_name
 
 if TYPE_CHECKING:
     from course_kit.panels.goal_sender import Standing
+    from course_kit.ros.messages import ActionType
 
 _ENDED = "This panel has ended. Run its cell again to use it."
 _NOT_SENT = "Not sent: see what is marked above."
@@ -30,12 +31,12 @@ class _ActionWidget(anywidget.AnyWidget):
     _esm = of_files("dom.js", "message_form.js", "goal_panel.js")
     _css = of_files("frame.css", "panels.css", "goal_panel.css")
     title = traitlets.Dict().tag(sync=True)
-    entries: traitlets.List[Any] = traitlets.List().tag(sync=True)
+    entries: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)
     view = traitlets.Dict().tag(sync=True)
 
 
-class ActionPanel(Panel):
+class ActionPanel(GoalFollower):
     """A panel for one action.
 
     Args:
@@ -46,31 +47,19 @@ class ActionPanel(Panel):
         FieldError: `action_type` is not an action's class.
     """
 
-    def __init__(self, action: str, action_type: Any) -> None:
+    def __init__(self, action: str, action_type: ActionType) -> None:
         if not isinstance(action, str) or not is_action_type(action_type):
             raise FieldError('A panel needs a name and an action type: panels.action_panel("/fibonacci", Fibonacci).')
         super().__init__(action)
-        self._action, self._type = action, action_type
+        self._type = action_type
         self._form = MessageForm(action_type.Goal)
         self._errors: dict[str, str] = {}
-        self._ended = False
-        self._widget = _ActionWidget(
+        self.widget = _ActionWidget(
             title={"action": action, "type": type_name(action_type)},
             entries=self._form.entries(),
             values=self._form.defaults(),
         )
-        self._updates: Latest[Standing] = Latest(self._show)
-        self._sender = GoalSender(action, action_type, self._updates.put)
-        self._widget.on_msg(self._take_wish)
-        self.at_close(self._end)
-        self.at_close(self._updates.close)
-        self.at_close(self._sender.close)
-        self._show(self._sender.standing)
-
-    @property
-    def widget(self) -> Any:
-        """The anywidget."""
-        return self._widget
+        self._follow(action_type)
 
     def describe(self) -> str:
         """The panel in words."""
@@ -84,12 +73,12 @@ class ActionPanel(Panel):
 
     def fill(self, values: Values) -> None:
         """Type into fields of the goal, by path, such as {"order": "7"}; the others stay."""
-        self._widget.values = {**self._widget.values, **values}
+        self.widget.values = {**self.widget.values, **values}
 
     def send(self) -> None:
         """Send what the fields hold, as the button does; returns at once."""
         try:
-            goal = self._form.read(self._widget.values)
+            goal = self._form.read(self.widget.values)
         except FormError as error:
             self._errors = error.fields
             self._updates.put(self._sender.standing)
@@ -97,29 +86,16 @@ class ActionPanel(Panel):
         self._errors = {}
         self._sender.send(goal)
 
-    def cancel(self) -> None:
-        """Ask the server to cancel the goal that is shown; returns at once."""
-        self._sender.cancel()
-
-    def _take_wish(self, widget: Any, wish: dict[str, Any], buffers: Any) -> None:
-        del widget, buffers
-        if self._ended:
-            return
-        self.fill(wish.get("values", {}))
+    def _take_wish(self, wish: dict[str, Any]) -> None:
+        self._form.type_in(self.widget, wish)
         if wish.get("do") == "send":
             self.send()
         elif wish.get("do") == "cancel":
             self.cancel()
-        elif wish.get("do") in {"add", "remove"}:
-            self._form.resize(wish["path"], 1 if wish["do"] == "add" else -1)
-            known = self._widget.values
-            with self._widget.hold_sync():  # in one message: whoever sees the new field may type into it at once
-                self._widget.entries = self._form.entries()
-                self._widget.values = {path: known.get(path, value) for path, value in self._form.defaults().items()}
 
     def _show(self, standing: Standing) -> None:
         progress, errors = standing.progress, self._errors
-        self._widget.view = {
+        self.widget.view = {
             "share": progress.share if standing.status else 0.0,
             "progress": progress.text if standing.status else "",
             "status": _ENDED if self._ended else _NOT_SENT if errors else status_line(standing),
@@ -129,10 +105,6 @@ class ActionPanel(Panel):
             "errors": errors,
             "ended": self._ended,
         }
-
-    def _end(self) -> None:
-        self._ended = True
-        self._show(self._sender.standing)
 
 
 def status_line(standing: Standing) -> str:

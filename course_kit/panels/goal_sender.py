@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import threading
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit import lab
 from course_kit.panels import goal_words
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.lab.goals import Goal
+    from course_kit.ros.messages import ActionType, Message
 
 RUNNING = frozenset({"ACCEPTED", "EXECUTING", "CANCELING"})
 _ANSWER = 5.0  # seconds a server is given to answer
@@ -39,13 +40,13 @@ class Standing:
         result: the result message, when it has ended.
     """
 
-    asked: Any = None
+    asked: Message = None
     status: str = ""
     note: str = ""
-    refused: Any = None
-    feedback: Any = None
+    refused: Message = None
+    feedback: Message = None
     count: int = 0
-    result: Any = None
+    result: Message = None
 
     @property
     def running(self) -> bool:
@@ -70,7 +71,7 @@ class _Attempt:
     """One goal on its way to the server and back; of two, the one with the higher number is the later one."""
 
     number: int
-    asked: Any
+    asked: Message
     goal: Goal | None = None
 
 
@@ -87,9 +88,9 @@ class GoalSender:
     def __init__(
         self,
         action: str,
-        action_type: Any,
+        action_type: ActionType,
         changed: Callable[[Standing], None],
-        on_feedback: Callable[[Any], None] = lambda _: None,
+        on_feedback: Callable[[Message], None] = lambda _: None,
     ) -> None:
         self._action, self._type = action, action_type
         self._changed, self._on_feedback = changed, on_feedback
@@ -104,7 +105,7 @@ class GoalSender:
         """How things stand now."""
         return self._standing
 
-    def send(self, asked: Any) -> threading.Thread:
+    def send(self, asked: Message) -> threading.Thread:
         """Send a goal message; returns at once with the thread that does it."""
         with self._lock:
             if not self._standing.running:
@@ -187,7 +188,7 @@ class GoalSender:
             else:
                 self._put(Standing(attempt.asked, "", note))
 
-    def _take_feedback(self, attempt: _Attempt, feedback: Any) -> None:
+    def _take_feedback(self, attempt: _Attempt, feedback: Message) -> None:
         with self._lock:
             if not self._follow(attempt):
                 return

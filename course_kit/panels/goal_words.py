@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
-import reprlib
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+from course_kit.ros.showing import Style, in_words, snapshot
+
+if TYPE_CHECKING:
+    from course_kit.ros.messages import Message
 
 _STATUS = {
     "SENDING": "{} is on its way to the server ...",
@@ -17,9 +21,8 @@ _STATUS = {
     "REJECTED": "{} was rejected by the server",
     "UNKNOWN": "{} is lost, as its server went away",
 }
-_DIGITS = 2  # behind the decimal point
 _LONGEST = 12  # values of a list that are shown
-_SHORTENED = 80  # characters of a text
+_STYLE = Style(names=": ", between="; ", nested="()", lists="", digits=2, quoted=False)
 
 
 class Progress(NamedTuple):
@@ -40,7 +43,7 @@ def status(name: str, goal: str = "The goal") -> str:
     return sentence if name == "SENDING" else f"{sentence} ({name})."
 
 
-def progress(goal: Any, feedback: Any, count: int) -> Progress:
+def progress(goal: Message, feedback: Message, count: int) -> Progress:
     """How far a goal is, by what its feedback says.
 
     Args:
@@ -63,26 +66,6 @@ def progress(goal: Any, feedback: Any, count: int) -> Progress:
     return Progress(None, f"{count} feedback message{'' if count == 1 else 's'}")
 
 
-def message(value: Any) -> str:
-    """A message's fields in one line: "sequence: 0, 1, 1, 2"."""
-    return "; ".join(f"{name}: {_value(getattr(value, name))}" for name in value.get_fields_and_field_types())
-
-
-def _value(value: Any) -> str:
-    if hasattr(value, "get_fields_and_field_types"):
-        return f"({message(value)})"
-    if isinstance(value, str):
-        return value if len(value) <= _SHORTENED else reprlib.repr(value)
-    if isinstance(value, float):
-        return f"{value:.{_DIGITS}f}"
-    if isinstance(value, bool | int | bytes):
-        return str(value)
-    return _values(value)
-
-
-def _values(values: Any) -> str:
-    """A list; of a long one its last values, which are the news."""
-    shown = [_value(one) for one in list(values)[-_LONGEST:]]
-    if len(values) > _LONGEST:
-        shown.insert(0, "...")
-    return ", ".join(shown) or "none"
+def message(value: Message) -> str:
+    """A message's fields in one line: "sequence: 0, 1, 1, 2"; of a long list the last values, which are the news."""
+    return in_words(snapshot(value, _LONGEST, last=True), _STYLE)

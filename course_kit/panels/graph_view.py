@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import anywidget
 import traitlets
@@ -35,8 +35,8 @@ class GraphWidget(anywidget.AnyWidget):
 
     _esm = of_files("graph_view.js")
     _css = of_files("frame.css", "panels.css", "graph_view.css")
-    nodes: Any = traitlets.List().tag(sync=True)
-    channels: Any = traitlets.List().tag(sync=True)
+    nodes: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
+    channels: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
     text = traitlets.Unicode().tag(sync=True)
     news = traitlets.Unicode().tag(sync=True)
     plumbing = traitlets.Bool().tag(sync=True)
@@ -56,17 +56,12 @@ class GraphView(Panel):
         self._lock = threading.Lock()
         self._shown: Overview | None = None
         self._ended = threading.Event()
-        self._widget = GraphWidget()
+        self.widget = GraphWidget()
         self._look()
-        self._widget.observe(lambda _: self._look(), "plumbing")
+        self.widget.observe(lambda _: self._look(), "plumbing")
         self._thread = threading.Thread(target=self._watch, name="graph-view", daemon=True)
         self._thread.start()
         self.at_close(self._end)
-
-    @property
-    def widget(self) -> GraphWidget:
-        """The picture."""
-        return self._widget
 
     def describe(self) -> str:
         """The graph in lines: each node, what it does, and what may be amiss."""
@@ -78,20 +73,20 @@ class GraphView(Panel):
 
     def _look(self) -> None:
         with self._lock:  # the page and the thread may ask at the same time
-            seen = graph.read(self._node, plumbing=self._widget.plumbing)
+            seen = graph.read(self._node, plumbing=self.widget.plumbing)
             if seen == self._shown:
                 return
             before, self._shown = self._shown, seen
-            with self._widget.hold_sync():
-                self._widget.nodes, self._widget.channels = drawn(seen)
-                self._widget.text = in_lines(seen)
-                self._widget.news = news(before, seen) if before is not None else ""
+            with self.widget.hold_sync():
+                self.widget.nodes, self.widget.channels = drawn(seen)
+                self.widget.text = in_lines(seen)
+                self.widget.news = news(before, seen) if before is not None else ""
 
     def _end(self) -> None:
         self._ended.set()
         if threading.current_thread() is not self._thread:
             self._thread.join(_JOIN)
-        self._widget.ended = True
+        self.widget.ended = True
 
 
 def in_lines(seen: Overview) -> str:
@@ -107,12 +102,12 @@ def in_lines(seen: Overview) -> str:
     return "\n".join(lines + remarks)
 
 
-def drawn(seen: Overview) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+def drawn(seen: Overview) -> tuple[list[dict[str, object]], list[dict[str, object]]]:
     """Nodes and channels as `GraphWidget` has them."""
     channels = dict(sorted(seen.channels().items(), key=lambda item: _height(seen, item[1])))
     places = {key: number for number, key in enumerate(channels)}
     remarks = seen.remarks()
-    nodes = [
+    nodes: list[dict[str, object]] = [
         {
             "name": short_name(node),
             "note": _how_many(seen.nodes.count(node)).strip(),

@@ -12,7 +12,10 @@ from course_kit.interfaces.message_fields import MessageField, message_fields
 from course_kit.ros.messages import ros_word
 
 if TYPE_CHECKING:
+    from ipywidgets import Widget
+
     from course_kit.interfaces.field_types import FieldType
+    from course_kit.ros.messages import Message
 
 Entry = dict[str, Any]  # one field, as the page draws it
 Values = dict[str, Any]  # path of a field -> the text in it, or whether it is ticked
@@ -40,7 +43,7 @@ class MessageForm:
         message_type: the class, live or compiled; any that ROS has.
     """
 
-    def __init__(self, message_type: Any) -> None:
+    def __init__(self, message_type: type[Message]) -> None:
         self._type = message_type
         self._lengths: dict[str, int] = {}
 
@@ -59,7 +62,22 @@ class MessageForm:
             wanted = max(0, len(entry["fields"]) + change)
             self._lengths[path] = min(wanted, entry["most"] or wanted)
 
-    def read(self, values: Values) -> Any:
+    def type_in(self, page: Widget, wish: dict[str, Any]) -> None:
+        """Take over what a page has sent: what was typed, and a list that is to grow or shrink.
+
+        Args:
+            page: the widget with `entries` and `values`.
+            wish: from the page: `values`, and for a list `do` ("add" or "remove") with its `path`.
+        """
+        page.values = {**page.values, **wish.get("values", {})}
+        if wish.get("do") in {"add", "remove"}:
+            self.resize(wish["path"], 1 if wish["do"] == "add" else -1)
+            known = page.values
+            with page.hold_sync():  # in one message: whoever sees the new field may type into it at once
+                page.entries = self.entries()
+                page.values = {path: known.get(path, value) for path, value in self.defaults().items()}
+
+    def read(self, values: Values) -> Message:
         """The message these values make; fields without one keep their defaults.
 
         Raises:
@@ -75,7 +93,7 @@ class MessageForm:
             raise FormError(wrong)
         return message
 
-    def _message(self, message: Any, prefix: str) -> list[Entry]:
+    def _message(self, message: Message, prefix: str) -> list[Entry]:
         fields = message_fields(type(message))
         constants = _constants(type(message))
         return [
@@ -104,7 +122,7 @@ class MessageForm:
     def _length(self, path: str, kind: FieldType, default: Any) -> int:
         return kind.size if kind.container == "array" else self._lengths.get(path, len(default))
 
-    def _read(self, message_type: Any, prefix: str, values: Values, wrong: dict[str, str]) -> Any:
+    def _read(self, message_type: type[Message], prefix: str, values: Values, wrong: dict[str, str]) -> Message:
         message = message_type(check_fields=True)
         for field in message_fields(message_type):
             path = f"{prefix}{field.name}"
@@ -136,7 +154,7 @@ def type_in_words(kind: FieldType) -> str:
     return f"{value}[{f'<={kind.size}' if kind.size else ''}]" if kind.container else value
 
 
-def fields_in_words(message_type: Any) -> str:
+def fields_in_words(message_type: type[Message]) -> str:
     """The fields of a message in one line: "a (int64), b (int64)"; "none" without any."""
     return ", ".join(f"{field.name} ({type_in_words(field.type)})" for field in message_fields(message_type)) or "none"
 
@@ -177,14 +195,14 @@ def _parsed(kind: FieldType, value: Any) -> Any:
     return [bytes([one]) for one in parsed] if kind.base == "octet" else parsed
 
 
-def _set(message: Any, field: MessageField, value: Any) -> None:
+def _set(message: Message, field: MessageField, value: object) -> None:
     try:
         setattr(message, field.name, value)
     except (AssertionError, TypeError, OverflowError):
         raise ValueError(f"Expected what {type_in_words(field.type)} can hold, not {value!r}.") from None
 
 
-def _constants(message_type: Any) -> dict[str, Any]:
+def _constants(message_type: type[Message]) -> dict[str, object]:
     """The constants of a message class; compiled and live ones keep them in the same way, on the metaclass."""
     return {
         name: getattr(message_type, name)
@@ -193,7 +211,9 @@ def _constants(message_type: Any) -> dict[str, Any]:
     }
 
 
-def _choices(field: MessageField, fields: tuple[MessageField, ...], constants: dict[str, Any]) -> list[dict[str, str]]:
+def _choices(
+    field: MessageField, fields: tuple[MessageField, ...], constants: dict[str, object]
+) -> list[dict[str, str]]:
     """The constants that a field may be meant to have.
 
     A definition does not say what its constants are for. Offered are those of the field's kind of value, but one
@@ -211,7 +231,7 @@ def _owner(constant: str, owners: dict[str, MessageField]) -> MessageField | Non
     return next((field for name, field in owners.items() if constant.startswith(f"{name}_")), None)
 
 
-def _fits(kind: FieldType, value: Any) -> bool:
+def _fits(kind: FieldType, value: object) -> bool:
     if kind.is_string:
         return isinstance(value, str) and (not kind.string_bound or len(value) <= kind.string_bound)
     primitive = kind.primitive

@@ -33,7 +33,7 @@ class EntryError(ValueError):
     """What was typed is no value of the parameter's type; the message says what is."""
 
 
-def entry(descriptor: Descriptor) -> dict[str, Any]:
+def entry(descriptor: Descriptor) -> dict[str, object]:
     """What the page has to know to draw a parameter.
 
     Returns:
@@ -42,7 +42,7 @@ def entry(descriptor: Descriptor) -> dict[str, Any]:
     """
     kind = _KINDS.get(descriptor.type, "text")
     limits = descriptor.range
-    drawn: dict[str, Any] = {
+    drawn: dict[str, object] = {
         "name": descriptor.name,
         "type": descriptor.type.replace("_", " "),
         "kind": kind,
@@ -122,7 +122,7 @@ def _from_yaml(kind: str, text: str) -> Any:
     return [_CONVERT[kind](one) for one in value] if kind in _CONVERT else value
 
 
-def _element(value: Any) -> str:
+def _element(value: object) -> str:
     if isinstance(value, bytes):
         return str(value[0])
     return str(value).lower() if isinstance(value, bool) else repr(value)

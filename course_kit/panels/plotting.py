@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from typing import Any
+from typing import TYPE_CHECKING
 
 import anywidget
 import numpy as np
@@ -15,6 +15,13 @@ from course_kit import lab
 from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.number_field import NumberField
 from course_kit.ros.messages import type_name
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    from rclpy.qos import QoSProfile
+
+    Samples = npt.NDArray[np.float64]
+    from course_kit.ros.messages import Message
 
 _KEPT = 20_000  # samples, however fast they come
 _DRAWN = 600  # points a line has at most; a screen has hardly more
@@ -58,7 +65,7 @@ class Plot(Panel):
         LabError: the topic is no ROS name or has another type.
     """
 
-    def __init__(self, topic: str, message_type: Any, field: str, seconds: float) -> None:
+    def __init__(self, topic: str, message_type: type[Message], field: str, seconds: float) -> None:
         if not seconds > 0:
             raise lab.LabError(f"A plot needs a number of seconds, such as 20, not {seconds!r}.")
         self._number = NumberField(message_type, field)
@@ -69,16 +76,11 @@ class Plot(Panel):
         self._lock = threading.Lock()
         self._samples: deque[tuple[float, float]] = deque(maxlen=_KEPT)
         self._count = 0
-        self._widget = PlotWidget(topic=topic, field=field, span=self.seconds)
+        self.widget = PlotWidget(topic=topic, field=field, span=self.seconds)
         self.at_close(self._end)
         self._updates = Latest(self._show)
         self.at_close(self._updates.close)
         self.at_close(lab.subscribe(topic, message_type, self._take, qos=_quality(topic)).close)
-
-    @property
-    def widget(self) -> PlotWidget:
-        """The plot."""
-        return self._widget
 
     @property
     def samples(self) -> list[tuple[float, float]]:
@@ -90,7 +92,7 @@ class Plot(Panel):
         """What is drawn."""
         return f"A plot of {self.field} of {self.topic} [{self._type}] against time, the last {self.seconds:g} seconds."
 
-    def _take(self, message: Any) -> None:
+    def _take(self, message: Message) -> None:
         """A message has come; on the lab's thread."""
         value = self._number.of(message)
         if value is None:
@@ -106,15 +108,15 @@ class Plot(Panel):
     def _show(self, _: None) -> None:
         with self._lock:
             samples, count = np.array(self._samples, dtype=np.float64), self._count
-        with self._widget.hold_sync():
-            self._widget.count = count
-            self._widget.samples = thinned(samples, _DRAWN).tobytes()
+        with self.widget.hold_sync():
+            self.widget.count = count
+            self.widget.samples = thinned(samples, _DRAWN).tobytes()
 
     def _end(self) -> None:
-        self._widget.ended = _ENDED
+        self.widget.ended = _ENDED
 
 
-def thinned(samples: Any, most: int) -> Any:
+def thinned(samples: Samples, most: int) -> Samples:
     """At most so many of the samples, and among them the highest and lowest of each stretch, so that no peak is lost.
 
     Args:
@@ -134,7 +136,7 @@ def thinned(samples: Any, most: int) -> Any:
     return samples[kept]
 
 
-def _quality(topic: str) -> Any:
+def _quality(topic: str) -> QoSProfile:
     """A QoS profile that takes what publishers offer, also those that come later."""
     from rclpy.qos import QoSProfile, ReliabilityPolicy
 

@@ -7,7 +7,7 @@ import json
 import shlex
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit import environment, quiz
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Answers = dict[str, tuple[str, str]]
 
 
-def usable(questions: Questions, choices: Any) -> Answers:
+def usable(questions: Questions, choices: object) -> Answers:
     """Of whatever a browser or a file holds, the pairs of words that can be chosen; the rest is left out.
 
     Args:
@@ -48,7 +48,7 @@ class Kept:
     def __init__(self, seed: int) -> None:
         self._path = environment.own_run_dir() / "quiz" / f"seed_{seed}.json"
 
-    def load(self) -> Any:
+    def load(self) -> object:
         """What was kept; None when nothing was, or it cannot be read."""
         try:
             return json.loads(self._path.read_text(encoding="utf-8"))

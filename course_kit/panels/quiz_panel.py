@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import anywidget
 import traitlets
@@ -51,6 +51,8 @@ class QuizPanel(Panel):
         TypeError: the seed is no whole number.
     """
 
+    widget: QuizForm
+
     def __init__(self, seed: int = quiz.DEFAULT_SEED) -> None:
         self._questions = quiz.show(seed)
         super().__init__(seed)
@@ -59,26 +61,21 @@ class QuizPanel(Panel):
         self._kept = quiz_answers.Kept(seed)
         self._marked: set[str] = set()
         self._cleared: quiz_answers.Answers = {}
-        self._form = QuizForm(
+        self.widget = QuizForm(
             patterns=list(quiz.PATTERNS),
             questions=[_question(scenario, seed) for scenario in self._questions.scenarios],
             choices=quiz_answers.usable(self._questions, self._kept.load()),
         )
-        self._form.observe(self._chosen, "choices")
-        self._form.observe(self._when_changed, "marking")
-        self._form.on_msg(self._told)
+        self.widget.observe(self._chosen, "choices")
+        self.widget.observe(self._when_changed, "marking")
+        self.widget.on_msg(self._told)
         self.at_close(self._stop)
         self._when_changed()
 
     @property
-    def widget(self) -> QuizForm:
-        """The form."""
-        return self._form
-
-    @property
     def answers(self) -> quiz_answers.Answers:
         """What has been chosen so far: pattern and reason by the scenario's id, empty where nothing is chosen."""
-        return quiz_answers.usable(self._questions, self._form.choices)
+        return quiz_answers.usable(self._questions, self.widget.choices)
 
     @property
     def result(self) -> quiz.MarkedAnswers:
@@ -100,7 +97,7 @@ class QuizPanel(Panel):
             reason: the id of one of its reasons.
         """
         with self._one_at_a_time:
-            self._form.choices = {**self._form.choices, scenario: [pattern, reason]}
+            self.widget.choices = {**self.widget.choices, scenario: [pattern, reason]}
 
     def mark(self) -> quiz.MarkedAnswers:
         """Mark all scenarios, also those without an answer, and show it."""
@@ -112,46 +109,46 @@ class QuizPanel(Panel):
     def write(self, name: str = FILE_NAME) -> str:
         """Write the answers as the file that `grade pattern_choice` takes; says what became of it."""
         with self._one_at_a_time:
-            self._form.said = quiz_answers.write(self._questions, self.answers, name)
-            return self._form.said
+            self.widget.said = quiz_answers.write(self._questions, self.answers, name)
+            return self.widget.said
 
     def reset(self) -> None:
         """Clear all choices and marks; `undo` brings them back. A file that was written stays."""
         with self._one_at_a_time:
             cleared = self.answers
-            self._form.choices = {}
+            self.widget.choices = {}
             self._marked.clear()
             self._show_marks()
-            self._form.said = "All choices are cleared."
-            self._cleared, self._form.cleared = cleared, bool(cleared)
+            self.widget.said = "All choices are cleared."
+            self._cleared, self.widget.cleared = cleared, bool(cleared)
 
     def undo(self) -> None:
         """Bring back the choices that were cleared, as long as nothing has been chosen since."""
         with self._one_at_a_time:
-            if self._form.cleared:
-                self._form.choices = self._cleared
+            if self.widget.cleared:
+                self.widget.choices = self._cleared
 
     def _questions_answered(self) -> Mapping[str, tuple[str, str]]:
         return {scenario.id: self.answers.get(scenario.id, ("", "")) for scenario in self._questions.scenarios}
 
-    def _chosen(self, change: Mapping[str, Any]) -> None:
+    def _chosen(self, change: Mapping[str, object]) -> None:
         with self._one_at_a_time:
             self._kept.save(self.answers)
-            if self._form.marking == AT_ONCE:
+            if self.widget.marking == AT_ONCE:
                 self._marked = self._complete()
             else:  # what was marked is no longer what stands there
                 old, new = (quiz_answers.usable(self._questions, change[when]) for when in ("old", "new"))
                 self._marked -= {name for name in self._marked if old.get(name) != new.get(name)}
             self._show_marks()
-            self._form.said = ""
-            self._form.cleared = False
+            self.widget.said = ""
+            self.widget.cleared = False
 
     def _when_changed(self, _change: object = None) -> None:
         with self._one_at_a_time:
-            self._marked = self._complete() if self._form.marking == AT_ONCE else set()
+            self._marked = self._complete() if self.widget.marking == AT_ONCE else set()
             self._show_marks()
 
-    def _told(self, _form: object, content: Mapping[str, Any], _buffers: object) -> None:
+    def _told(self, _form: object, content: Mapping[str, object], _buffers: object) -> None:
         """A button of the form."""
         do = content.get("do")
         if do == "mark":
@@ -170,22 +167,22 @@ class QuizPanel(Panel):
         shown = [
             marks for marks in self.result.marks if marks.scenario.id in self._marked and marks.scenario.has_answer
         ]
-        self._form.marks = {
+        self.widget.marks = {
             marks.scenario.id: {"pattern": _half(marks.pattern), "reason": _half(marks.reason)} for marks in shown
         }
-        self._form.summary = _summary(len(self._complete()), self.result, shown)
+        self.widget.summary = _summary(len(self._complete()), self.result, shown)
 
     def _stop(self) -> None:
-        self._form.unobserve_all()
-        self._form.on_msg(self._told, remove=True)
+        self.widget.unobserve_all()
+        self.widget.on_msg(self._told, remove=True)
 
 
-def _question(scenario: quiz.Scenario, seed: int) -> dict[str, Any]:
+def _question(scenario: quiz.Scenario, seed: int) -> dict[str, object]:
     reasons = [list(reason) for reason in quiz.reasons_as_shown(scenario, seed)]
     return {"id": scenario.id, "title": scenario.title, "text": scenario.text, "reasons": reasons}
 
 
-def _half(half: Half) -> dict[str, Any]:
+def _half(half: Half) -> dict[str, object]:
     return {"right": half.right, "explanation": half.explanation}
 
 

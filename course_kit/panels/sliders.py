@@ -16,6 +16,9 @@ from course_kit.panels.parameter_entry import EntryError, entry, shown, typed
 from course_kit.ros.parameters import from_message, is_of_every_node
 
 if TYPE_CHECKING:
+    from rclpy.node import Node
+
+    from course_kit.ros.messages import Message
     from course_kit.ros.parameters import Descriptor
 
 _EVENTS = "/parameter_events"
@@ -37,7 +40,7 @@ class SlidersWidget(anywidget.AnyWidget):
     _esm = of_files("dom.js", "sliders.js")
     _css = of_files("frame.css", "sliders.css")
     node = traitlets.Unicode().tag(sync=True)
-    entries: traitlets.List[Any] = traitlets.List().tag(sync=True)
+    entries: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
     values = traitlets.Dict().tag(sync=True)
     outcomes = traitlets.Dict().tag(sync=True)
     ended = traitlets.Unicode().tag(sync=True)
@@ -57,28 +60,23 @@ class ParameterSliders(Panel):
         NodeNotFoundError: no such node has parameters.
     """
 
-    def __init__(self, node: Any) -> None:
+    def __init__(self, node: str | Node) -> None:
         self.node = full_name(node)
         descriptors, values = self._ask()
         super().__init__(self.node)
         self._lock = threading.RLock()  # the lab's thread, the page's and the one that shows meet here
         self._descriptors, self._values = descriptors, values
-        self._outcomes: dict[str, dict[str, Any]] = {}
+        self._outcomes: dict[str, dict[str, object]] = {}
         self._heard: dict[str, int] = {}  # how often a change was heard of, by name
         self._outdated = False
-        self._widget = SlidersWidget(node=self.node)
-        self._widget.on_msg(self._wished)
+        self.widget = SlidersWidget(node=self.node)
+        self.widget.on_msg(self._wished)
         self.at_close(self._end)
         self._updates = Latest(self._update)
         self.at_close(self._updates.close)
         self._listen()
         self._values = self._ask()[1]  # once more: something may have changed before we listened
         self._show()
-
-    @property
-    def widget(self) -> SlidersWidget:
-        """The sliders."""
-        return self._widget
 
     @property
     def values(self) -> dict[str, Any]:
@@ -94,7 +92,7 @@ class ParameterSliders(Panel):
             lines.append(f"  {name} = {value!r} ({facts})")
         return "\n".join(lines)
 
-    def set(self, name: str, text: Any, token: int = 0) -> bool:
+    def set(self, name: str, text: str | bool, token: int = 0) -> bool:
         """Set a parameter to what was typed, as the page does.
 
         Args:
@@ -128,7 +126,7 @@ class ParameterSliders(Panel):
         subscription = lab.subscribe(_EVENTS, ParameterEvent, self._happened, qos=qos_profile_parameter_events)
         self.at_close(subscription.close)
 
-    def _happened(self, event: Any) -> None:
+    def _happened(self, event: Message) -> None:
         """A parameter of some node has changed; on the lab's thread."""
         if event.node != self.node:
             return
@@ -161,18 +159,18 @@ class ParameterSliders(Panel):
         own = {one.name: one for one in described if not is_of_every_node(one.name)}
         return own, dict(lab.get_parameters_blocking(self.node, *own)) if own else {}
 
-    def _wished(self, _: Any, content: dict[str, Any], buffers: Any) -> None:
+    def _wished(self, _: object, content: dict[str, Any], buffers: object) -> None:
         """Somebody has moved or typed something on the page."""
         del buffers
-        if not self._widget.ended and content.get("name") in self._descriptors:
-            self.set(content["name"], content.get("value"), content.get("token", 0))
+        if not self.widget.ended and content.get("name") in self._descriptors:
+            self.set(content["name"], content.get("value", ""), content.get("token", 0))
 
     def _show(self) -> None:
         # The lock is held while it is sent, so that an older state never comes after a newer one.
-        with self._lock, self._widget.hold_sync():
-            self._widget.entries = [entry(self._descriptors[name]) for name in self._values]
-            self._widget.values = {name: shown(value) for name, value in self._values.items()}
-            self._widget.outcomes = dict(self._outcomes)
+        with self._lock, self.widget.hold_sync():
+            self.widget.entries = [entry(self._descriptors[name]) for name in self._values]
+            self.widget.values = {name: shown(value) for name, value in self._values.items()}
+            self.widget.outcomes = dict(self._outcomes)
 
     def _end(self) -> None:
-        self._widget.ended = _ENDED
+        self.widget.ended = _ENDED

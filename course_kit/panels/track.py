@@ -59,7 +59,7 @@ class Track:
 def _beside(begin: Place, end: Place, place: Place) -> float:
     """How far a place lies from the straight way between two others, in metres."""
     length = math.dist(begin, end)
-    if not length:
+    if not (length**2):  # nor where it is too short to be squared
         return math.dist(begin, place)
     along = ((place.x - begin.x) * (end.x - begin.x) + (place.y - begin.y) * (end.y - begin.y)) / length**2
     along = min(max(along, 0.0), 1.0)

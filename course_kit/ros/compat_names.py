@@ -160,25 +160,6 @@ DIAGNOSES = Feature(
         "rclpy.executors:await_or_execute",
     ),
 )
-GRAPH = Feature(
-    "The course's own ros2 command cannot list what is on the graph",
-    ("ros2cli/observe.py",),
-    tuple(
-        _C + name
-        for name in (
-            "Node",
-            "NodeNameNonExistentError",
-            "rclpy_get_client_names_and_types_by_node",
-            "rclpy_get_publisher_names_and_types_by_node",
-            "rclpy_get_publishers_info_by_topic",
-            "rclpy_get_service_names_and_types",
-            "rclpy_get_service_names_and_types_by_node",
-            "rclpy_get_subscriber_names_and_types_by_node",
-            "rclpy_get_subscriptions_info_by_topic",
-            "rclpy_get_topic_names_and_types",
-        )
-    ),
-)
 NOTEBOOK_TESTS = Feature(
     "./course test takes long to notice that a notebook's kernel has died",
     ("dev/nbval_plugin.py", "dev/nbval_kernel.py"),
@@ -209,4 +190,4 @@ OF_THE_LAB = (
     OWN_TYPES,
 )
 OF_SCRIPTS = (RECORDING, GOAL_RECORDING)
-ALL = (*OF_THE_LAB, FAST_GRADING, DIAGNOSES, GRAPH, NOTEBOOK_TESTS)
+ALL = (*OF_THE_LAB, FAST_GRADING, DIAGNOSES, NOTEBOOK_TESTS)

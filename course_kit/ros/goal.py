@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionClient
 from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.exceptions import InvalidHandle
 from rclpy.qos import QoSProfile
 from unique_identifier_msgs.msg import UUID
 
@@ -120,6 +121,13 @@ class GoalClient(ActionClient):
         """Keep track of a goal only as long as somebody holds it: it has ended."""
         if self.busy.pop(tracker.identifier, None) is not None:
             self._ended[tracker.identifier] = tracker
+
+    def has_server(self) -> bool:
+        """Whether a server is connected; never when the node has been destroyed."""
+        try:
+            return bool(self.server_is_ready())
+        except InvalidHandle:
+            return False
 
     def servers(self) -> frozenset[bytes]:
         """What identifies the action's servers that are on the graph; one that was started again is another."""

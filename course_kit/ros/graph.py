@@ -37,6 +37,7 @@ RUNS = Role("action", "runs the action", offers=True, inward=True)
 SENDS_GOALS = Role("action", "sends goals to", offers=False, inward=False)
 PUBLISHES = Role("topic", "publishes", offers=True, inward=False)
 LISTENS = Role("topic", "listens to", offers=False, inward=True)
+ROLES = (SERVES, CALLS, RUNS, SENDS_GOALS, PUBLISHES, LISTENS)
 KINDS = ("service", "action", "topic")
 _MISSING = {"service": "No node serves", "action": "No node runs", "topic": "No node publishes"}
 _UNUSED = "No node listens to"

@@ -7,13 +7,17 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.parser import COMMANDS, build, command_parser
 
 if TYPE_CHECKING:
+    from argparse import Namespace
     from collections.abc import Sequence
+
+    from rclpy.context import Context
+    from rclpy.node import Node
 
 INTERRUPTED = 2  # what the real command ends with after a Ctrl-C
 
@@ -36,7 +40,7 @@ def run_program() -> int:
     return run(sys.argv[1:])
 
 
-def run(arguments: Sequence[str], context: Any = None, guests: set[Any] | None = None) -> int:
+def run(arguments: Sequence[str], context: Context | None = None, guests: set[Node] | None = None) -> int:
     """Run one command of the course kit's own.
 
     Args:
@@ -70,7 +74,7 @@ def run(arguments: Sequence[str], context: Any = None, guests: set[Any] | None =
         return 0
 
 
-def _run_verb(options: Any, context: Any, guests: set[Any] | None) -> int:
+def _run_verb(options: Namespace, context: Context | None, guests: set[Node] | None) -> int:
     from course_kit import environment
     from course_kit.ros2cli.session import Session
 

@@ -5,10 +5,12 @@ A shell asks after `eval "$(register-python-argcomplete ros2)"` (argcomplete's d
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import argparse
+    from argparse import Namespace
+    from collections.abc import Iterable
 
     from course_kit.ros2cli.graph import Graph
 
@@ -22,31 +24,31 @@ def complete(parser: argparse.ArgumentParser) -> None:
     argcomplete.autocomplete(parser, always_complete_options=False)
 
 
-def services(**about: Any) -> list[str]:
+def services(**about: object) -> list[str]:
     """Service names, without the hidden ones."""
     del about
-    return _shown(list(_graph().services))
+    return _shown(_graph().services)
 
 
-def topics(**about: Any) -> list[str]:
+def topics(**about: object) -> list[str]:
     """Topic names, without the hidden ones."""
     del about
-    return _shown(list(_graph().topics))
+    return _shown(_graph().topics)
 
 
-def actions(**about: Any) -> list[str]:
+def actions(**about: object) -> list[str]:
     """Action names."""
     del about
     return sorted(_graph().actions())
 
 
-def nodes(**about: Any) -> list[str]:
+def nodes(**about: object) -> list[str]:
     """Node names, without the hidden ones."""
     del about
     return _shown(_graph().nodes)
 
 
-def parameters(*, parsed_args: Any, **about: Any) -> list[str]:
+def parameters(*, parsed_args: Namespace, **about: object) -> list[str]:
     """The parameters of the node named before."""
     del about
     from course_kit.ros import parameters as of_a_node
@@ -62,25 +64,25 @@ def parameters(*, parsed_args: Any, **about: Any) -> list[str]:
         session.close()
 
 
-def service_types(*, parsed_args: Any, **about: Any) -> list[str]:
+def service_types(*, parsed_args: Namespace, **about: object) -> list[str]:
     """The type of the service named before; all service types when it is not on the graph."""
     del about
     return _types("srv", _graph().services.get(getattr(parsed_args, "service_name", None) or "", []))
 
 
-def action_types(*, parsed_args: Any, **about: Any) -> list[str]:
+def action_types(*, parsed_args: Namespace, **about: object) -> list[str]:
     """The same for actions."""
     del about
     return _types("action", _graph().actions().get(getattr(parsed_args, "action_name", None) or "", []))
 
 
-def message_types(*, parsed_args: Any, **about: Any) -> list[str]:
+def message_types(*, parsed_args: Namespace, **about: object) -> list[str]:
     """The same for topics."""
     del about
     return _types("msg", _graph().topics.get(getattr(parsed_args, "topic_name", None) or "", []))
 
 
-def all_types(**about: Any) -> list[str]:
+def all_types(**about: object) -> list[str]:
     """The names of all interfaces."""
     del about
     from course_kit import interfaces
@@ -88,7 +90,7 @@ def all_types(**about: Any) -> list[str]:
     return interfaces.types()
 
 
-def interface_packages(**about: Any) -> list[str]:
+def interface_packages(**about: object) -> list[str]:
     """The packages that have interfaces."""
     del about
     from course_kit import interfaces
@@ -96,7 +98,7 @@ def interface_packages(**about: Any) -> list[str]:
     return interfaces.packages()
 
 
-def run_packages(**about: Any) -> list[str]:
+def run_packages(**about: object) -> list[str]:
     """The packages that have programs."""
     del about
     from course_kit.launch.executables import packages
@@ -104,7 +106,7 @@ def run_packages(**about: Any) -> list[str]:
     return packages()
 
 
-def run_executables(*, parsed_args: Any, **about: Any) -> list[str]:
+def run_executables(*, parsed_args: Namespace, **about: object) -> list[str]:
     """The programs of the package named before."""
     del about
     from course_kit.launch.executables import executables
@@ -112,7 +114,7 @@ def run_executables(*, parsed_args: Any, **about: Any) -> list[str]:
     return executables(parsed_args.package_name)
 
 
-def launch_files(*, prefix: str, **about: Any) -> list[str]:
+def launch_files(*, prefix: str, **about: object) -> list[str]:
     """Launch files at the path typed so far."""
     del about
     from pathlib import Path
@@ -133,7 +135,7 @@ def _graph() -> Graph:
         session.close()
 
 
-def _shown(names: list[str]) -> list[str]:
+def _shown(names: Iterable[str]) -> list[str]:
     from course_kit.ros.names import is_hidden
 
     return sorted({name for name in names if not is_hidden(name)})

@@ -32,15 +32,17 @@ _CLIENT_PATIENCE = 5.0
 def main() -> None:
     """Serve graphs until the domain is empty, nobody asks any more, or a client says stop."""
     environment.apply()  # while the command that has started us still holds the domain
-    meeting = DaemonSocket.here()
-    with meeting.listen() as listening:
-        sys.stdout.write("ready\n")
-        sys.stdout.flush()
+    daemon_socket = DaemonSocket.here()
+    with daemon_socket.listen() as listening:
+        told = os.dup(sys.stdout.fileno())
         _let_go_of_terminal()
         from course_kit.ros2cli.observe import observer
 
         with observer(name=f"_ros2cli_daemon_{os.environ['ROS_DOMAIN_ID']}") as looking:
-            _serve(listening, looking, meeting)
+            looking.graph(0.0)  # loads the rest of rclpy: who asks first waits no longer than others
+            os.write(told, b"ready\n")
+            os.close(told)
+            _serve(listening, looking, daemon_socket)
 
 
 def _let_go_of_terminal() -> None:
@@ -51,7 +53,7 @@ def _let_go_of_terminal() -> None:
     os.close(null)
 
 
-def _serve(listening: socket.socket, looking: Observer, meeting: DaemonSocket) -> None:
+def _serve(listening: socket.socket, looking: Observer, daemon_socket: DaemonSocket) -> None:
     listening.settimeout(_CHECK_EVERY)
     domain_id = int(os.environ["ROS_DOMAIN_ID"])
     asked = company = time.monotonic()
@@ -59,7 +61,7 @@ def _serve(listening: socket.socket, looking: Observer, meeting: DaemonSocket) -
         now = time.monotonic()
         if not sockets.is_local_only() or len(sockets.participants(domain_id)) > 1:
             company = now
-        if now - company > ALONE_FOR or now - asked > UNUSED_FOR or not meeting.is_ours(listening):
+        if now - company > ALONE_FOR or now - asked > UNUSED_FOR or not daemon_socket.is_ours(listening):
             return
         try:
             client, _ = listening.accept()
@@ -78,7 +80,7 @@ def _answer(client: socket.socket, looking: Observer) -> bool:
     if request.get("do") == "stop":
         client.sendall(b"{}\n")
         return False
-    reply = {"graph": looking.graph(request.get("patience", 1.0)).to_json(), "process_id": os.getpid()}
+    reply = {**looking.graph(request.get("patience", 1.0)).to_json(), "process_id": os.getpid()}
     client.sendall(json.dumps(reply).encode())
     return True
 

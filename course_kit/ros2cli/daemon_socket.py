@@ -1,4 +1,4 @@
-"""Where the command and its daemon meet: a socket for each set of ROS settings in the user's state directory."""
+"""The socket between the command and its daemon: one for each set of ROS settings in the user's state directory."""
 
 from __future__ import annotations
 
@@ -44,7 +44,8 @@ class DaemonSocket:
     def here(cls) -> DaemonSocket:
         """The place for this process's settings, which `environment.apply` has made."""
         code = str((environment.PACKAGE / "ros2cli").stat().st_mtime_ns)  # a daemon of an older kit is not asked
-        settings = "\0".join([sys.prefix, code, _network(), *(os.environ.get(name, "") for name in _SETTINGS)])
+        python = os.path.realpath(sys.prefix)  # a kernel may know it by a link, such as .venv
+        settings = "\0".join([python, code, _network(), *(os.environ.get(name, "") for name in _SETTINGS)])
         folder = environment.state_dir() / "daemons"
         folder.mkdir(mode=0o700, exist_ok=True)
         return cls(folder, f"{os.environ['ROS_DOMAIN_ID']}-{zlib.crc32(settings.encode()):08x}")

@@ -14,9 +14,11 @@ from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.text import to_yaml
 
 if TYPE_CHECKING:
+    from rclpy.node import Node
     from typing_extensions import Self
 
     from course_kit.ros.goal import GoalTracker
+    from course_kit.ros.messages import ActionType, Message
     from course_kit.ros2cli.session import Session
 
 
@@ -31,7 +33,7 @@ class SentGoal:
         timeout: seconds without any sign of the server after which it is given up.
     """
 
-    def __init__(self, session: Session, node: Any, action_type: Any, name: str, timeout: float) -> None:
+    def __init__(self, session: Session, node: Node, action_type: ActionType, name: str, timeout: float) -> None:
         from course_kit.ros.goal import GoalClient
 
         self._session, self._node, self._name, self._timeout = session, node, name, timeout
@@ -42,7 +44,7 @@ class SentGoal:
         """Leave the action."""
         self._client.destroy()
 
-    def run(self, goal: Any, *, show_feedback: bool) -> None:
+    def run(self, goal: Message, *, show_feedback: bool) -> None:
         """Send the goal and print what comes, as the real command does.
 
         Raises:
@@ -106,12 +108,11 @@ class SentGoal:
             )
 
     def _wait_for_server(self) -> None:
-        if self._session.wait_on_graph(self._client.server_is_ready, self._timeout):
+        if self._session.wait_on_graph(self._client.has_server, self._timeout):
             return
-        from course_kit.ros2cli.graph import actions_among
+        from course_kit.ros import graph
 
-        actions = actions_among(dict(self._node.get_topic_names_and_types()))
-        hint = did_you_mean(self._name, set(actions) - {self._name})
+        hint = did_you_mean(self._name, set(graph.offered(self._node, graph.RUNS)) - {self._name})
         raise CommandError(f"No action server for {self._name} within {self._timeout:g} s.{hint}")
 
 

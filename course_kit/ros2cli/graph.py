@@ -2,89 +2,95 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 
+from course_kit.ros.graph import ROLES, RUNS, SENDS_GOALS, Overview, Use
 from course_kit.ros.names import is_hidden
+
+if TYPE_CHECKING:
+    from course_kit.ros.graph import Role
 
 Names = dict[str, list[str]]  # name -> its types
 
-_ACTION_FEEDBACK = "/_action/feedback"
-_FEEDBACK_TYPE = "_FeedbackMessage"
+
+class Endpoint(TypedDict):
+    """A publisher or a subscription; durations in nanoseconds, the type's hash as REP 2011 writes it."""
+
+    node_name: str
+    node_namespace: str
+    topic_type: str
+    topic_type_hash: str
+    endpoint_gid: list[int]
+    qos_profile: dict[str, int]
 
 
-class Entities(NamedTuple):
-    """What one node has; each is a mapping of names to types."""
+class Ends(NamedTuple):
+    """Who is on a topic."""
 
-    subscribers: Names
-    publishers: Names
-    servers: Names
-    clients: Names
+    publishers: list[Endpoint]
+    subscriptions: list[Endpoint]
 
 
 class Graph(NamedTuple):
     """The graph without the node that looked at it.
 
     Attributes:
-        nodes: full names, one for each node: two nodes of the same name stand twice.
+        overview: the nodes, one of them for each of a name, and what they do.
         topics: topic names with their types.
         services: service names with their types.
-        entities: full node name to what the node has.
-        endpoints: topic to its publishers and subscriptions, each a mapping as rclpy gives it.
+        endpoints: who is on each topic.
         counts: service to its number of clients and of servers.
     """
 
-    nodes: list[str]
+    overview: Overview
     topics: Names
     services: Names
-    entities: dict[str, Entities]
-    endpoints: dict[str, tuple[list[dict[str, Any]], list[dict[str, Any]]]]
+    endpoints: dict[str, Ends]
     counts: dict[str, tuple[int, int]]
 
     @classmethod
     def empty(cls) -> Graph:
         """A graph with nobody on it."""
-        return cls([], {}, {}, {}, {}, {})
+        return cls(Overview((), ()), {}, {}, {}, {})
 
     @classmethod
-    def from_json(cls, fields: dict[str, Any]) -> Graph:
+    def from_json(cls, reply: dict[str, Any]) -> Graph:
         """The reverse of `to_json`."""
-        entities = {node: Entities(*parts) for node, parts in fields.pop("entities").items()}
-        return cls(entities=entities, **fields)
+        nodes, uses, topics, services, endpoints, counts = reply["graph"]
+        overview = Overview(
+            tuple(nodes), tuple(Use(node, ROLES[role], name, tuple(types)) for node, role, name, types in uses)
+        )
+        return cls(overview, topics, services, {name: Ends(*ends) for name, ends in endpoints.items()}, counts)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data for `json`."""
-        return self._asdict()
+        nodes, uses = self.overview
+        plain = [(use.node, ROLES.index(use.role), use.channel, use.types) for use in uses]
+        return {"graph": [nodes, plain, self.topics, self.services, self.endpoints, self.counts]}
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """Full names, one for each node: two nodes of the same name stand twice."""
+        return self.overview.nodes
+
+    def of(self, node: str, role: Role) -> Names:
+        """What a node does in a role, with its types."""
+        return {use.channel: list(use.types) for use in self.overview.of(node) if use.role == role}
 
     def actions(self) -> Names:
-        """Action names with their types, told by the feedback topics ("Actions" in the ROS 2 design articles)."""
-        return actions_among(self.topics)
+        """Action names with their types."""
+        found: Names = {}
+        for use in self.overview.uses:
+            if use.role in {RUNS, SENDS_GOALS}:
+                known = found.setdefault(use.channel, [])
+                known += [kind for kind in use.types if kind not in known]
+        return found
 
-    def action_clients(self, action: str) -> dict[str, list[str]]:
-        """Node to the types it uses `action` with."""
-        return {
-            node: found[action]
-            for node, has in self.entities.items()
-            if action in (found := actions_among(has.subscribers))
-        }
-
-    def action_servers(self, action: str) -> dict[str, list[str]]:
-        """Node to the types it serves `action` with."""
-        return {
-            node: found[action]
-            for node, has in self.entities.items()
-            if action in (found := actions_among(has.publishers))
-        }
-
-
-def actions_among(topics: Names) -> Names:
-    """The actions whose feedback topics are among `topics`."""
-    return {
-        topic.removesuffix(_ACTION_FEEDBACK): [name.removesuffix(_FEEDBACK_TYPE) for name in types]
-        for topic, types in topics.items()
-        if topic.endswith(_ACTION_FEEDBACK)
-    }
+    def on(self, action: str, role: Role) -> Names:
+        """The nodes that run an action, or send goals to it, with the types they use it with."""
+        return {use.node: list(use.types) for use in self.overview.uses if (use.role, use.channel) == (role, action)}
 
 
 def visible(names: Names, *, hidden_too: bool = False) -> Names:
-    """`names` in order, without the hidden ones unless asked for."""
-    return {name: types for name, types in sorted(names.items()) if hidden_too or not is_hidden(name)}
+    """`names` in order, without hidden ones unless wanted."""
+    return {name: names[name] for name in sorted(names) if hidden_too or not is_hidden(name)}

@@ -31,7 +31,7 @@ def graph_for(session: Session, timeout: float, *, daemon: bool = True) -> Graph
     if nobody_there():
         return Graph.empty()
     reply = ask_daemon(timeout)
-    return Graph.from_json(reply["graph"]) if reply else session.observe(timeout)
+    return Graph.from_json(reply) if reply else session.observe(timeout)
 
 
 def nobody_there() -> bool:
@@ -43,13 +43,13 @@ def ask_daemon(timeout: float) -> dict[str, Any] | None:
     """The reply of the daemon, started when there is none; None when that fails."""
     request = {"do": "graph", "patience": timeout}
     try:
-        meeting = DaemonSocket.here()
-        reply = meeting.ask(request, timeout + 1.0)
+        daemon_socket = DaemonSocket.here()
+        reply = daemon_socket.ask(request, timeout + 1.0)
         if reply is None:
-            with meeting.starting():
-                reply = meeting.ask(request, timeout + 1.0)
+            with daemon_socket.starting():
+                reply = daemon_socket.ask(request, timeout + 1.0)
                 if reply is None and _start():
-                    reply = meeting.ask(request, timeout + 1.0)
+                    reply = daemon_socket.ask(request, timeout + 1.0)
     except OSError:  # no writable place for a socket: the command looks for itself
         return None
     return reply

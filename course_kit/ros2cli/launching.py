@@ -37,7 +37,14 @@ class NotebookLaunch(LaunchService):
     def make_child(
         self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]
     ) -> LaunchedProcess:
-        """Start a process that writes into the notebook; a Python program under the runner of scripts."""
+        """Start a process that writes into the notebook; a Python program under the runner of scripts.
+
+        Args:
+            command: the program and its arguments.
+            label: what its lines begin with.
+            show_stdout: whether what it prints is shown.
+            temporary: files that are removed when it has ended.
+        """
         shown = list(command)
         if command[0] == sys.executable and command[1].endswith(".py"):
             shown[1] = Path(command[1]).name

@@ -11,10 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
+from course_kit.ros.topic import Inbox
 from course_kit.ros2cli import types
 from course_kit.ros2cli.errors import CommandError
 
 if TYPE_CHECKING:
+    from argparse import Namespace
+
+    from rclpy.node import Node
+    from rclpy.publisher import Publisher
+
+    from course_kit.ros.messages import Message
     from course_kit.ros2cli.session import Session
     from course_kit.ros2cli.text import Layout
 
@@ -30,9 +37,9 @@ class Listener:
         topic: its full name.
     """
 
-    def __init__(self, options: Any, session: Session, topic: str) -> None:
+    def __init__(self, options: Namespace, session: Session, topic: str) -> None:
         self._options, self._session, self._topic = options, session, topic
-        self._messages: deque[tuple[float, Any]] = deque()
+        self._inbox = Inbox()
 
     def echo(self, layout: Layout) -> None:
         """Print messages as YAML or CSV, for as long as they come."""
@@ -73,22 +80,19 @@ class Listener:
         type_name = getattr(self._options, "message_type", None) or self._type_on_graph(node)
         message_type = types.find_type(type_name, "msg")
         profile = qos.for_listening(self._options, node.get_publishers_info_by_topic(self._topic))
-        node.create_subscription(message_type, self._topic, self._take, profile)
+        self._inbox.subscribe(node, message_type, self._topic, profile)
 
-    def _take(self, message: Any) -> None:
-        self._messages.append((time.monotonic(), message))
-
-    def _next(self) -> tuple[float, Any]:
-        if not self._session.spin_until(lambda: bool(self._messages), self._options.timeout):
+    def _next(self) -> tuple[float, Message]:
+        if not self._session.spin_until(lambda: bool(self._inbox.messages), self._options.timeout):
             publishers = self._session.node.count_publishers(self._topic)
             raise CommandError(
                 f"No message on {self._topic} for {self._options.timeout:g} s; "
                 f"{publishers or 'no'} publisher{'' if publishers == 1 else 's'} on it. "
                 "A longer wait: --timeout SECONDS."
             )
-        return self._messages.popleft()
+        return self._inbox.times.popleft(), self._inbox.messages.popleft()
 
-    def _type_on_graph(self, node: Any) -> str:
+    def _type_on_graph(self, node: Node) -> str:
         found: dict[str, list[str]] = {}
 
         def is_there() -> bool:
@@ -106,7 +110,7 @@ class Listener:
             )
         return found[self._topic][0]
 
-    def _field(self, message: Any) -> Any:
+    def _field(self, message: Message) -> Any:
         for name in (self._options.field or "").split(".") if self._options.field else ():
             if not hasattr(message, "get_fields_and_field_types") or name not in message.get_fields_and_field_types():
                 known: dict[str, str] = getattr(message, "get_fields_and_field_types", dict)()
@@ -125,8 +129,13 @@ def _print_rate(times: list[float]) -> None:
     )
 
 
-def publish(options: Any, session: Session, topic: str) -> None:
+def publish(options: Namespace, session: Session, topic: str) -> None:
     """Publish as `topic pub` does.
+
+    Args:
+        options: parsed.
+        session: the command's.
+        topic: its full name.
 
     Raises:
         CommandError: the values do not fit, or nobody subscribes in time.
@@ -156,7 +165,9 @@ def publish(options: Any, session: Session, topic: str) -> None:
     _wait_for_delivery(publisher, options.timeout)
 
 
-def _wait_for_subscriptions(publisher: Any, topic: str, wanted: int, options: Any, session: Session) -> None:
+def _wait_for_subscriptions(
+    publisher: Publisher, topic: str, wanted: int, options: Namespace, session: Session
+) -> None:
     deadline = time.monotonic() + options.timeout
     while publisher.get_subscription_count() < wanted:
         print(f"Waiting for at least {wanted} matching subscription(s)...", flush=True)
@@ -172,7 +183,7 @@ def _wait_for_subscriptions(publisher: Any, topic: str, wanted: int, options: An
             )
 
 
-def _wait_for_delivery(publisher: Any, timeout: float) -> None:
+def _wait_for_delivery(publisher: Publisher, timeout: float) -> None:
     """A node that leaves at once takes its last message with it; a reliable reader confirms it."""
     from rclpy.duration import Duration
 

@@ -5,16 +5,21 @@ from __future__ import annotations
 import os
 import time
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from course_kit.ros import compat, compat_names
+from course_kit.ros import graph
 from course_kit.ros.names import full_name
+from course_kit.ros.node import quiet_node
 from course_kit.ros2cli import sockets
-from course_kit.ros2cli.errors import CommandError
-from course_kit.ros2cli.graph import Entities, Graph
+from course_kit.ros2cli.graph import Ends, Graph
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from rclpy.context import Context
+    from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+    from course_kit.ros2cli.graph import Endpoint
 
 _DISCOVERY_TOPIC = "ros_discovery_info"  # each participant publishes its nodes here (rmw_dds_common)
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"
@@ -24,6 +29,16 @@ _QUIET = 0.02  # endpoints of one node arrive in one or two bursts, less than a 
 _NAMELESS = 1.0  # what has no node's name by then will not get one
 _OPEN_DISCOVERY = 1.0  # beyond loopback nobody can tell who is still to answer
 PATIENCE = 5.0
+_QOS = (
+    "reliability",
+    "history",
+    "depth",
+    "durability",
+    "lifespan",
+    "deadline",
+    "liveliness",
+    "liveliness_lease_duration",
+)
 
 
 class Observer:
@@ -32,36 +47,25 @@ class Observer:
     Args:
         context: an initialised rclpy context; its participant is what sees the graph.
         name: the node's name; hidden, so with a leading underscore.
-
-    Raises:
-        CommandError: this rclpy does not let itself be asked.
     """
 
-    def __init__(self, context: Any, name: str) -> None:
-        found = compat.check([compat_names.GRAPH])
-        if not found.has(compat_names.GRAPH):
-            raise CommandError(" ".join(found.sentences()))
-        from rclpy.impl.implementation_singleton import rclpy_implementation
-
-        self._rcl = rclpy_implementation
+    def __init__(self, context: Context, name: str) -> None:
         self._domain_id = context.get_domain_id()
         self._started = time.monotonic()
         self._local = sockets.is_local_only()
         self._found: frozenset[bytes] = frozenset()
         self._bound: frozenset[int] = frozenset()
-        with context.handle:
-            self._node = rclpy_implementation.Node(name, "/", context.handle, [], False, False)
+        self._node = quiet_node(name, context)
         self.name = f"/{name}"
 
     def close(self) -> None:
         """Take the node off the graph."""
-        self._node.destroy_when_not_in_use()
+        self._node.destroy_node()
 
     def graph(self, patience: float = PATIENCE) -> Graph:
         """The graph once it has settled; what has been seen by then when that takes longer than `patience` seconds."""
-        with self._node:
-            self._settle(time.monotonic() + patience)
-            return self._read()
+        self._settle(time.monotonic() + patience)
+        return self._read()
 
     def _settle(self, deadline: float) -> None:
         """Wait until every participant with a socket is known by its nodes and nothing has changed for a moment.
@@ -95,7 +99,7 @@ class Observer:
         return (
             self._participants(),
             node.get_node_names_and_namespaces(),
-            self._rcl.rclpy_get_topic_names_and_types(node, True),
+            node.get_topic_names_and_types(no_demangle=True),
         )
 
     def _is_complete(self, now: float, quiet: float) -> bool:
@@ -112,7 +116,7 @@ class Observer:
         return False
 
     def _participants(self) -> frozenset[bytes]:
-        infos = self._rcl.rclpy_get_publishers_info_by_topic(self._node, _DISCOVERY_TOPIC, True)
+        infos = self._node.get_publishers_info_by_topic(_DISCOVERY_TOPIC, no_mangle=True)
         return frozenset(_participant_of(info) for info in infos)
 
     def _all_named(self) -> bool:
@@ -123,57 +127,50 @@ class Observer:
         if len(self._node.get_node_names_and_namespaces()) < len(self._participants()):
             return False
         named: dict[bool, set[bytes]] = {True: set(), False: set()}
-        for topic, _ in self._rcl.rclpy_get_topic_names_and_types(self._node, True):
+        for topic, _ in self._node.get_topic_names_and_types(no_demangle=True):
             if topic != _DISCOVERY_TOPIC:
                 for info in self._both_ends(topic):
-                    named[info["node_name"] != _UNKNOWN].add(_participant_of(info))
+                    named[info.node_name != _UNKNOWN].add(_participant_of(info))
         return named[False] <= named[True]
 
-    def _both_ends(self, topic: str) -> Iterator[dict[str, Any]]:
-        yield from self._rcl.rclpy_get_publishers_info_by_topic(self._node, topic, True)
-        yield from self._rcl.rclpy_get_subscriptions_info_by_topic(self._node, topic, True)
+    def _both_ends(self, topic: str) -> Iterator[TopicEndpointInfo]:
+        yield from self._node.get_publishers_info_by_topic(topic, no_mangle=True)
+        yield from self._node.get_subscriptions_info_by_topic(topic, no_mangle=True)
 
     def _read(self) -> Graph:
-        rcl, node = self._rcl, self._node
-        pairs = [(n, ns) for n, ns in node.get_node_names_and_namespaces() if full_name(n, ns) != self.name]
-        topics = dict(rcl.rclpy_get_topic_names_and_types(node, False))
-        services = dict(rcl.rclpy_get_service_names_and_types(node))
+        node = self._node
+        seen = graph.read(node, plumbing=True)
+        topics = dict(node.get_topic_names_and_types())
+        services = dict(node.get_service_names_and_types())
         return Graph(
-            nodes=[full_name(name, namespace) for name, namespace in pairs],
+            graph.Overview(
+                tuple(one for one in seen.nodes if one != self.name),
+                tuple(use for use in seen.uses if use.node != self.name),
+            ),
             topics=topics,
             services=services,
-            entities={full_name(name, namespace): self._entities(name, namespace) for name, namespace in pairs},
-            endpoints={topic: self._endpoints(topic) for topic in topics},
-            counts={name: (node.get_count_clients(name), node.get_count_services(name)) for name in services},
+            endpoints={topic: self._ends(topic) for topic in topics},
+            counts={name: (node.count_clients(name), node.count_services(name)) for name in services},
         )
 
-    def _entities(self, name: str, namespace: str) -> Entities:
-        rcl, node = self._rcl, self._node
-        try:
-            return Entities(
-                dict(rcl.rclpy_get_subscriber_names_and_types_by_node(node, False, name, namespace)),
-                dict(rcl.rclpy_get_publisher_names_and_types_by_node(node, False, name, namespace)),
-                dict(rcl.rclpy_get_service_names_and_types_by_node(node, name, namespace)),
-                dict(rcl.rclpy_get_client_names_and_types_by_node(node, name, namespace)),
-            )
-        except rcl.NodeNameNonExistentError:  # it has left since it was listed
-            return Entities({}, {}, {}, {})
+    def _ends(self, topic: str) -> Ends:
+        publishers = self._node.get_publishers_info_by_topic(topic)
+        subscriptions = self._node.get_subscriptions_info_by_topic(topic)
+        return Ends(*([_plain(one) for one in ends if self._is_of_others(one)] for ends in (publishers, subscriptions)))
 
-    def _endpoints(self, topic: str) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-        publishers = self._rcl.rclpy_get_publishers_info_by_topic(self._node, topic, False)
-        subscriptions = self._rcl.rclpy_get_subscriptions_info_by_topic(self._node, topic, False)
-        return [_plain(info) for info in publishers], [_plain(info) for info in subscriptions]
+    def _is_of_others(self, info: TopicEndpointInfo) -> bool:
+        return full_name(info.node_name, info.node_namespace) != self.name
 
 
 @contextmanager
-def observer(context: Any = None, name: str | None = None) -> Iterator[Observer]:
+def observer(context: Context | None = None, name: str | None = None) -> Iterator[Observer]:
     """An Observer in `context`, or in one of its own; it is gone afterwards."""
     import rclpy
 
-    own = context is None
-    if own:
-        context = rclpy.Context()
-        context.init([])
+    own = None
+    if context is None:
+        context = own = rclpy.Context()
+        own.init([])
     try:
         looking = Observer(context, name or f"_ros2cli_{os.getpid()}")
         try:
@@ -181,20 +178,21 @@ def observer(context: Any = None, name: str | None = None) -> Iterator[Observer]
         finally:
             looking.close()
     finally:
-        if own:
-            context.try_shutdown()
+        if own is not None:
+            own.try_shutdown()
 
 
-def _participant_of(info: dict[str, Any]) -> bytes:
-    return bytes(info["endpoint_gid"][:_GUID_PREFIX])
+def _participant_of(info: TopicEndpointInfo) -> bytes:
+    return bytes(info.endpoint_gid[:_GUID_PREFIX])
 
 
-def _plain(info: dict[str, Any]) -> dict[str, Any]:
-    """An endpoint as `json` can send it: durations in nanoseconds, the type's hash as REP 2011 writes it."""
-    qos = {name: getattr(value, "nanoseconds", value) for name, value in info["qos_profile"].items()}
-    type_hash = info["topic_type_hash"]
+def _plain(info: TopicEndpointInfo) -> Endpoint:
+    qos = {name: getattr(info.qos_profile, name) for name in _QOS}
     return {
-        **info,
-        "qos_profile": qos,
-        "topic_type_hash": f"RIHS{type_hash['version']:02}_{type_hash['value'].hex()}",
+        "node_name": info.node_name,
+        "node_namespace": info.node_namespace,
+        "topic_type": info.topic_type,
+        "topic_type_hash": str(info.topic_type_hash),
+        "endpoint_gid": list(info.endpoint_gid),
+        "qos_profile": {name: getattr(value, "nanoseconds", value) for name, value in qos.items()},
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from course_kit.ros import parameters
 from course_kit.ros.names import did_you_mean
@@ -10,6 +10,7 @@ from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
 
 if TYPE_CHECKING:
+    from course_kit.ros.messages import Message
     from course_kit.ros2cli.graph import Graph
     from course_kit.ros2cli.session import Session
 
@@ -36,7 +37,7 @@ class ParameterClient:
         """
         return parameters.driven(steps, self._answer)
 
-    def require(self, name: str) -> Any:
+    def require(self, name: str) -> Message:
         """The ParameterValue of `name`.
 
         Raises:
@@ -48,15 +49,16 @@ class ParameterClient:
             raise CommandError(f"Parameter not set: {self._name} has no {name!r}.{near}")
         return found
 
-    def _answer(self, question: parameters.Question) -> Any:
-        client = self._session.node.create_client(question.interface, f"{self._name}/{question.service}")
+    def _answer(self, question: parameters.Question) -> Message:
+        from course_kit.ros.service import ServiceClient
+
+        client = ServiceClient(self._session.node, question.interface, f"{self._name}/{question.service}")
         try:
-            if not self._session.wait_on_graph(client.service_is_ready, self._timeout):
+            if not self._session.wait_on_graph(client.is_ready, self._timeout):
                 raise CommandError(f"{self._name} offers no parameter services within {self._timeout:g} s.")
-            request = question.interface.Request(**question.fields)
-            return self._session.answer_of(client, request, self._timeout, self._name)
+            return self._session.answer_of(client, question.request, self._timeout, self._name)
         finally:
-            self._session.node.destroy_client(client)
+            client.destroy()
 
 
 def nodes_with_parameters(graph: Graph, *, hidden_too: bool = False) -> list[str]:
@@ -76,24 +78,24 @@ def find_node(name: str, graph: Graph) -> str:
     return name
 
 
-def type_in_words(value: Any) -> str:
+def type_in_words(value: Message) -> str:
     """The type of a value or a descriptor as the real command calls it."""
     return parameters.type_of(value).replace("bool", "boolean").replace("_", " ")
 
 
-def value_in_words(value: Any) -> str:
+def value_in_words(value: Message) -> str:
     """What `param get` prints before a value."""
     kind = type_in_words(value)
     return f"{kind.removesuffix(' array').capitalize()} {'values are' if 'array' in kind else 'value is'}:"
 
 
-def plain_value(value: Any) -> Any:
+def plain_value(value: Message) -> object:
     """What a ParameterValue holds for YAML: arrays as lists, bytes as numbers."""
     found = parameters.from_message(value)
     return [one[0] if isinstance(one, bytes) else one for one in found] if isinstance(found, list) else found
 
 
-def parse(name: str, text: str) -> Any:
+def parse(name: str, text: str) -> Message:
     """A parameter from what was typed, by ROS 2's rules: YAML decides the type, a mixed list is a string.
 
     Raises:
@@ -109,7 +111,7 @@ def parse(name: str, text: str) -> Any:
         raise CommandError(f"{text!r} is not a parameter value: {str(error).splitlines()[0]}.") from error
 
 
-def load_file(path: str, node: str, *, use_wildcard: bool) -> list[Any]:
+def load_file(path: str, node: str, *, use_wildcard: bool) -> list[Message]:
     """The parameters for `node` in a parameter file, as rcl_interfaces/msg/Parameter.
 
     Args:

@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
+    from types import ModuleType
+
+    from course_kit.ros2cli.session import Session
+
+    Verbs = argparse._SubParsersAction[argparse.ArgumentParser]  # noqa: SLF001 - what `add_subparsers` returns
+    Run = Callable[[argparse.Namespace, Session], int | None]  # the exit code; None for 0
 
 COMMANDS = {
     "action": "list actions, send goals",
@@ -102,17 +108,17 @@ def build(commands: Sequence[str]) -> Parser:
     return parser
 
 
-def verb_module(command: str) -> Any:
+def verb_module(command: str) -> ModuleType:
     """The module with the verbs of a command."""
     return import_module(f"course_kit.ros2cli.verbs.{command}")
 
 
-def add_verbs(place: argparse.ArgumentParser) -> Any:
+def add_verbs(place: argparse.ArgumentParser) -> Verbs:
     """Where the verbs of a command are added; `add_verb` does it."""
     return place.add_subparsers(metavar="verb", title="verbs", parser_class=Parser)
 
 
-def add_verb(verbs: Any, name: str, run: Any, purpose: str) -> argparse.ArgumentParser:
+def add_verb(verbs: Verbs, name: str, run: Run, purpose: str) -> argparse.ArgumentParser:
     """One verb, run by `run(options, session)`.
 
     Args:
@@ -121,7 +127,7 @@ def add_verb(verbs: Any, name: str, run: Any, purpose: str) -> argparse.Argument
         run: called with the options and the session.
         purpose: for the help.
     """
-    verb: argparse.ArgumentParser = verbs.add_parser(name, help=purpose, description=purpose)
+    verb = verbs.add_parser(name, help=purpose, description=purpose)
     verb.set_defaults(run=run)
     return verb
 
@@ -160,7 +166,7 @@ class _Completer:
     def __init__(self, function: str) -> None:
         self._function = function
 
-    def __call__(self, **about: Any) -> list[str]:
+    def __call__(self, **about: object) -> list[str]:
         from course_kit import environment
         from course_kit.ros2cli import completion
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.errors import CommandError
 
 if TYPE_CHECKING:
-    import argparse
+    from argparse import ArgumentParser, Namespace
+
+    from rclpy.qos import QoSProfile
+    from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 _PROFILES = ("system_default", "sensor_data", "services_default", "parameters", "parameter_events", "default")
 _POLICIES = {
@@ -17,7 +20,7 @@ _POLICIES = {
 }
 
 
-def add_qos(verb: argparse.ArgumentParser) -> None:
+def add_qos(verb: ArgumentParser) -> None:
     """The options; see "Quality of Service settings" among the ROS 2 concepts."""
     group = verb.add_argument_group("quality of service")
     group.add_argument("--qos-profile", choices=_PROFILES, metavar="PROFILE", help=", ".join(_PROFILES))
@@ -26,12 +29,12 @@ def add_qos(verb: argparse.ArgumentParser) -> None:
         group.add_argument(f"--qos-{policy}", choices=values, metavar=policy.upper(), help=", ".join(values))
 
 
-def for_publishing(options: Any) -> Any:
+def for_publishing(options: Namespace) -> QoSProfile:
     """The profile the options ask for; the default one otherwise."""
     return _chosen(options, None)
 
 
-def for_listening(options: Any, publishers: list[Any]) -> Any:
+def for_listening(options: Namespace, publishers: list[TopicEndpointInfo]) -> QoSProfile:
     """The profile the options ask for; where they are silent, one that matches all `publishers`.
 
     Args:
@@ -43,7 +46,7 @@ def for_listening(options: Any, publishers: list[Any]) -> Any:
     return _chosen(options, as_offered(keepers=publishers))
 
 
-def _chosen(options: Any, otherwise: Any) -> Any:
+def _chosen(options: Namespace, otherwise: QoSProfile | None) -> QoSProfile:
     from rclpy.qos import (
         DurabilityPolicy,
         HistoryPolicy,
@@ -53,13 +56,12 @@ def _chosen(options: Any, otherwise: Any) -> Any:
         qos_profile_system_default,
     )
 
-    if options.qos_profile == "default" or (options.qos_profile is None and otherwise is None):
-        profile = QoSProfile(depth=10)
-    elif options.qos_profile == "system_default":
+    profile = QoSProfile(depth=10)
+    if options.qos_profile == "system_default":
         profile = qos_profile_system_default
-    elif options.qos_profile:
+    elif options.qos_profile not in {None, "default"}:
         profile = QoSPresetProfiles.get_from_short_key(options.qos_profile)
-    else:
+    elif options.qos_profile is None and otherwise is not None:
         profile = otherwise
     profile = QoSProfile(
         depth=profile.depth,

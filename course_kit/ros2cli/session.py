@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import os
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.errors import CommandError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.context import Context
+    from rclpy.executors import Executor
+    from rclpy.node import Node
+
+    from course_kit.ros.messages import Message
+    from course_kit.ros.service import ServiceClient
     from course_kit.ros2cli.graph import Graph
 
 _SPIN = 0.05  # seconds in C between two looks for a Ctrl-C
@@ -27,31 +33,21 @@ class Session:
             when a callback fails.
     """
 
-    def __init__(self, context: Any = None, guests: set[Any] | None = None) -> None:
+    def __init__(self, context: Context | None = None, guests: set[Node] | None = None) -> None:
         self.in_kernel = context is not None
         self._context = context
         self._guests = set() if guests is None else guests
-        self._node: Any = None
-        self._executor: Any = None
+        self._own: tuple[Node, Executor] | None = None
 
     @property
     def has_node(self) -> bool:
         """Whether this command is on the graph already."""
-        return self._node is not None
+        return self._own is not None
 
     @property
-    def node(self) -> Any:
+    def node(self) -> Node:
         """The command's hidden node, made on first use, without services of its own."""
-        if self._node is None:
-            from rclpy.executors import SingleThreadedExecutor
-
-            from course_kit.ros.node import quiet_node
-
-            self._node = quiet_node(f"_ros2cli_{os.getpid()}", self._own_context())
-            self._executor = SingleThreadedExecutor(context=self._context)
-            self._executor.add_node(self._node)
-            self._guests.add(self._node)
-        return self._node
+        return self._spun_node()[0]
 
     def observe(self, patience: float) -> Graph:
         """The graph as this process sees it, settled."""
@@ -63,32 +59,16 @@ class Session:
     def spin_until(self, is_done: Callable[[], bool], timeout: float) -> bool:
         """Run the node's callbacks until `is_done`; False when `timeout` seconds have passed first."""
         deadline = time.monotonic() + timeout
+        _, executor = self._spun_node()
         while not is_done():
             left = deadline - time.monotonic()
             if left <= 0:
                 return False
-            self._executor.spin_once(timeout_sec=min(left, _SPIN))
+            executor.spin_once(timeout_sec=min(left, _SPIN))
         return True
 
-    def result_of(self, future: Any, timeout: float, missing: str) -> Any:
-        """What a future brings within `timeout` seconds.
-
-        Args:
-            future: what is waited for.
-            timeout: in seconds.
-            missing: what to say when nothing comes.
-
-        Raises:
-            CommandError: it did not come; the message is `missing`.
-        """
-        if not self.spin_until(future.done, timeout):
-            raise CommandError(missing)
-        if error := future.exception():
-            raise CommandError(str(error)) from error
-        return future.result()
-
-    def answer_of(self, client: Any, request: Any, timeout: float, server: str) -> Any:
-        """What a service that is there answers within `timeout` seconds; `server` is what to call it.
+    def answer_of(self, client: ServiceClient, request: Message, timeout: float, server: str) -> Message:
+        """What a service that is there answers within `timeout` seconds.
 
         Args:
             client: of the service.
@@ -99,19 +79,22 @@ class Session:
         Raises:
             CommandError: no answer came, or none can come any more.
         """
-        future = client.call_async(request)
-        self.spin_until(lambda: future.done() or not client.service_is_ready(), timeout)
-        if not future.done() and not client.service_is_ready():
-            gone = (
+        sent = client.send(request)
+        self.spin_until(lambda: sent.answered() or not client.is_ready(), timeout)
+        if not sent.answered() and not client.is_ready() and not self.spin_until(sent.answered, _LAST_WORDS):
+            raise CommandError(
                 f"{server} went away before it answered: its program has ended. Its own output says why; an exception "
                 "in a callback does that."
             )
-            return self.result_of(future, _LAST_WORDS, gone)
-        silent = (
-            f"{server} has not answered within {timeout:g} s. Is its callback still running, has it raised an "
-            "exception, or is its node not spinning? Its own output may say. A longer wait: --timeout SECONDS."
-        )
-        return self.result_of(future, 0.0, silent)
+        if not sent.answered():
+            raise CommandError(
+                f"{server} has not answered within {timeout:g} s. Is its callback still running, has it raised an "
+                "exception, or is its node not spinning? Its own output may say. A longer wait: --timeout SECONDS."
+            )
+        try:
+            return sent.response()
+        except Exception as error:  # what a lab says of a callback that has failed
+            raise CommandError(str(error)) from error
 
     def wait_on_graph(self, is_true: Callable[[], bool], timeout: float) -> bool:
         """Wait for something on the graph, which has no events in rclpy; False when it took longer than `timeout`."""
@@ -124,14 +107,28 @@ class Session:
 
     def close(self) -> None:
         """Leave the graph."""
-        if self._node is not None:
-            self._guests.discard(self._node)
-            self._executor.shutdown()
-            self._node.destroy_node()
+        if self._own is not None:
+            node, executor = self._own
+            self._guests.discard(node)
+            executor.shutdown()
+            node.destroy_node()
         if not self.in_kernel and self._context is not None:
             self._context.try_shutdown()
 
-    def _own_context(self) -> Any:
+    def _spun_node(self) -> tuple[Node, Executor]:
+        if self._own is None:
+            from rclpy.executors import SingleThreadedExecutor
+
+            from course_kit.ros.node import quiet_node
+
+            context = self._own_context()
+            self._own = quiet_node(f"_ros2cli_{os.getpid()}", context), SingleThreadedExecutor(context=context)
+            node, executor = self._own
+            executor.add_node(node)
+            self._guests.add(node)
+        return self._own
+
+    def _own_context(self) -> Context:
         if self._context is None:
             from course_kit import environment
 

@@ -27,7 +27,7 @@ class Layout:
 WHOLE = Layout(truncate=None)
 
 
-def to_yaml(value: Any, layout: Layout = WHOLE) -> str:
+def to_yaml(value: object, layout: Layout = WHOLE) -> str:
     """A message, or one field of it, as YAML with the fields in their order; ends with a line break."""
     import sys
 
@@ -81,12 +81,12 @@ def _elements(value: Any, layout: Layout, field_type: str) -> Any:
     return [*shown, "..."] if len(shown) < len(listed) else shown
 
 
-def to_csv(value: Any, layout: Layout) -> str:
+def to_csv(value: object, layout: Layout) -> str:
     """The scalars of a message in order, separated by commas."""
     plain = to_plain(value, layout)
     parts: list[str] = []
 
-    def collect(part: Any) -> None:
+    def collect(part: object) -> None:
         if isinstance(part, dict):
             for inner in part.values():
                 collect(inner)

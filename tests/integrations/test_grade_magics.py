@@ -16,7 +16,7 @@ from tests.lab.kernel import Kernel
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-REPOSITORY = Path(__file__).resolve().parent.parent.parent
+REPOSITORY = Path(__file__).resolve().parents[2]
 pytestmark = pytest.mark.answers
 SOLUTION = REPOSITORY / "solutions/temperature_service/temperature_service.py"
 

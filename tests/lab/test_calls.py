@@ -13,7 +13,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from course_kit import lab
-from course_kit.lab.messages import build
+from course_kit.lab.messages import message_of
 from tests.lab.nodes import Faulty, Switch, Talker
 
 if TYPE_CHECKING:
@@ -96,11 +96,11 @@ def test_wrong_fields(fields: dict[str, Any], message: str) -> None:
 )
 def test_wrong_values(kind: Any, fields: dict[str, Any], message: str) -> None:
     with pytest.raises(lab.FieldError, match=message):
-        build(kind, fields, "a message")
+        message_of(kind, None, fields, "a message")
 
 
 def test_a_dict_fills_a_message_inside() -> None:
-    assert build(Pose, {"position": {"x": 1.5}}, "a pose").position.x == 1.5
+    assert message_of(Pose, None, {"position": {"x": 1.5}}, "a pose").position.x == 1.5
 
 
 @pytest.mark.parametrize("kind", [SetBool.Request, String, "SetBool", 3])
@@ -256,7 +256,7 @@ def test_shutdown_in_a_callback_stops_that_node_only(own_lab: Lab) -> None:
     lab.start(Talker)
     lab.start(Quits)
     assert call("/switch", SetBool, data=True).success is True
-    assert own_lab.engine.spinner.run_between_callbacks(lambda: None, 10)
+    assert own_lab.engine.executor_thread.run_between_callbacks(lambda: None, 10)
     assert [live.name for live in lab.nodes()] == ["/talker"]
 
 

@@ -34,7 +34,7 @@ def redefined(label: str, name: str = "switch") -> type[Node]:
 
 def test_a_tutorials_node_runs_in_the_labs_context(own_lab: Lab) -> None:
     node = lab.start(Switch)
-    assert node.context is own_lab.engine.spinner.context
+    assert node.context is own_lab.engine.executor_thread.context
     assert lab.call_blocking("/switch", SetBool, data=True).message == "first"
     assert node.ok is True  # rclpy.ok() inside the callback
 

@@ -183,22 +183,6 @@ def test_a_program_whose_rclpy_cannot_be_recorded_runs_and_the_lab_says_so_once(
     assert told.err.count(compat_names.RECORDING.lost) == 1
 
 
-def test_ros2_says_in_one_line_that_it_cannot_look_at_the_graph(domain: int) -> None:
-    program = (
-        "import sys, rclpy.action; from tests.ros.renaming import take_away; "
-        f"take_away({compat_names.GRAPH.names[-1]!r}); from course_kit.ros2cli.cli import main; "
-        "sys.argv = ['ros2', 'node', 'list', '--no-daemon']; main()"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=REPOSITORY, env=environment.child_environment(ROS_DOMAIN_ID=str(domain)),
-        capture_output=True, text=True, timeout=100, check=False,
-    )  # fmt: skip
-    assert done.returncode == 1
-    assert done.stderr.startswith(compat_names.GRAPH.lost)
-    assert len(done.stderr.splitlines()) == 1
-
-
 def test_nbval_goes_on_with_its_own_kernel_where_ours_does_not_fit() -> None:
     program = (
         "from nbval import kernel, plugin; from tests.ros.renaming import take_away; its = kernel.RunningKernel; "

@@ -99,7 +99,7 @@ def test_what_a_callback_raises_after_an_await_is_told_once_and_to_its_caller(
     told = capsys.readouterr().err
     assert told.count("asking: add raised ValueError: nothing") == 1
     assert lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2).sum == 5
-    assert either_lab.engine.spinner.executor.turn is None
+    assert either_lab.engine.executor_thread.executor.turn is None
 
 
 @pytest.mark.parametrize(("order", "error"), [("now", "ValueError: now"), ("exit", "SystemExit: exit")])
@@ -135,7 +135,7 @@ def test_an_execute_callback_that_awaits_is_aborted_with_its_node_and_leaves_not
     lab.stop(Asking)
     goal.result_blocking(timeout=10)
     assert goal.status == "ABORTED"
-    executor = either_lab.engine.spinner.executor
+    executor = either_lab.engine.executor_thread.executor
     wait_until(lambda: not executor._begun)
 
 
@@ -143,7 +143,7 @@ def test_an_execute_callback_that_awaits_keeps_the_thread_free_until_its_future_
     lab.start(Everything)
     node = lab.start(Asking)
     goal = lab.send_goal_blocking("/count", Fibonacci, order=0)
-    executor = either_lab.engine.spinner.executor
+    executor = either_lab.engine.executor_thread.executor
     turns = [0]
     run_handler = executor._run_handler
 
@@ -180,7 +180,7 @@ def test_the_second_await_that_can_never_end_is_told_as_well(
 
 def test_a_node_of_ones_own_is_spun_in_a_cell(either_lab: Lab) -> None:
     lab.start(Everything)
-    node = Node("own", context=either_lab.engine.spinner.context)
+    node = Node("own", context=either_lab.engine.executor_thread.context)
     client = node.create_client(AddTwoInts, "add_two_ints")
     future = client.call_async(AddTwoInts.Request(a=1, b=1))
     rclpy.spin_until_future_complete(node, future, timeout_sec=20)
@@ -193,8 +193,8 @@ def test_a_pool_that_is_shut_down_leaves_the_lab_as_it_was(own_lab: Lab, monkeyp
     later_rclpy.shut_the_pool_down_as_in_7_1_12(monkeypatch)
     lab.start(Everything)
     before = set(threading.enumerate())
-    executor = MultiThreadedExecutor(2, context=own_lab.engine.spinner.context)
-    node = Node("own", context=own_lab.engine.spinner.context)
+    executor = MultiThreadedExecutor(2, context=own_lab.engine.executor_thread.context)
+    node = Node("own", context=own_lab.engine.executor_thread.context)
     executor.add_node(node)
     future = node.create_client(AddTwoInts, "add_two_ints").call_async(AddTwoInts.Request(a=1, b=1))
     executor.spin_until_future_complete(future, timeout_sec=20)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from course_kit.lab.overrides.patches import Patches
 
 
-def as_asyncio(future: Any) -> asyncio.Future[Any]:
+def as_asyncio(future: Future) -> asyncio.Future[Any]:
     """The running loop's future that follows an rclpy future; cancelling it cancels that one."""
     loop = asyncio.get_running_loop()
     follower = loop.create_future()
@@ -34,7 +34,7 @@ def as_asyncio(future: Any) -> asyncio.Future[Any]:
         else:
             follower.set_result(future.result())
 
-    def completed(_: Any) -> None:
+    def completed(_: object) -> None:
         with suppress(RuntimeError):  # the loop is closed: nobody waits
             loop.call_soon_threadsafe(follow)
 
@@ -47,7 +47,7 @@ def as_asyncio(future: Any) -> asyncio.Future[Any]:
     return follower
 
 
-def install(patches: Patches, before_waiting: Callable[[Any], None], after_waiting: Callable[[], None]) -> None:
+def install(patches: Patches, before_waiting: Callable[[Future], None], after_waiting: Callable[[], None]) -> None:
     """Replace `Future.__await__`.
 
     Args:
@@ -57,7 +57,7 @@ def install(patches: Patches, before_waiting: Callable[[Any], None], after_waiti
     """
     original = Future.__await__
 
-    def awaited(future: Any) -> Generator[Any, None, Any]:
+    def awaited(future: Future) -> Generator[Any, None, Any]:
         try:
             asyncio.get_running_loop()
         except RuntimeError:

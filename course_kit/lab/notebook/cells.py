@@ -142,7 +142,7 @@ class Notebook:
     def _capture_logs(self) -> None:
         from rclpy.impl import rcutils_logger
 
-        self._patches.set(rcutils_logger, "_rclpy", _LogTap(rcutils_logger._rclpy, self._output))  # noqa: SLF001
+        self._patches.set(rcutils_logger, "_rclpy", _LogCapture(rcutils_logger._rclpy, self._output))  # noqa: SLF001
 
     def _warned(self, show: Callable[..., None]) -> Callable[..., None]:
         """Warnings of rclpy in a callback, without the place in rclpy, which is not where the learner went wrong."""
@@ -180,12 +180,12 @@ class Notebook:
         self._scheduled = False
         self._output.drain()
 
-    def _before_cell(self, info: Any) -> None:
+    def _before_cell(self, info: object) -> None:
         del info
         self._route()
         self._keep_beating()
 
-    def _after_cell(self, result: Any) -> None:
+    def _after_cell(self, result: object) -> None:
         del result
         if self._beat is not None:
             self._beat.cancel()
@@ -206,7 +206,7 @@ class Notebook:
             self._beat = self._loop.call_later(_BEAT, self._keep_beating)
 
 
-class _LogTap:
+class _LogCapture:
     """Stands in for rclpy's C module where log lines are handed over; everything else passes through."""
 
     def __init__(self, module: Any, output: Output) -> None:

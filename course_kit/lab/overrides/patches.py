@@ -53,7 +53,7 @@ def quieten_finalizers(patches: Patches) -> None:
     finalize = Executor.__del__
     gone = contextlib.suppress(AttributeError, ValueError, InvalidHandle)  # kept: at the very end modules are empty
 
-    def finalize_quietly(executor: Any) -> None:
+    def finalize_quietly(executor: Executor) -> None:
         with gone:
             finalize(executor)
 

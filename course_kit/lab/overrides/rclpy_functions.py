@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import rclpy
 from rclpy.action import ActionClient
@@ -22,44 +22,19 @@ from course_kit.lab.errors import DeadlockError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.action.client import ClientGoalHandle
+    from rclpy.context import Context
+    from rclpy.node import Node
+    from rclpy.task import Future
+
     from course_kit.lab.overrides.patches import Patches
-    from course_kit.lab.runtime.executor import Turn
+    from course_kit.lab.runtime.engine import Engine
+    from course_kit.ros.messages import Message
 
 _SLICE = 0.1  # seconds a wait inside the middleware lasts before Python may see an interrupt
 
 
-class Guarded(Protocol):
-    """What these functions need of the lab."""
-
-    def in_callback(self) -> bool:
-        """Whether the caller is inside a callback of the lab."""
-
-    def in_execution(self) -> bool:
-        """Whether the caller is inside an execute callback on a thread of its own."""
-
-    def turn(self) -> Turn | None:
-        """The callback that is running."""
-
-    def is_live(self, node: Any) -> bool:
-        """Whether a node is one that the lab spins."""
-
-    def is_own_executor(self, executor: Any) -> bool:
-        """Whether an executor is the lab's."""
-
-    def note(self, text: str) -> None:
-        """Tell the learner something in the notebook."""
-
-    def stop_soon(self, node: Any) -> None:
-        """Stop a node when its callback has ended."""
-
-    def wait_for_turn(self, timeout: float) -> None:
-        """Return when the lab has run a callback, or after `timeout` seconds."""
-
-    def flush_output(self) -> None:
-        """Show what callbacks have printed."""
-
-
-def install(patches: Patches, lab: Guarded) -> None:
+def install(patches: Patches, lab: Engine) -> None:
     """Replace rclpy's functions; `patches` takes it back."""
     _guard_context(patches, lab)
     _guard_spinning(patches, lab)
@@ -67,7 +42,7 @@ def install(patches: Patches, lab: Guarded) -> None:
     _guard_calls(patches, lab)
 
 
-def check_await(lab: Guarded, future: Any) -> None:
+def check_await(lab: Engine, future: Future) -> None:
     """Raise DeadlockError for an await in a callback whose answer could only be taken after that callback."""
     turn = lab.turn()
     if not lab.in_callback() or turn is None or turn.entity is None or future.done():
@@ -84,16 +59,16 @@ def check_await(lab: Guarded, future: Any) -> None:
             )
 
 
-def _guard_context(patches: Patches, lab: Guarded) -> None:
+def _guard_context(patches: Patches, lab: Engine) -> None:
     init, shutdown, try_shutdown = rclpy.init, rclpy.shutdown, rclpy.try_shutdown
 
-    def init_in_lab(*, context: Any = None, **options: Any) -> None:
+    def init_in_lab(*, context: Context | None = None, **options: Any) -> None:
         if context is not None:
             init(context=context, **options)
         else:
             lab.note("rclpy.init(): ROS is already running in this notebook; nothing to do.")
 
-    def end(original: Any, name: str, context: Any, options: dict[str, Any]) -> None:
+    def end(original: Any, name: str, context: Context | None, options: dict[str, Any]) -> None:
         turn = lab.turn()
         if context is not None:
             original(context=context, **options)
@@ -110,8 +85,8 @@ def _guard_context(patches: Patches, lab: Guarded) -> None:
     patches.set(rclpy, "try_shutdown", lambda *, context=None: end(try_shutdown, "rclpy.try_shutdown()", context, {}))
 
 
-def _guard_spinning(patches: Patches, lab: Guarded) -> None:
-    def spin(node: Any, executor: Any = None) -> None:
+def _guard_spinning(patches: Patches, lab: Engine) -> None:
+    def spin(node: Node, executor: Executor | None = None) -> None:
         _refuse(lab, "rclpy.spin()")
         if lab.is_live(node):
             lab.note(f"rclpy.spin(): the lab spins {node.get_name()} in the background already; nothing to do.")
@@ -125,7 +100,7 @@ def _guard_spinning(patches: Patches, lab: Guarded) -> None:
         finally:
             executor.remove_node(node)
 
-    def spin_once(node: Any, *, executor: Any = None, timeout_sec: float | None = None) -> None:
+    def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
         _refuse(lab, "rclpy.spin_once()")
         at_most = _SLICE if timeout_sec is None or timeout_sec < 0 else timeout_sec
         if lab.is_live(node):
@@ -135,7 +110,7 @@ def _guard_spinning(patches: Patches, lab: Guarded) -> None:
         _spin_for(node, executor, lambda executor: executor.spin_once(timeout_sec=at_most))
 
     def spin_until_future_complete(
-        node: Any, future: Any, executor: Any = None, timeout_sec: float | None = None
+        node: Node, future: Future, executor: Executor | None = None, timeout_sec: float | None = None
     ) -> None:
         _refuse(lab, "rclpy.spin_until_future_complete()")
         if lab.is_live(node):
@@ -148,11 +123,11 @@ def _guard_spinning(patches: Patches, lab: Guarded) -> None:
     patches.set(rclpy, "spin_until_future_complete", spin_until_future_complete)
 
 
-def _guard_executors(patches: Patches, lab: Guarded) -> None:
+def _guard_executors(patches: Patches, lab: Engine) -> None:
     def guard(owner: Any, method: str) -> None:
         original = getattr(owner, method)
 
-        def guarded(executor: Any, *arguments: Any, **options: Any) -> Any:
+        def guarded(executor: Executor, *arguments: Any, **options: Any) -> Any:
             if not lab.is_own_executor(executor):
                 _refuse(lab, f"{type(executor).__name__}.{method}()")
             return original(executor, *arguments, **options)
@@ -166,7 +141,7 @@ def _guard_executors(patches: Patches, lab: Guarded) -> None:
         guard(owner, "spin_once_until_future_complete")
     add_node = Executor.add_node
 
-    def add_node_kept(executor: Any, node: Any) -> bool:
+    def add_node_kept(executor: Executor, node: Node) -> bool:
         if lab.is_live(node) and not lab.is_own_executor(executor):
             lab.note(
                 f"{type(executor).__name__}.add_node(): the lab spins {node.get_name()} already and keeps it. "
@@ -178,10 +153,10 @@ def _guard_executors(patches: Patches, lab: Guarded) -> None:
     patches.set(Executor, "add_node", add_node_kept)
 
 
-def _guard_calls(patches: Patches, lab: Guarded) -> None:
+def _guard_calls(patches: Patches, lab: Engine) -> None:
     call = Client.call
 
-    def call_guarded(client: Any, request: Any, timeout_sec: float | None = None) -> Any:
+    def call_guarded(client: Client, request: Message, timeout_sec: float | None = None) -> Message:
         _refuse_to_wait(lab, f"call() of {client.service_name}", "call_async()")
         if not lab.in_execution():
             return call(client, request, timeout_sec)
@@ -193,22 +168,22 @@ def _guard_calls(patches: Patches, lab: Guarded) -> None:
     patches.set(Client, "call", call_guarded)
 
 
-def guard_goals(patches: Patches, lab: Guarded) -> None:
+def guard_goals(patches: Patches, lab: Engine) -> None:
     """Replace those functions of action clients that wait; `patches` takes it back."""
 
-    def send_goal(client: Any, goal: Any, **options: Any) -> Any:
+    def send_goal(client: ActionClient, goal: Message, **options: Any) -> Message:
         _refuse_to_wait(lab, "send_goal()", "send_goal_async()")
         sent = client.send_goal_async(goal, **options)
         _has_come(lab, sent, None)
         return client._get_result(sent.result())  # noqa: SLF001 - as rclpy's own does
 
-    def cancel_goal(client: Any, goal_handle: Any) -> Any:
+    def cancel_goal(client: ActionClient, goal_handle: ClientGoalHandle) -> Message:
         _refuse_to_wait(lab, "cancel_goal()", "cancel_goal_async()")
         future = client._cancel_goal_async(goal_handle)  # noqa: SLF001
         _has_come(lab, future, None)
         return future.result()
 
-    def get_result(client: Any, goal_handle: Any) -> Any:
+    def get_result(client: ActionClient, goal_handle: ClientGoalHandle) -> Message:
         _refuse_to_wait(lab, "get_result()", "get_result_async()")
         future = client._get_result_async(goal_handle)  # noqa: SLF001
         _has_come(lab, future, None)
@@ -219,7 +194,7 @@ def guard_goals(patches: Patches, lab: Guarded) -> None:
     patches.set(ActionClient, "_get_result", get_result)
 
 
-def _refuse_to_wait(lab: Guarded, what: str, instead: str) -> None:
+def _refuse_to_wait(lab: Engine, what: str, instead: str) -> None:
     if lab.in_callback():
         raise DeadlockError(
             f"{what} inside a callback would wait for ever: the answer can only be taken by the thread that runs "
@@ -227,7 +202,7 @@ def _refuse_to_wait(lab: Guarded, what: str, instead: str) -> None:
         )
 
 
-def _refuse(lab: Guarded, what: str) -> None:
+def _refuse(lab: Engine, what: str) -> None:
     """Raise for a function that spins: in a callback it hangs; in an execute callback it takes the node away."""
     if lab.in_callback():
         raise DeadlockError(
@@ -241,7 +216,7 @@ def _refuse(lab: Guarded, what: str) -> None:
         )
 
 
-def _has_come(lab: Guarded, future: Any, timeout: float | None) -> bool:
+def _has_come(lab: Engine, future: Future, timeout: float | None) -> bool:
     """Wait for a future; False if it is not done within `timeout` seconds."""
     done = threading.Event()
     future.add_done_callback(lambda _: done.set())
@@ -249,7 +224,7 @@ def _has_come(lab: Guarded, future: Any, timeout: float | None) -> bool:
     return done.is_set()
 
 
-def _wait_in_slices(lab: Guarded, done: threading.Event, timeout: float | None) -> None:
+def _wait_in_slices(lab: Engine, done: threading.Event, timeout: float | None) -> None:
     deadline = None if timeout is None or timeout < 0 else time.monotonic() + timeout
     while deadline is None or time.monotonic() < deadline:
         if done.wait(_SLICE if deadline is None else max(0.0, min(_SLICE, deadline - time.monotonic()))):
@@ -258,7 +233,7 @@ def _wait_in_slices(lab: Guarded, done: threading.Event, timeout: float | None) 
     lab.flush_output()
 
 
-def _spin_for(node: Any, executor: Any, work: Callable[[Any], None]) -> None:
+def _spin_for(node: Node, executor: Executor | None, work: Callable[[Executor], None]) -> None:
     """Have an executor of rclpy's own do `work` with a node that the lab does not spin."""
     executor = executor or rclpy.get_global_executor()
     added = executor.add_node(node)
@@ -269,7 +244,7 @@ def _spin_for(node: Any, executor: Any, work: Callable[[Any], None]) -> None:
             executor.remove_node(node)
 
 
-def _spin_until(executor: Any, future: Any, timeout: float | None) -> None:
+def _spin_until(executor: Executor, future: Future, timeout: float | None) -> None:
     """Spin as rclpy would, letting Python see an interrupt now and then."""
     deadline = None if timeout is None or timeout < 0 else time.monotonic() + timeout
     future.add_done_callback(lambda _: executor.wake())

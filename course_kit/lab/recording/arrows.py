@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from course_kit.lab.recording.goal_arrows import UNSEEN, goal_arrows
-from course_kit.lab.recording.wording import in_words
 from course_kit.ros.arrows import Arrow
+from course_kit.ros.showing import in_words
 
 if TYPE_CHECKING:
     from course_kit.lab.recording.events import Event

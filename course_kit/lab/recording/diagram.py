@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros.names import short_name
 
@@ -87,7 +87,7 @@ class Diagram:
     def __repr__(self) -> str:
         return str(self)
 
-    def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
+    def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
         if not self.arrows:
             return {"text/plain": _EMPTY}
         return {MERMAID: self.mermaid(), "text/plain": str(self)}

@@ -6,9 +6,9 @@ Nothing here imports rclpy: recorders and the processes of scripts share it.
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
-from course_kit.lab.recording.snapshot import snapshot
+from course_kit.ros.showing import snapshot
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,7 +45,7 @@ class Event(NamedTuple):
         node: fully qualified name of the node it happened in, "lab" for the lab's own calls.
         channel: full name of the service, topic or action.
         type_name: e.g. "std_srvs/srv/Trigger".
-        value: a plain copy of the message (see `snapshot`), or text for failures; for the answer to a goal and to a
+        value: a plain copy of the message (see `ros.showing`), or text for failures; for the answer to a goal and to a
             cancel request whether it was "accepted", for a result its "status" and the "result".
         sequence: the client's number of the request; a goal's identifier as a number; 0 for topics.
         at: CLOCK_MONOTONIC in nanoseconds, comparable between the processes of one machine.
@@ -60,20 +60,7 @@ class Event(NamedTuple):
     at: int
 
 
-class Recorder(Protocol):
-    """Keeps events and draws them. `recording` has the one the course uses."""
-
-    def observe(self, event: Event) -> None:
-        """Take note of an event; called on the thread it happened on, so it must return at once."""
-
-    def restart(self) -> None:
-        """Forget everything recorded so far."""
-
-    def diagram(self, last: int | None = None) -> object:
-        """What was recorded, as something a notebook can display."""
-
-
-class Taps:
+class EventStream:
     """Where events are reported; costs one comparison while nobody listens."""
 
     def __init__(self) -> None:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.lab.recording.wording import in_words
 from course_kit.ros.arrows import Arrow
+from course_kit.ros.showing import in_words
 
 if TYPE_CHECKING:
     from course_kit.lab.recording.events import Event

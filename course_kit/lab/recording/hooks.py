@@ -1,9 +1,9 @@
-"""Taps at the boundary of rclpy: what a node sends and what its executor takes for it.
+"""Hooks at the boundary of rclpy: what a node sends and what its executor takes for it.
 
 Sending is seen by wrapping `Client.call_async` and `Publisher.publish`, two public methods. Receiving is seen in
 the three methods by which rclpy's Executor takes work from the middleware (`_take_service`, `_take_client` and
 `_take_subscription`): they are the only place that has both the message and the number of its request. The same
-taps serve the lab's own executor and the programs of `%%ros_script`.
+hooks serve the lab's own executor and the programs of `%%ros_script`.
 """
 
 from __future__ import annotations
@@ -20,10 +20,16 @@ from course_kit.ros.messages import type_name
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
 
-    from course_kit.lab.overrides.patches import Patches
-    from course_kit.lab.recording.events import Taps
+    from rclpy.client import Client
+    from rclpy.executors import Executor
+    from rclpy.service import Service
+    from rclpy.task import Future
 
-    Work = Callable[[], Coroutine[Any, Any, None]]
+    from course_kit.lab.overrides.patches import Patches
+    from course_kit.lab.recording.events import EventStream
+    from course_kit.ros.messages import Message, ServiceType
+
+    Work = Callable[[], Coroutine[object, None, None]]
     Where = tuple[str, str, str]
 
 _WHERE = "_course_kit_where"  # on a client, service, publisher or subscription: what `where` has found out
@@ -38,13 +44,13 @@ class WrongResponseError(TypeError):
         what: the part of the message after "the service callback".
     """
 
-    def __init__(self, returned: Any, service_type: Any) -> None:
+    def __init__(self, returned: object, service_type: ServiceType) -> None:
         self.what = _wrong_response(returned, service_type)
         super().__init__(f"the service callback {self.what}")
 
 
-class Tapping:
-    """Sees messages cross and reports them to `taps`.
+class MessageHooks:
+    """Sees messages cross and reports them to `events`.
 
     Attributes:
         aliases: what to call a node, by its fully qualified name.
@@ -53,11 +59,11 @@ class Tapping:
         on_delivery: called with a subscription when its callback has had a message.
     """
 
-    def __init__(self, taps: Taps) -> None:
-        self.taps = taps
+    def __init__(self, events: EventStream) -> None:
+        self.events = events
         self.aliases: dict[str, str] = {}
-        self.direct: set[Any] = set()
-        self.on_delivery: set[Callable[[Any], None]] = set()
+        self.direct: set[Client] = set()
+        self.on_delivery: set[Callable[[Subscription], None]] = set()
 
     def where(self, entity: Any) -> Where:
         """The node, the full name and the type of a client, service, publisher or subscription."""
@@ -70,7 +76,7 @@ class Tapping:
             setattr(entity, _WHERE, known)
         return known
 
-    def tap_sending(self, patches: Patches) -> None:
+    def hook_sending(self, patches: Patches) -> None:
         """Wrap the two methods every message of a program is sent by."""
         from rclpy.client import Client
         from rclpy.publisher import Publisher
@@ -78,41 +84,42 @@ class Tapping:
         call_async = Client.call_async
         publish = Publisher.publish
 
-        def call_async_seen(client: Any, request: Any) -> Any:
-            if not self.taps:
+        def call_async_seen(client: Client, request: Message) -> Future:
+            if not self.events:
                 return call_async(client, request)
             before = time.monotonic_ns()  # the answer may be here before `call_async` returns
             future = call_async(client, request)
-            self.taps.emit("request_sent", self.where(client), request, _sequence_of(client, future), before)
+            self.events.emit("request_sent", self.where(client), request, _sequence_of(client, future), before)
             return future
 
-        def publish_seen(publisher: Any, message: Any) -> None:
-            if self.taps and not isinstance(message, bytes) and isinstance(message, publisher.msg_type):
+        def publish_seen(publisher: Publisher, message: Message) -> None:
+            kind: Any = publisher.msg_type  # a class, which its type in rclpy does not say
+            if self.events and not isinstance(message, bytes) and isinstance(message, kind):
                 where = self.where(publisher)
                 if where[1] not in _SILENT_TOPICS:
-                    self.taps.emit("published", where, message)
+                    self.events.emit("published", where, message)
             publish(publisher, message)
 
         patches.set(Client, "call_async", call_async_seen)
         patches.set(Publisher, "publish", publish_seen)
 
-    def take_service(self, service: Any, on_failure: Callable[[Any, int, BaseException], None]) -> Work | None:
+    def take_service(self, service: Service, on_failure: Callable[[Service, int, BaseException], None]) -> Work | None:
         """Take a request and return the work of answering it, as `Executor._take_service` does."""
         try:
             with service.handle:
-                request, header = service.handle.service_take_request(service.srv_type.Request)
+                request, header = service.handle.service_take_request(_service_type(service).Request)
         except InvalidHandle:  # destroyed meanwhile
             return None
         if header is None:
             return None
-        sequence = _sequence(header)
+        sequence, kind = _sequence(header), _service_type(service)
 
         async def answer() -> None:
             self._emit("request_received", service, request, sequence)
             try:
-                response = await _run(service.callback, request, service.srv_type.Response())
-                if not isinstance(response, service.srv_type.Response):
-                    raise WrongResponseError(response, service.srv_type)  # noqa: TRY301 - one way out for all failures
+                response = await _run(service.callback, request, kind.Response())
+                if not isinstance(response, kind.Response):
+                    raise WrongResponseError(response, kind)  # noqa: TRY301 - one way out for all failures
                 # Before it is sent: whoever has the answer can be sure that the event is there as well.
                 self._emit("response_sent", service, response, sequence)
                 service.send_response(response, header)
@@ -125,11 +132,11 @@ class Tapping:
 
         return answer
 
-    def take_client(self, executor: Any, client: Any) -> Work | None:
+    def take_client(self, executor: Executor, client: Client) -> Work | None:
         """Take an answer and return the work of handing it to whoever waits, as `Executor._take_client` does."""
         try:
             with client.handle:
-                header, response = client.handle.take_response(client.srv_type.Response)
+                header, response = client.handle.take_response(_service_type(client).Response)
         except InvalidHandle:
             return None
         if header is None:
@@ -148,7 +155,7 @@ class Tapping:
 
         return hand_over
 
-    def take_subscription(self, subscription: Any) -> Work | None:
+    def take_subscription(self, subscription: Subscription) -> Work | None:
         """Take a message and return the work of the callback, as `Executor._take_subscription` does."""
         try:
             with subscription.handle:
@@ -172,16 +179,23 @@ class Tapping:
         return deliver
 
     def _emit(self, kind: Any, entity: Any, message: object, sequence: int) -> None:
-        if self.taps:
+        if self.events:
             try:
                 where = self.where(entity)
             except InvalidHandle:
                 return
             if where[1] not in _SILENT_TOPICS:
-                self.taps.emit(kind, where, message, sequence)
+                self.events.emit(kind, where, message, sequence)
 
 
-def _sequence_of(client: Any, future: Any) -> int:
+def _service_type(entity: Service | Client) -> ServiceType:
+    """The class of a service; rclpy's own type for it names none of its parts."""
+    found: Any = entity.srv_type
+    kind: ServiceType = found
+    return kind
+
+
+def _sequence_of(client: Client, future: Future) -> int:
     """The number of a request just sent; 0 if its answer has come and gone already."""
     with client._lock:  # noqa: SLF001
         pending = client._pending_requests  # noqa: SLF001
@@ -209,7 +223,7 @@ def _sequence(header: Any) -> int:
     return int(getattr(header, "request_id", header).sequence_number)  # of a request or of what is known about one
 
 
-def _wrong_response(returned: Any, service_type: Any) -> str:
+def _wrong_response(returned: object, service_type: ServiceType) -> str:
     if returned is None:
         return "returned nothing. End it with `return response`."
     if isinstance(returned, service_type.Request):

@@ -16,7 +16,7 @@ DRAWN = 60  # arrows, unless the caller wants another number
 
 
 class Recording:
-    """What has crossed since it began; see `course_kit.lab.recording.events.Recorder`."""
+    """What has crossed since it began, up to a number of events, and its diagram."""
 
     def __init__(self) -> None:
         self._events: deque[Event] = deque(maxlen=KEPT)

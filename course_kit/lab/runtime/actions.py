@@ -23,9 +23,13 @@ from course_kit.lab.runtime.executor import CallbackStopped, Turn
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from contextlib import AbstractContextManager
+
+    from rclpy.action.server import ServerGoalHandle
 
     from course_kit.lab.overrides.patches import Patches
-    from course_kit.lab.runtime.execution import Executions
+    from course_kit.lab.runtime.execution import Execute, Executions
+    from course_kit.ros.messages import Message
 
 
 def keep_replies(patches: Patches) -> None:
@@ -35,7 +39,7 @@ def keep_replies(patches: Patches) -> None:
         _hold(patches, ActionClient, method, sending)
 
 
-def _hold(patches: Patches, owner: Any, method: str, lock: Any) -> None:
+def _hold(patches: Patches, owner: Any, method: str, lock: AbstractContextManager[bool]) -> None:
     original = getattr(owner, method)
 
     @functools.wraps(original)
@@ -47,14 +51,22 @@ def _hold(patches: Patches, owner: Any, method: str, lock: Any) -> None:
 
 
 def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[BaseException, Turn], None]) -> None:
-    """Have goals executed by `executions`, and `crashed` told of what raises; `patches` takes it back."""
+    """Have goals executed by `executions`, and `crashed` told of what raises.
+
+    Args:
+        patches: takes it back.
+        executions: execute them.
+        crashed: told of an error, and of the callback that has raised it.
+    """
     execute_goal = ActionServer._execute_goal  # noqa: SLF001 - all of a server's goals pass here, however they are begun
 
-    async def execute_goal_apart(server: Any, execute_callback: Any, goal_handle: Any) -> None:
+    async def execute_goal_apart(
+        server: ActionServer, execute_callback: Execute, goal_handle: ServerGoalHandle
+    ) -> None:
         node = server._node  # noqa: SLF001 - rclpy has no other way to it
         begun = time.monotonic()
 
-        async def execute(handle: Any) -> Any:
+        async def execute(handle: ServerGoalHandle) -> Message:
             try:
                 if executions.runs(node):
                     return await executions.run(server, execute_callback, handle)

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from types import CodeType, FrameType
 
+    from rclpy.node import Node
+
     Locate = Callable[[str], str | None]
 
 _NOT_THE_LEARNERS = tuple(
@@ -73,7 +75,7 @@ def is_own(filename: str) -> bool:
     return not filename.startswith(_NOT_THE_LEARNERS)
 
 
-def examine(error: BaseException, entity: Any, node: Any, locate: Locate) -> Crash:
+def examine(error: BaseException, entity: Any, node: Node | None, locate: Locate) -> Crash:
     """Find out about an error while its traceback is there.
 
     Args:

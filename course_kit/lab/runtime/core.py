@@ -6,17 +6,17 @@ import atexit
 import threading
 from typing import TYPE_CHECKING, Any
 
-from course_kit.lab import calls, graph, topics
+from course_kit.lab import graph
 from course_kit.lab.errors import LabError
 from course_kit.lab.notebook.cells import Notebook
 from course_kit.lab.notebook.output import Output
-from course_kit.lab.recording.events import Recorder, Taps
+from course_kit.lab.recording.events import EventStream
 from course_kit.ros import graph as ros_graph
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Hashable, Iterable
+    from collections.abc import Callable, Hashable, Iterable
 
-    from course_kit.lab import goals
+    from course_kit.lab.recording.recording import Recording
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.nodes import NodeList
     from course_kit.lab.scripts.running import Scripts
@@ -30,17 +30,17 @@ class Lab:
     happens by itself.
 
     Attributes:
-        taps: told what crosses between nodes.
+        events: told what crosses between nodes.
         output: what callbacks and scripts have printed.
     """
 
     def __init__(self) -> None:
-        self.taps = Taps()
+        self.events = EventStream()
         self.output = Output()
         self._notebook = Notebook.of_this_process(self.output)
         self._engine: Engine | None = None
         self._scripts: Scripts | None = None
-        self._recorder: Recorder | None = None
+        self._recorder: Recording | None = None
         self._panels: dict[Hashable, Callable[[], None]] = {}
         self._told: set[str] = set()
         self._closed = False
@@ -84,8 +84,12 @@ class Lab:
         self.output.drain()
         return node
 
-    def stop(self, target: Any = None, /) -> None:
-        """See `course_kit.lab.stop`."""
+    def stop(self, target: object = None, /) -> None:
+        """See `course_kit.lab.stop`.
+
+        Raises:
+            LabError: no such node is running.
+        """
         if self._engine is None:
             nodes = []
         else:
@@ -104,51 +108,6 @@ class Lab:
         live = sorted(self._engine.nodes, key=lambda one: one.name) if self._engine else []
         return NodeList(live)
 
-    def call(self, service: str, service_type: Any, asked: calls.Asked) -> Coroutine[Any, Any, Any]:
-        """See `course_kit.lab.call`."""
-        self._not_in_callback("lab.call()")
-        return calls.call_async(calls.ServiceExchange(self.engine, service, service_type, asked))
-
-    def call_blocking(self, service: str, service_type: Any, asked: calls.Asked) -> Any:
-        """See `course_kit.lab.call_blocking`."""
-        self._not_in_callback("lab.call_blocking()")
-        exchange = calls.ServiceExchange(self.engine, service, service_type, asked)
-        return calls.call_blocking(exchange, self.output.drain)
-
-    def send_goal(self, action: str, action_type: Any, asked: goals.AskedGoal) -> Coroutine[Any, Any, goals.Goal]:
-        """See `course_kit.lab.send_goal`."""
-        self._not_in_callback("lab.send_goal()")
-        from course_kit.lab import goals
-
-        return calls.call_async(goals.Sending(self.engine, action, action_type, asked))
-
-    def send_goal_blocking(self, action: str, action_type: Any, asked: goals.AskedGoal) -> goals.Goal:
-        """See `course_kit.lab.send_goal_blocking`."""
-        self._not_in_callback("lab.send_goal_blocking()")
-        from course_kit.lab import goals
-
-        sending = goals.Sending(self.engine, action, action_type, asked)
-        goal: goals.Goal = calls.call_blocking(sending, self.output.drain)
-        return goal
-
-    def publish(self, topic: str, message_type: Any, message: Any, fields: dict[str, Any]) -> None:
-        """See `course_kit.lab.publish`."""
-        ready = topics.message_of(message_type, message, fields)
-        publisher = self.engine.clients.publisher(message_type, topic)
-        topics.wait_for_subscriptions(self.engine.node, publisher)
-        topics.publish(self.engine, publisher, ready)
-
-    async def next_messages(self, topic: str, message_type: Any, count: int, timeout: float) -> list[Any]:
-        """See `course_kit.lab.next_messages`."""
-        return await topics.next_messages(self.engine, topic, message_type, count, timeout)
-
-    def subscribe(
-        self, topic: str, message_type: Any, callback: Callable[[Any], None], qos: Any
-    ) -> topics.Subscription:
-        """See `course_kit.lab.subscribe`."""
-        topics.require_message_type(message_type)
-        return topics.Subscription(self.engine, topic, message_type, callback, qos)
-
     def script(self, name: str, source: str, arguments: tuple[str, ...], mode: str) -> Script:
         """See `course_kit.lab.script`."""
         return self.scripts.run(name, source, arguments, mode)
@@ -162,14 +121,14 @@ class Lab:
             graph.wait_for_nodes(self._engine.node, names, {live.name for live in self._engine.nodes}, there=there)
 
     @property
-    def recorder(self) -> Recorder | None:
+    def recorder(self) -> Recording | None:
         """What keeps the events, if anything does."""
         return self._recorder
 
-    def attach(self, recorder: Recorder) -> None:
+    def attach(self, recorder: Recording) -> None:
         """Have a recorder told what crosses from now on, and `diagram` answered by it."""
         self._recorder = recorder
-        self.taps.listen(recorder.observe)
+        self.events.listen(recorder.observe)
 
     def record(self) -> None:
         """See `course_kit.lab.record`."""
@@ -218,9 +177,9 @@ class Lab:
         from course_kit.ros import compat
 
         found = compat.check()
-        engine = Engine(self.taps, self.output, self._notebook, found)
+        engine = Engine(self.events, self.output, self._notebook, found)
         engine.on_server_gone = self._let_scripts_end
-        self._notebook.attach(engine.spinner.thread_id, found)
+        self._notebook.attach(engine.executor_thread.thread_id, found)
         self.tell_once(found.sentences())
         _at_exit(self.close)
         return engine
@@ -230,11 +189,11 @@ class Lab:
             node = self._engine.node
             self._scripts.wait_for_end_of_those_without_node(set(ros_graph.nodes(node)))
 
-    def _require_recorder(self) -> Recorder:
+    def _require_recorder(self) -> Recording:
         if self._recorder is None:
             raise LabError(
                 "Nothing is being recorded. In a notebook run `%load_ext course_kit` first; in a program, "
-                "`from course_kit import trace` and `trace.attach()` before the nodes are started."
+                "`from course_kit.lab.recording import attaching`, and `attaching.attach()` before nodes are started."
             )
         return self._recorder
 
@@ -243,11 +202,11 @@ class Lab:
             self._engine.not_in_callback(what)
 
 
-def _shown(target: Any) -> str:
+def _shown(target: object) -> str:
     return target.__name__ if isinstance(target, type) else repr(target) if isinstance(target, str) else "This node"
 
 
-def _at_exit(function: Any) -> None:
+def _at_exit(function: Callable[[], None]) -> None:
     """Run a function at interpreter exit, before Python takes away its threads."""
     register = getattr(threading, "_register_atexit", None)
     try:

@@ -2,33 +2,36 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import is_of_every_node, is_of_ros, short_name
 
+if TYPE_CHECKING:
+    from rclpy.node import Node
 
-def describe_node(node: Any) -> str:
+
+def describe_node(node: Node) -> str:
     """One line for the node and one for each service, action and topic it has made."""
     lines = [f"{short_name(node.get_fully_qualified_name())} ({type(node).__name__})"]
     lines += sorted(_services(node)) + sorted(_actions(node)) + sorted(_topics(node))
     return "\n    ".join(lines)
 
 
-def channels_of(node: Any) -> set[str]:
+def channels_of(node: Node) -> set[str]:
     """The full names of the services and topics a node uses."""
     services = {one.service_name for kind in (node.services, node.clients) for one in kind}
     return services | {one.topic_name for kind in (node.publishers, node.subscriptions) for one in kind}
 
 
-def actions_of(node: Any) -> set[str]:
+def actions_of(node: Node) -> set[str]:
     """The full names of the actions a node runs."""
     from rclpy.action import get_action_server_names_and_types_by_node
 
     return {name for name, _ in get_action_server_names_and_types_by_node(node, node.get_name(), node.get_namespace())}
 
 
-def is_alive(node: Any) -> bool:
+def is_alive(node: Node) -> bool:
     """Whether a node has not been destroyed."""
     from rclpy.exceptions import InvalidHandle
 
@@ -39,7 +42,7 @@ def is_alive(node: Any) -> bool:
         return False
 
 
-def _services(node: Any) -> set[str]:
+def _services(node: Node) -> set[str]:
     serves = {
         f"serves {service.service_name} [{type_name(service.srv_type)}]"
         for service in node.services
@@ -49,7 +52,7 @@ def _services(node: Any) -> set[str]:
     return serves | calls
 
 
-def _actions(node: Any) -> set[str]:
+def _actions(node: Node) -> set[str]:
     from rclpy.action import get_action_client_names_and_types_by_node, get_action_server_names_and_types_by_node
 
     own = (node, node.get_name(), node.get_namespace())
@@ -60,7 +63,7 @@ def _actions(node: Any) -> set[str]:
     return {f"{verb} {name} [{', '.join(types)}]" for verb, found in verbs.items() for name, types in found}
 
 
-def _topics(node: Any) -> set[str]:
+def _topics(node: Node) -> set[str]:
     sends = {
         f"publishes {publisher.topic_name} [{type_name(publisher.msg_type)}]"
         for publisher in node.publishers

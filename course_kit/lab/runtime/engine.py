@@ -1,14 +1,14 @@
 """The running half of a lab: made when ROS is first needed, ended once.
 
-It puts the parts together: the spinner and its nodes, the overrides of rclpy's functions, the client side of calls,
-and what to say when a callback fails.
+It puts the parts together: the executor's thread and its nodes, the overrides of rclpy's functions, the client side of
+calls, and what to say when a callback fails.
 """
 
 from __future__ import annotations
 
 import contextlib
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import rclpy.utilities
 from rclpy.action import ActionServer
@@ -18,12 +18,12 @@ from course_kit.lab.errors import DeadlockError
 from course_kit.lab.notebook import asyncio_bridge
 from course_kit.lab.overrides import rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
-from course_kit.lab.recording.hooks import Tapping
+from course_kit.lab.recording.hooks import MessageHooks
 from course_kit.lab.runtime import actions, timeout_reasons
 from course_kit.lab.runtime.describe import actions_of
 from course_kit.lab.runtime.execution import Executions, abort_goals, turn_of
 from course_kit.lab.runtime.executor import Turn
-from course_kit.lab.runtime.executor_thread import Spinner
+from course_kit.lab.runtime.executor_thread import ExecutorThread
 from course_kit.lab.runtime.failures import Failures
 from course_kit.lab.runtime.nodes import Nodes
 from course_kit.ros import compat_names
@@ -31,11 +31,16 @@ from course_kit.ros import compat_names
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.executors import Executor
+    from rclpy.node import Node
+    from rclpy.subscription import Subscription
+    from rclpy.task import Future
+
     from course_kit.lab.notebook.cells import Notebook
     from course_kit.lab.notebook.output import Output
-    from course_kit.lab.recording.events import Taps
+    from course_kit.lab.recording.events import EventStream
     from course_kit.ros.compat import Compatibility
-    from course_kit.ros.goal import GoalClient
+    from course_kit.ros.messages import Message
 
 LAB_NAME = "lab"
 _FREE = 1.0  # seconds a callback may keep the thread before goals are not ended properly
@@ -48,7 +53,7 @@ class Engine:
     """Everything of a lab that needs rclpy.
 
     Args:
-        taps: told what crosses.
+        events: told what crosses.
         output: takes what callbacks say.
         notebook: where someone may read along, and want to be told that `rclpy.init()` was not needed.
         found: which features of the lab this rclpy allows.
@@ -58,20 +63,20 @@ class Engine:
         guests: nodes that others spin in this lab's context; their clients, too, are told when a callback fails.
     """
 
-    def __init__(self, taps: Taps, output: Output, notebook: Notebook, found: Compatibility) -> None:
+    def __init__(self, events: EventStream, output: Output, notebook: Notebook, found: Compatibility) -> None:
         self.output = output
         self.on_server_gone: Callable[[], None] = lambda: None
-        self.guests: set[Any] = set()
+        self.guests: set[Node] = set()
         self._locate = notebook.locate
         self._found = found
         self._notebook = notebook
         self._patches = Patches()
-        self._tapping = Tapping(taps)
-        self._failures = Failures(output, notebook.locate, self._tapping, self)
-        self.spinner = Spinner(notebook.ros_arguments(found), self._tapping, self._failures, found)
-        self.executions = Executions(self.spinner.executor, output)
-        self.nodes = Nodes(self.spinner, self._end_goals, self._forget)
-        self.clients = Clients(self.spinner, self._tapping, LAB_NAME)
+        self._hooks = MessageHooks(events)
+        self._failures = Failures(output, notebook.locate, self._hooks, self)
+        self.executor_thread = ExecutorThread(notebook.ros_arguments(found), self._hooks, self._failures, found)
+        self.executions = Executions(self.executor_thread.executor, output)
+        self.nodes = Nodes(self.executor_thread, self._end_goals, self._forget)
+        self.clients = Clients(self.executor_thread, self._hooks, LAB_NAME)
         self._install()
 
     def _install(self) -> None:
@@ -80,22 +85,22 @@ class Engine:
         if self._found.has(compat_names.WAITING_FOR_GOALS):
             rclpy_functions.guard_goals(self._patches, self)
         if self._found.has(compat_names.GOAL_RECORDING):
-            from course_kit.lab.recording.action_hooks import ActionTapping
+            from course_kit.lab.recording.action_hooks import ActionHooks
 
-            ActionTapping(self._tapping, self._patches)  # before the sending of goals is held back
+            ActionHooks(self._hooks, self._patches)  # before the sending of goals is held back
         if self._found.has(compat_names.EXECUTIONS):
             actions.execute_apart(self._patches, self.executions, self._failures.callback_crashed)
         if self._found.has(compat_names.REPLIES):
             actions.keep_replies(self._patches)
         self.nodes.watch(self._patches)
         if self._found.has(compat_names.RECORDING):
-            self._tapping.tap_sending(self._patches)
+            self._hooks.hook_sending(self._patches)
         asyncio_bridge.install(self._patches, self._check_await, self.flush_output)
         if self._found.has(compat_names.DEFAULT_CONTEXT):
             # Nodes that pass no context, and rclpy.ok(), use the default one.
-            self._patches.set(rclpy.utilities, "g_default_context", self.spinner.context)
+            self._patches.set(rclpy.utilities, "g_default_context", self.executor_thread.context)
 
-    def _check_await(self, future: Any) -> None:
+    def _check_await(self, future: Future) -> None:
         if self._found.has(compat_names.DEADLOCKS):
             rclpy_functions.check_await(self, future)
 
@@ -103,7 +108,7 @@ class Engine:
         """End everything; False if a callback could not be ended."""
         self._end_goals([live.node for live in self.nodes], _LAST_JOIN)
         try:
-            return self.spinner.close(self._destroy_nodes)
+            return self.executor_thread.close(self._destroy_nodes)
         finally:
             self._patches.undo()
 
@@ -111,10 +116,10 @@ class Engine:
         self.nodes.destroy_all()
         self.clients.destroy()
 
-    # What calls ask (calls.Surroundings)
+    # What calls and goals ask
 
     @property
-    def node(self) -> Any:
+    def node(self) -> Node:
         """The lab's own, hidden node."""
         return self.clients.node
 
@@ -123,30 +128,11 @@ class Engine:
         """The fully qualified names of the lab's own nodes."""
         return frozenset({self.clients.node.get_fully_qualified_name()})
 
-    def client(self, service_type: Any, service: str) -> Any:
-        """The lab's client for a service.
-
-        Raises:
-            ServiceNotFoundError: no server of this name and type.
-        """
-        return self.clients.client(service_type, service)
-
-    def subscription(self, message_type: Any, topic: str, callback: Callable[[Any], None], qos: Any) -> Any:
-        """A new subscription of the lab's node.
-
-        Args:
-            message_type: its class.
-            topic: its name.
-            callback: called with each message.
-            qos: the profile.
-        """
-        return self.clients.subscription(message_type, topic, callback, qos)
-
-    def destroy_subscription(self, subscription: Any) -> None:
+    def destroy_subscription(self, subscription: Subscription) -> None:
         """Destroy a subscription of the lab's node."""
-        self.spinner.run_between_callbacks(lambda: self.node.destroy_subscription(subscription), 1.0)
+        self.executor_thread.run_between_callbacks(lambda: self.node.destroy_subscription(subscription), 1.0)
 
-    def subscriptions(self, topic: str, message_type: Any) -> set[Any]:
+    def subscriptions(self, topic: str, message_type: object) -> set[Subscription]:
         """The subscriptions of the lab's nodes to a topic, and its own."""
         nodes = [*(live.node for live in self.nodes), *filter(None, [self.clients.known_node])]
         return {
@@ -160,21 +146,13 @@ class Engine:
         """Whether a subscription that has had a message can be known."""
         return self._found.has(compat_names.RECORDING)
 
-    def listen_for_deliveries(self, told: Callable[[Any], None], *, listen: bool) -> None:
+    def listen_for_deliveries(self, told: Callable[[Subscription], None], *, listen: bool) -> None:
         """Begin or end to call `told` with each subscription whose callback has had a message."""
-        (self._tapping.on_delivery.add if listen else self._tapping.on_delivery.discard)(told)
-
-    def goal_client(self, action_type: Any, action: str) -> GoalClient:
-        """The lab's client for an action.
-
-        Raises:
-            ActionNotFoundError: no server of this name and type.
-        """
-        return self.clients.goal_client(action_type, action)
+        (self._hooks.on_delivery.add if listen else self._hooks.on_delivery.discard)(told)
 
     def do(self, function: Callable[[], None]) -> None:
         """Have the lab's thread call a function between two callbacks; does not wait for it."""
-        self.spinner.executor.create_task(function)
+        self.executor_thread.executor.create_task(function)
 
     def call_back(self, function: Callable[[], object]) -> None:
         """Call a function of the learner's on the lab's thread; what it raises is told."""
@@ -201,7 +179,7 @@ class Engine:
             )
 
     def _running(self) -> timeout_reasons.Running:
-        return timeout_reasons.Running(self.spinner.executor.turn, self.spinner.thread_id)
+        return timeout_reasons.Running(self.executor_thread.executor.turn, self.executor_thread.thread_id)
 
     def before_blaming(self) -> None:
         """A server has gone: let a script that is about to end say why first."""
@@ -215,24 +193,24 @@ class Engine:
 
     def in_callback(self) -> bool:
         """Whether the caller is inside a callback of the lab."""
-        return self.spinner.is_current_thread()
+        return self.executor_thread.is_current_thread()
 
     def turn(self) -> Turn | None:
         """The callback that is running on this thread, or the lab's."""
         execution = self.executions.current()
-        return self.spinner.executor.turn if execution is None else turn_of(execution)
+        return self.executor_thread.executor.turn if execution is None else turn_of(execution)
 
     def in_execution(self) -> bool:
         """Whether the caller is inside an execute callback on a thread of its own."""
         return self.executions.current() is not None
 
-    def is_live(self, node: Any) -> bool:
+    def is_live(self, node: Node) -> bool:
         """Whether a node is one that the lab spins."""
         return node in self.nodes
 
-    def is_own_executor(self, executor: Any) -> bool:
+    def is_own_executor(self, executor: Executor) -> bool:
         """Whether an executor is the lab's."""
-        return executor is self.spinner.executor
+        return executor is self.executor_thread.executor
 
     def note(self, text: str) -> None:
         """Tell the learner something in the notebook; a program is left alone."""
@@ -240,7 +218,7 @@ class Engine:
             self.output.put(text + "\n")
             self.flush_output()
 
-    def stop_soon(self, node: Any) -> None:
+    def stop_soon(self, node: Node) -> None:
         """Stop a node when its callback has ended."""
         execution = self.executions.current()
         if execution is None:
@@ -250,18 +228,18 @@ class Engine:
 
     def wait_for_turn(self, timeout: float) -> None:
         """Return when a callback has run, or after `timeout` seconds."""
-        turned = self.spinner.executor.turned
+        turned = self.executor_thread.executor.turned
         turned.clear()
         turned.wait(timeout)
 
-    # What telling of failures asks (failures.Told)
+    # What telling of failures asks
 
     @property
-    def hidden_node(self) -> Any:
+    def hidden_node(self) -> Node | None:
         """The lab's own node, if it has been needed."""
         return self.clients.known_node
 
-    def all_clients(self) -> list[Any]:
+    def all_clients(self) -> list[Message]:
         """Every service client in the lab."""
         nodes = [one for live in self.nodes for one in (live.node, *live.helpers)]
         if self.clients.known_node is not None:
@@ -269,26 +247,26 @@ class Engine:
         nodes += list(self.guests)
         return [client for node in nodes for client in list(node.clients)]
 
-    def _end_goals(self, nodes: list[Any], patience: float = _JOIN) -> None:
+    def _end_goals(self, nodes: list[Node], patience: float = _JOIN) -> None:
         """Nodes are about to be destroyed: abort their goals, tell the clients, and end the threads."""
         if not any(isinstance(one, ActionServer) for node in nodes for one in getattr(node, "waitables", ())):
             return
         can_abort = self._found.has(compat_names.GOAL_ENDS)
         deadline = time.monotonic() + patience
         threads = self.executions.stop(nodes)
-        if can_abort and self.spinner.is_current_thread():
+        if can_abort and self.executor_thread.is_current_thread():
             abort_goals(nodes)
             return
-        if can_abort and self.spinner.run_between_callbacks(lambda: abort_goals(nodes), _FREE):
-            self.spinner.run_between_callbacks(lambda: None, _FREE)  # the results are sent as tasks of their own
+        if can_abort and self.executor_thread.run_between_callbacks(lambda: abort_goals(nodes), _FREE):
+            self.executor_thread.run_between_callbacks(lambda: None, _FREE)  # results are sent as tasks of their own
             self.clients.wait_for_results({action for node in nodes for action in actions_of(node)}, _TOLD)
         for thread in threads:
             thread.join(max(0.0, deadline - time.monotonic()))
 
-    def _forget(self, nodes: list[Any]) -> None:
+    def _forget(self, nodes: list[Node]) -> None:
         """Nodes are about to be destroyed."""
         self._failures.forget()
-        self.spinner.executor.forget(nodes)
+        self.executor_thread.executor.forget(nodes)
         channels: set[str] = set()
         for node in nodes:
             with contextlib.suppress(Exception):  # one that is destroyed already has none

@@ -27,8 +27,14 @@ from course_kit.ros.compat import rcl_error
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable
 
+    from rclpy.action.server import ServerGoalHandle
+    from rclpy.node import Node
+
     from course_kit.lab.notebook.output import Output
     from course_kit.lab.runtime.executor import LabExecutor
+    from course_kit.ros.messages import Message
+
+    Execute = Callable[[ServerGoalHandle], Message]  # an execute callback; of one with `async`, what is to be awaited
 
 
 class Execution:
@@ -48,7 +54,7 @@ class Execution:
         afterwards: called on the lab's thread when it has ended and its goal as well.
     """
 
-    def __init__(self, node: Any, callback: Callable[[Any], Any], goal_handle: Any, wake: Callable[[], None]) -> None:
+    def __init__(self, node: Node, callback: Execute, goal_handle: ServerGoalHandle, wake: Callable[[], None]) -> None:
         self.node = node
         self.begun = time.monotonic()
         self.stopped = False
@@ -145,7 +151,7 @@ class Execution:
             return
         self._news = news = Future()
 
-        def came(_: Any) -> None:
+        def came(_: object) -> None:
             if not news.done():
                 self._go_on()
 
@@ -167,11 +173,11 @@ class Executions:
         self._output = output
         self._running: dict[Execution, None] = {}  # a set in the order of beginning
 
-    def runs(self, node: Any) -> bool:
+    def runs(self, node: Node) -> bool:
         """Whether the goals of a node's action servers are executed here."""
         return node.executor is self._executor
 
-    async def run(self, server: Any, callback: Any, goal_handle: Any) -> Any:
+    async def run(self, server: ActionServer, callback: Execute, goal_handle: ServerGoalHandle) -> Message:
         """Execute a goal.
 
         Args:
@@ -200,11 +206,11 @@ class Executions:
         thread = threading.current_thread()
         return next((one for one in list(self._running) if one.thread is thread), None)
 
-    def of(self, node: Any) -> Execution | None:
+    def of(self, node: Node) -> Execution | None:
         """The longest running one of a node."""
         return next((one for one in list(self._running) if one.node is node), None)
 
-    def stop(self, nodes: Iterable[Any]) -> list[threading.Thread]:
+    def stop(self, nodes: Iterable[Node]) -> list[threading.Thread]:
         """Have the executions of these nodes end.
 
         Returns:
@@ -218,7 +224,7 @@ class Executions:
         return [thread for thread in threads if thread is not threading.current_thread()]
 
 
-def abort_goals(nodes: Iterable[Any]) -> None:
+def abort_goals(nodes: Iterable[Node]) -> None:
     """Abort the goals of these nodes' action servers that have not ended, and have their results sent; both at once.
 
     For a node that is about to be destroyed, which would leave their clients without any answer.
@@ -230,7 +236,7 @@ def abort_goals(nodes: Iterable[Any]) -> None:
                     _abort(server, identifier, handle)
 
 
-def _abort(server: Any, identifier: bytes, handle: Any) -> None:
+def _abort(server: ActionServer, identifier: bytes, handle: ServerGoalHandle) -> None:
     future = server._result_futures.get(identifier)  # noqa: SLF001
     if future is None or future.done():
         return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import (
@@ -16,7 +16,15 @@ from rclpy.executors import (
 )
 
 if TYPE_CHECKING:
-    from course_kit.lab.recording.hooks import Tapping, Work
+    from rclpy.client import Client
+    from rclpy.context import Context
+    from rclpy.node import Node
+    from rclpy.service import Service
+    from rclpy.subscription import Subscription
+    from rclpy.task import Future, Task
+
+    from course_kit.lab.recording.hooks import MessageHooks, Work
+    from course_kit.lab.runtime.failures import Failures
 
 _BREATH = 0.1  # seconds between attempts while the middleware itself fails
 
@@ -32,23 +40,13 @@ class Turn(NamedTuple):
     """
 
     entity: Any
-    node: Any
+    node: Node | None
     since: float
     callback: Any = None
 
 
 class CallbackStopped(BaseException):
     """Raised inside a callback that runs on although its node was stopped; no `except Exception` may keep it."""
-
-
-class FailureListener(Protocol):
-    """Who is told when callbacks fail."""
-
-    def callback_crashed(self, error: BaseException, turn: Turn) -> None:
-        """A callback raised `error`; called while its traceback is still there."""
-
-    def request_failed(self, service: Any, sequence: int, error: BaseException) -> None:
-        """A service's callback gave no response to this request; `callback_crashed` follows."""
 
 
 class LabExecutor(Executor):
@@ -64,12 +62,12 @@ class LabExecutor(Executor):
         turned: set whenever a callback has ended or awaits something.
     """
 
-    def __init__(self, context: Any, listener: FailureListener) -> None:
+    def __init__(self, context: Context, failures: Failures) -> None:
         super().__init__(context=context)
         self._running: Turn | None = None
-        self._begun: dict[Any, Turn] = {}  # what has not ended, by its task, oldest first
+        self._begun: dict[Task, Turn] = {}  # what has not ended, by its task, oldest first
         self.turned = threading.Event()
-        self._listener = listener
+        self._failures = failures
         self._stop = threading.Event()
 
     @property
@@ -91,7 +89,7 @@ class LabExecutor(Executor):
         self._stop.set()
         self.wake()
 
-    def forget(self, nodes: list[Any]) -> None:
+    def forget(self, nodes: list[Node]) -> None:
         """Nodes are about to be destroyed: their callbacks that await something will not go on."""
         self._begun = {task: turn for task, turn in self._begun.items() if turn.node is None or turn.node not in nodes}
 
@@ -104,7 +102,7 @@ class LabExecutor(Executor):
         handler, entity, node = found
         self._run_handler(handler, Turn(entity, node, time.monotonic()))
 
-    def spin_once_until_future_complete(self, future: Any, timeout_sec: Any = None) -> None:
+    def spin_once_until_future_complete(self, future: Future, timeout_sec: Any = None) -> None:
         """Part of the Executor interface; the lab's thread never waits for a future."""
         del future
         self.spin_once(timeout_sec)
@@ -117,10 +115,10 @@ class LabExecutor(Executor):
         except (InvalidHandle, CallbackStopped):  # destroyed while it was waited on; or the callback had just ended
             pass
         except Exception as error:  # noqa: BLE001 - nothing may end this thread but `request_stop`
-            self._listener.callback_crashed(error, Turn(None, None, 0.0))
+            self._failures.callback_crashed(error, Turn(None, None, 0.0))
             self._stop.wait(_BREATH)
 
-    def _run_handler(self, handler: Any, turn: Turn) -> None:
+    def _run_handler(self, handler: Task, turn: Turn) -> None:
         self._running = turn
         self._begun.setdefault(handler, turn)
         raised: BaseException | None = None
@@ -149,21 +147,21 @@ class LabExecutor(Executor):
 
     def _tell(self, error: BaseException | None, turn: Turn) -> None:
         if error is not None and not isinstance(error, (InvalidHandle, CallbackStopped)):
-            self._listener.callback_crashed(error, turn)
+            self._failures.callback_crashed(error, turn)
 
 
 class RecordingExecutor(LabExecutor):
-    """Takes what arrives by way of `tapping`, which reports it."""
+    """Takes what arrives by way of `hooks`, which reports it."""
 
-    def __init__(self, context: Any, tapping: Tapping, listener: FailureListener) -> None:
-        super().__init__(context, listener)
-        self._tapping = tapping
+    def __init__(self, context: Context, hooks: MessageHooks, failures: Failures) -> None:
+        super().__init__(context, failures)
+        self._hooks = hooks
 
-    def _take_service(self, srv: Any) -> Work | None:
-        return self._tapping.take_service(srv, self._listener.request_failed)
+    def _take_service(self, srv: Service) -> Work | None:
+        return self._hooks.take_service(srv, self._failures.request_failed)
 
-    def _take_client(self, client: Any) -> Work | None:
-        return self._tapping.take_client(self, client)
+    def _take_client(self, client: Client) -> Work | None:
+        return self._hooks.take_client(self, client)
 
-    def _take_subscription(self, sub: Any) -> Work | None:
-        return self._tapping.take_subscription(sub)
+    def _take_subscription(self, sub: Subscription) -> Work | None:
+        return self._hooks.take_subscription(sub)

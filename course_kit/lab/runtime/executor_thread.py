@@ -16,13 +16,14 @@ from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 
 from course_kit.lab.errors import NoAnswerError
-from course_kit.lab.runtime.executor import CallbackStopped, FailureListener, LabExecutor, RecordingExecutor
+from course_kit.lab.runtime.executor import CallbackStopped, LabExecutor, RecordingExecutor
 from course_kit.ros import compat_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.lab.recording.hooks import Tapping
+    from course_kit.lab.recording.hooks import MessageHooks
+    from course_kit.lab.runtime.failures import Failures
     from course_kit.ros.compat import Compatibility
 
 # rclpy's ~/get_type_description, which no lesson asks for, triples the time to make a node and leaves 100 kB behind
@@ -32,7 +33,7 @@ ResultT = TypeVar("ResultT")
 _JOIN = 2.0  # seconds a callback is given to end
 
 
-class Spinner:
+class ExecutorThread:
     """Owns the context, the executor and the thread.
 
     Attributes:
@@ -40,9 +41,7 @@ class Spinner:
         executor: the LabExecutor on that context.
     """
 
-    def __init__(
-        self, ros_arguments: list[str], tapping: Tapping, listener: FailureListener, found: Compatibility
-    ) -> None:
+    def __init__(self, ros_arguments: list[str], hooks: MessageHooks, failures: Failures, found: Compatibility) -> None:
         # Where the default context cannot be replaced by ours, ours is that one.
         self.context = Context() if found.has(compat_names.DEFAULT_CONTEXT) else rclpy.get_default_context()
         rclpy.init(
@@ -50,7 +49,7 @@ class Spinner:
         )
         records = found.has(compat_names.RECORDING)
         self.executor: LabExecutor = (
-            RecordingExecutor(self.context, tapping, listener) if records else LabExecutor(self.context, listener)
+            RecordingExecutor(self.context, hooks, failures) if records else LabExecutor(self.context, failures)
         )
         self._thread = threading.Thread(target=self.executor.run, name="ros-lab", daemon=True)
         self._thread.start()
@@ -64,7 +63,7 @@ class Spinner:
         """Whether the caller is inside a callback."""
         return threading.current_thread() is self._thread
 
-    def run_between_callbacks(self, function: Callable[[], None], deadline: float) -> bool:
+    def run_between_callbacks(self, function: Callable[[], object], deadline: float) -> bool:
         """Run `function` on the thread while no callback is running.
 
         Returns:

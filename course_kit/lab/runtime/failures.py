@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import DeadlockError, ServiceFailedError
 from course_kit.lab.runtime.callback_errors import Crash, examine
@@ -12,42 +12,33 @@ from course_kit.lab.runtime.executor import Turn
 from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
+    from rclpy.client import Client
+    from rclpy.service import Service
+    from rclpy.task import Future
+
     from course_kit.lab.notebook.output import Output
-    from course_kit.lab.recording.hooks import Tapping
+    from course_kit.lab.recording.hooks import MessageHooks
     from course_kit.lab.runtime.callback_errors import Locate
+    from course_kit.lab.runtime.engine import Engine
 
 _SHOWN = "_shown_by_course_kit"  # on an exception: it has been
 _REPEATS = 3  # times the same error of the same callback is shown in a row
 
 
-class Told(Protocol):
-    """What telling of failures needs of the lab."""
-
-    @property
-    def hidden_node(self) -> Any:
-        """The lab's own node, if it has been needed."""
-
-    def turn(self) -> Turn | None:
-        """The callback that is running."""
-
-    def all_clients(self) -> list[Any]:
-        """Every service client in the lab."""
-
-
 class Failures:
-    """See `executor.FailureListener`.
+    """Told by the executor of callbacks that fail.
 
     Args:
         output: shows what went wrong.
         locate: the name a file of the learner's has for the learner.
-        tapping: knows whose a service is.
-        lab: the surroundings.
+        hooks: knows whose a service is.
+        lab: knows what runs, and who waits for answers.
     """
 
-    def __init__(self, output: Output, locate: Locate, tapping: Tapping, lab: Told) -> None:
+    def __init__(self, output: Output, locate: Locate, hooks: MessageHooks, lab: Engine) -> None:
         self._output = output
         self._locate = locate
-        self._tapping = tapping
+        self._hooks = hooks
         self._lab = lab
         self._last_crash: tuple[Crash | None, int] = (None, 0)
 
@@ -77,7 +68,7 @@ class Failures:
             ending += " (This keeps happening and will not be shown again.)"
         self._output.put(crash.text(ending), "stderr")
 
-    def request_failed(self, service: Any, sequence: int, error: BaseException) -> None:
+    def request_failed(self, service: Service, sequence: int, error: BaseException) -> None:
         """Give the one who waits for this answer an error, if it is a client in this lab.
 
         Args:
@@ -89,7 +80,7 @@ class Failures:
         if turn is not None:  # before its caller goes on, so that the two are shown in this order
             self.callback_crashed(error, Turn(service, turn.node, turn.since))
         crash = examine(error, service, None, self._locate)
-        owner = short_name(self._tapping.where(service)[0])
+        owner = short_name(self._hooks.where(service)[0])
         place = f" ({crash.place})" if crash.place else ""
         text = f"{owner} sent no response: {crash.callback or 'its callback'} {crash.error}{place}"
         asking = [client for client in self._lab.all_clients() if client.service_name == service.service_name]
@@ -99,7 +90,7 @@ class Failures:
             waiting[0].exception()  # marks it as seen: a caller that lost interest is no news
 
 
-def _pending(client: Any, sequence: int) -> Any:
+def _pending(client: Client, sequence: int) -> Future | None:
     """The future of a request. A client holds its lock from sending until there is one: the answer may be sooner."""
     with client._lock:  # noqa: SLF001
         return client._pending_requests.get(sequence)  # noqa: SLF001

@@ -28,8 +28,10 @@ from course_kit.ros.names import full_name
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from rclpy.node import Node
+
     from course_kit.lab.overrides.patches import Patches
-    from course_kit.lab.runtime.executor_thread import Spinner
+    from course_kit.lab.runtime.executor_thread import ExecutorThread
 
 _BETWEEN_CALLBACKS = 1.0  # seconds a running callback may take before its node is destroyed under it
 
@@ -45,10 +47,10 @@ class LiveNode:
         helpers: further nodes its `__init__` made; they end with it.
     """
 
-    node: Any
+    node: Node
     node_class: type
-    arguments: tuple[Any, ...]
-    helpers: list[Any] = field(default_factory=list)
+    arguments: tuple[object, ...]
+    helpers: list[Node] = field(default_factory=list)
     name: str = ""
 
     def same_class(self, node_class: type) -> bool:
@@ -56,7 +58,7 @@ class LiveNode:
         mine = self.node_class
         return (mine.__module__, mine.__qualname__) == (node_class.__module__, node_class.__qualname__)
 
-    def precedes(self, node_class: type, arguments: tuple[Any, ...]) -> bool:
+    def precedes(self, node_class: type, arguments: tuple[object, ...]) -> bool:
         """Whether starting this class with these arguments is this start done again."""
         if not self.same_class(node_class):
             return False
@@ -66,16 +68,19 @@ class LiveNode:
 class _Start(threading.local):
     """The start that is under way on this thread: the nodes made by it so far."""
 
-    made: list[Any] | None = None
+    made: list[Node] | None = None
 
 
 class Nodes:
     """The live nodes of one lab."""
 
     def __init__(
-        self, spinner: Spinner, end_goals: Callable[[list[Any]], None], gone: Callable[[list[Any]], None]
+        self,
+        executor_thread: ExecutorThread,
+        end_goals: Callable[[list[Node]], None],
+        gone: Callable[[list[Node]], None],
     ) -> None:
-        self._spinner = spinner
+        self._executor_thread = executor_thread
         self._end_goals = end_goals
         self._gone = gone
         self._live: list[LiveNode] = []
@@ -93,7 +98,7 @@ class Nodes:
 
         original = Node.__init__
 
-        def initialise(node: Any, node_name: str, *arguments: Any, **options: Any) -> None:
+        def initialise(node: Node, node_name: str, *arguments: Any, **options: Any) -> None:
             __tracebackhide__ = True  # IPython: the learner's own lines are what matters
             if self._start.made is not None and not str(node_name).startswith(HIDDEN_NAME):
                 self._start.made.append(node)
@@ -103,7 +108,7 @@ class Nodes:
 
         patches.set(Node, "__init__", initialise)
 
-    def start(self, node_class: type, arguments: tuple[Any, ...], options: dict[str, Any]) -> Any:
+    def start(self, node_class: type, arguments: tuple[object, ...], options: dict[str, Any]) -> Any:
         """Make a node and run it, in place of the ones it follows.
 
         Args:
@@ -120,7 +125,7 @@ class Nodes:
         for live in self:
             if live.precedes(node_class, given):
                 self.stop(live)
-        made: list[Any] = []
+        made: list[Node] = []
         self._start.made = made
         try:
             node = node_class(*arguments, **options)
@@ -140,10 +145,10 @@ class Nodes:
         name = node.get_fully_qualified_name()
         self._stop_named(name)  # a remapped name shows only now
         self._live.append(LiveNode(node, node_class, given, helpers, name))
-        self._spinner.executor.add_node(node)
+        self._executor_thread.executor.add_node(node)
         return node
 
-    def find(self, target: Any) -> list[LiveNode]:
+    def find(self, target: object) -> list[LiveNode]:
         """The live nodes meant by a node, a class, or a name with or without its namespace."""
         if isinstance(target, type):
             return [live for live in self if live.same_class(target)]
@@ -164,16 +169,16 @@ class Nodes:
             self._gone(nodes)
             self._destroy(nodes)
 
-        if not self._spinner.run_between_callbacks(end, _BETWEEN_CALLBACKS):
-            turn = self._spinner.executor.turn
+        if not self._executor_thread.run_between_callbacks(end, _BETWEEN_CALLBACKS):
+            turn = self._executor_thread.executor.turn
             if turn is not None and (turn.node is None or turn.node in nodes):
-                self._spinner.stop_callback()
+                self._executor_thread.stop_callback()
             end()
 
-    def stop_soon(self, node: Any) -> None:
+    def stop_soon(self, node: Node) -> None:
         """Stop a node from inside one of its callbacks, once that callback has ended."""
         for live in self.find(node):
-            self._spinner.executor.create_task(self.stop, live)
+            self._executor_thread.executor.create_task(self.stop, live)
 
     def destroy_all(self) -> None:
         """Destroy every node; for the end of the lab, when no callback runs."""
@@ -193,9 +198,9 @@ class Nodes:
             if live.name == name:
                 self.stop(live)
 
-    def _destroy(self, nodes: list[Any]) -> None:
+    def _destroy(self, nodes: list[Node]) -> None:
         for node in nodes:
-            self._spinner.executor.remove_node(node)
+            self._executor_thread.executor.remove_node(node)
             _destroy_actions(node)
             # One whose __init__ stopped half-way lacks parts; one that was destroyed already has none left.
             with contextlib.suppress(Exception):
@@ -213,7 +218,7 @@ class NodeList(list[LiveNode]):
         return "\n".join(describe_node(live.node) for live in self)
 
 
-def _destroy_actions(node: Any) -> None:
+def _destroy_actions(node: Node) -> None:
     """Destroy a node's action servers and clients, which `destroy_node` leaves on the graph."""
     for waitable in list(getattr(node, "waitables", ())):
         if isinstance(waitable, (ActionClient, ActionServer)):
@@ -221,14 +226,14 @@ def _destroy_actions(node: Any) -> None:
                 waitable.destroy()
 
 
-def _equal(mine: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
+def _equal(mine: tuple[object, ...], other: tuple[object, ...]) -> bool:
     try:
         return bool(mine == other)
     except Exception:  # noqa: BLE001 - arrays and other values whose comparison is no truth value
         return False
 
 
-def _require_node_class(given: Any) -> None:
+def _require_node_class(given: object) -> None:
     from rclpy.node import Node
 
     if isinstance(given, type) and issubclass(given, Node):

@@ -21,11 +21,14 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_kit.lab.recording.events import Taps
+from course_kit.lab.recording.events import EventStream
 from course_kit.process.parent import die_with_parent
 
 if TYPE_CHECKING:
     from types import FrameType
+
+    from rclpy.client import Client
+    from rclpy.node import Node
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.recording.events import Event
@@ -41,7 +44,7 @@ class Reports:
         self._script = script
         self._descriptor = descriptor
 
-    def send(self, **report: Any) -> None:
+    def send(self, **report: object) -> None:
         """Send one line; one that the pipe could not take in one piece loses its value."""
         line = json.dumps({"script": self._script, **report}, default=str)
         if len(line) > _ATOMIC:
@@ -67,7 +70,7 @@ class _Interrupts:
         raise KeyboardInterrupt
 
 
-def tap(reports: Reports) -> None:
+def report(reports: Reports) -> None:
     """Have rclpy report from now on."""
     from rclpy.executors import Executor
     from rclpy.node import Node
@@ -80,13 +83,13 @@ def tap(reports: Reports) -> None:
     initialise = Node.__init__
     wait = Executor.wait_for_ready_callbacks
 
-    def initialise_seen(node: Any, *arguments: Any, **options: Any) -> None:
+    def initialise_seen(node: Node, *arguments: Any, **options: Any) -> None:
         initialise(node, *arguments, **options)
         reports.send(node=node.get_fully_qualified_name())
 
     reported = ""
 
-    def waiting(executor: Any, *arguments: Any, **options: Any) -> Any:
+    def waiting(executor: Executor, *arguments: Any, **options: Any) -> Any:
         nonlocal reported
         role = _role(executor.get_nodes())
         if role != reported:
@@ -104,32 +107,32 @@ def _record(patches: Patches, reports: Reports) -> None:
     """Have what crosses reported, as far as this rclpy lets itself be watched."""
     from rclpy.executors import Executor
 
-    from course_kit.lab.recording.hooks import Tapping
+    from course_kit.lab.recording.hooks import MessageHooks
     from course_kit.ros import compat, compat_names
 
-    taps = Taps()
-    taps.listen(reports.event)
-    tapping = Tapping(taps)
+    events = EventStream()
+    events.listen(reports.event)
+    hooks = MessageHooks(events)
     found = compat.check(compat_names.OF_SCRIPTS)
     for sentence in found.sentences():
         reports.send(off=sentence)
     if found.has(compat_names.GOAL_RECORDING):
-        from course_kit.lab.recording.action_hooks import ActionTapping
+        from course_kit.lab.recording.action_hooks import ActionHooks
 
-        ActionTapping(tapping, patches)
+        ActionHooks(hooks, patches)
     if not found.has(compat_names.RECORDING):
         return
 
-    def take_client(executor: Any, client: Any) -> Any:  # a function, so that it becomes a method
-        return tapping.take_client(executor, client)
+    def take_client(executor: Executor, client: Client) -> Any:  # a function, so that it becomes a method
+        return hooks.take_client(executor, client)
 
-    tapping.tap_sending(patches)
-    patches.set(Executor, "_take_service", lambda _, service: tapping.take_service(service, lambda *_: None))
+    hooks.hook_sending(patches)
+    patches.set(Executor, "_take_service", lambda _, service: hooks.take_service(service, lambda *_: None))
     patches.set(Executor, "_take_client", take_client)
-    patches.set(Executor, "_take_subscription", lambda _, subscription: tapping.take_subscription(subscription))
+    patches.set(Executor, "_take_subscription", lambda _, subscription: hooks.take_subscription(subscription))
 
 
-def _role(nodes: list[Any]) -> str:
+def _role(nodes: list[Node]) -> str:
     """Whether these nodes wait for others ("server") or only for answers to what they have asked ("client")."""
     from rclpy.action import ActionClient
 
@@ -145,14 +148,23 @@ def _role(nodes: list[Any]) -> str:
     return "server" if waits or not asks else "client"
 
 
-def _is_action(waitable: Any) -> bool:
+def _is_action(waitable: object) -> bool:
     from rclpy.action import ActionServer
 
     return isinstance(waitable, ActionServer)
 
 
 def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:
-    """Run the program; returns its exit code."""
+    """Run the program.
+
+    Args:
+        path: its file.
+        arguments: its command line.
+        interrupts: knows whether somebody has interrupted it.
+
+    Returns:
+        its exit code.
+    """
     sys.argv = [path, *arguments]
     sys.path[0] = os.getcwd()  # noqa: PTH109 - sys.path takes strings
     threading.excepthook = lambda failure: _report_thread(failure, path)
@@ -221,7 +233,7 @@ def main() -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(line_buffering=True, write_through=False)  # a line goes out in one piece
     os.set_inheritable(int(descriptor), False)
-    tap(Reports(name, int(descriptor)))
+    report(Reports(name, int(descriptor)))
     return run(path, arguments, interrupts)
 
 

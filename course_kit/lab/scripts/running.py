@@ -13,7 +13,7 @@ import select
 import sys
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Literal, cast, get_args
+from typing import TYPE_CHECKING, Literal, cast, get_args
 
 from course_kit import environment
 from course_kit.lab.errors import ScriptError
@@ -25,6 +25,7 @@ from course_kit.process.signals import Ladder
 
 if TYPE_CHECKING:
     from course_kit.lab.notebook.output import Output
+    from course_kit.lab.runtime.core import Lab
 
 Mode = Literal["auto", "wait", "background"]
 LOG_FORMAT = "[{severity}] [{name}]: {message}"
@@ -39,12 +40,13 @@ _TURN = 0.1
 class Scripts:
     """The programs of one lab."""
 
-    def __init__(self, lab: Any) -> None:
+    def __init__(self, lab: Lab) -> None:
         self._lab = lab
         self._output: Output = lab.output
         self._running: dict[str, Script] = {}
         self._lock = threading.Lock()
-        self._pipes = text, self._text_end, reports, self._reports_end = (*os.pipe(), *os.pipe())
+        (text, self._text_end), (reports, self._reports_end) = os.pipe(), os.pipe()
+        self._pipes = (text, self._text_end, reports, self._reports_end)
         self._text, self._reports = LineReader(text), LineReader(reports)
         self._closing = threading.Event()
         self._output.pumps.append(self.pump)
@@ -52,9 +54,17 @@ class Scripts:
         self._reader.start()
 
     def run(self, name: str, source: str, arguments: tuple[str, ...], mode: str, runner: str = _RUNNER) -> Script:
-        """Start a program in place of the one of this name; returns as `mode` says (see `course_kit.lab.script`).
+        """Start a program in place of the one of this name; returns as `mode` says.
 
-        `runner` is the module that becomes the program; see `course_kit.lab.scripts.child_main` for what it is told.
+        Args:
+            name: as for `course_kit.lab.script`.
+            source: as for `course_kit.lab.script`.
+            arguments: its command line.
+            mode: as for `course_kit.lab.script`.
+            runner: the module that becomes the program; see `course_kit.lab.scripts.child_main` for what it is told.
+
+        Raises:
+            ScriptError: the name cannot be a file's name, or the mode is unknown.
         """
         name = checked_name(name)
         if mode not in get_args(Mode):
@@ -70,7 +80,11 @@ class Scripts:
         return script
 
     def stop(self, name: str | None) -> None:
-        """End one program, or all."""
+        """End one program, or all.
+
+        Raises:
+            ScriptError: no program of this name is running.
+        """
         if name is not None:
             name = checked_name(name)
             if name not in self._running:
@@ -218,4 +232,4 @@ class Scripts:
             self._lab.tell_once([str(report["off"])])
         elif report.get("event") in KINDS:
             with contextlib.suppress(KeyError):
-                self._lab.taps.forward(Event(report["event"], *(report[name] for name in Event._fields[1:])))
+                self._lab.events.forward(Event(report["event"], *(report[name] for name in Event._fields[1:])))

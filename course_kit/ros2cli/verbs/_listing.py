@@ -1,39 +1,115 @@
-"""What the `list` verbs share."""
+"""What the verbs about services, actions, topics and nodes share: their arguments, the graph, and names on it."""
 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from course_kit.ros.names import from_root
+from course_kit.ros.names import did_you_mean, from_root
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph_source import graph_for
+from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb
 
 if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Callable
+
     from course_kit.ros2cli.graph import Graph, Names
+    from course_kit.ros2cli.parser import Run, Verbs
     from course_kit.ros2cli.session import Session
 
 _NAME = re.compile(r"(?:/?(?:[A-Za-z_~]\w*)(?:/[A-Za-z_]\w*)*|/)")
+_EXAMPLES = {"service": "/add_two_ints", "action": "/fibonacci", "topic": "/chatter", "node": "/robot"}
 
 
-def graph_of(options: Any, session: Session) -> Graph:
+def add_list(verbs: Verbs, kind: str, run: Run, *, hidden: bool = True) -> ArgumentParser:
+    """Add the verb `list` of services, actions or topics.
+
+    Args:
+        verbs: of the command.
+        kind: "service", "action" or "topic".
+        run: does it.
+        hidden: whether it has an option for hidden ones.
+    """
+    verb = add_verb(verbs, "list", run, f"List the {kind}s on the graph")
+    verb.add_argument("-t", "--show-types", action="store_true", help="with their types")
+    verb.add_argument("-c", f"--count-{kind}s", dest="count", action="store_true", help="only how many there are")
+    if hidden:
+        verb.add_argument(
+            "-a",
+            f"--include-hidden-{kind}s",
+            dest="hidden",
+            action="store_true",
+            help="hidden ones too, as of actions",
+        )
+    return verb
+
+
+def add_about(verbs: Verbs, kind: str, name: str, run: Run, purpose: str) -> ArgumentParser:
+    """Add a verb that is about one service, action, topic or node.
+
+    Args:
+        verbs: of the command.
+        kind: what it is about.
+        name: the verb's.
+        run: does it.
+        purpose: for the help.
+    """
+    verb = add_verb(verbs, name, run, purpose)
+    add_of_kind(verb, kind)
+    return verb
+
+
+def add_of_kind(verb: ArgumentParser, kind: str) -> None:
+    """The argument that names a service, an action, a topic or a node."""
+    add_named(verb, f"{kind}_name", f"{kind}s", help=f"such as {_EXAMPLES[kind]}")
+
+
+def add_type(verbs: Verbs, kind: str, names_of: Callable[[Graph], Names]) -> None:
+    """Add the verb `type`.
+
+    Args:
+        verbs: of the command.
+        kind: "service", "action" or "topic".
+        names_of: all there are of it on a graph, with their types.
+    """
+
+    def run(options: Namespace, session: Session) -> None:
+        name = checked_name(getattr(options, f"{kind}_name"))
+        print(*existing(kind, name, names_of(graph_of(options, session))), sep="\n")
+
+    article = "an" if kind == "action" else "a"
+    add_graph_options(add_about(verbs, kind, "type", run, f"Show the type of {article} {kind}"))
+
+
+def existing(kind: str, name: str, names: Names) -> list[str]:
+    """The types of what has this name.
+
+    Args:
+        kind: what it is to be, for the error.
+        name: from the root.
+        names: all there are.
+
+    Raises:
+        CommandError: there is none.
+    """
+    if name not in names:
+        raise CommandError(f"Unknown {kind} '{name}'.{did_you_mean(name, names)}")
+    return names[name]
+
+
+def graph_of(options: Namespace, session: Session) -> Graph:
     """The graph as the options ask for it."""
     return graph_for(session, options.timeout, daemon=not options.no_daemon)
 
 
-def print_names(names: Names, *, types: bool, count: bool) -> None:
-    """One name a line, with its types in brackets when asked for; or only how many there are.
-
-    Args:
-        names: the names, each with its types.
-        types: whether these are shown.
-        count: whether only their number is shown.
-    """
-    if count:
+def print_names(names: Names, options: Namespace) -> None:
+    """One name a line, with its types in brackets when asked for; or only how many there are."""
+    if options.count:
         print(len(names))
         return
     for name, its_types in names.items():
-        print(f"{name} [{', '.join(its_types)}]" if types else name)
+        print(f"{name} [{', '.join(its_types)}]" if getattr(options, "show_types", False) else name)
 
 
 def checked_name(name: str) -> str:

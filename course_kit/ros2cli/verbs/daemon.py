@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.parser import add_verb, add_verbs
 
 if TYPE_CHECKING:
-    import argparse
+    from argparse import ArgumentParser, Namespace
 
     from course_kit.ros2cli.session import Session
 
 _PATIENCE = 0.5
 
 
-def add_to(place: argparse.ArgumentParser) -> None:
+def add_to(place: ArgumentParser) -> None:
     """Add the verbs."""
     verbs = add_verbs(place)
     add_verb(verbs, "start", _start, "Start the daemon; commands do so when they need it, it ends with the last node")
@@ -23,7 +23,7 @@ def add_to(place: argparse.ArgumentParser) -> None:
     add_verb(verbs, "status", _status, "Say whether the daemon is running")
 
 
-def _start(options: Any, session: Session) -> None:
+def _start(options: Namespace, session: Session) -> None:
     del options, session
     from course_kit import environment
     from course_kit.ros2cli.daemon_socket import DaemonSocket
@@ -38,14 +38,14 @@ def _start(options: Any, session: Session) -> None:
         raise CommandError("The daemon could not be started; listings work without it, and take longer.")
 
 
-def _stop(options: Any, session: Session) -> None:
+def _stop(options: Namespace, session: Session) -> None:
     del options, session
     from course_kit.ros2cli.graph_source import stop_daemon
 
     print("The daemon has been stopped" if stop_daemon() else "The daemon is not running")
 
 
-def _status(options: Any, session: Session) -> None:
+def _status(options: Namespace, session: Session) -> None:
     del options, session
     from course_kit import environment
     from course_kit.ros2cli.daemon_socket import DaemonSocket

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.parser import add_named, add_verb, add_verbs
 
 if TYPE_CHECKING:
-    import argparse
+    from argparse import ArgumentParser, Namespace
 
     from course_kit.ros2cli.session import Session
 
 _TITLES = {"msg": "Messages", "srv": "Services", "action": "Actions"}
 
 
-def add_to(place: argparse.ArgumentParser) -> None:
+def add_to(place: ArgumentParser) -> None:
     """Add the verbs."""
     verbs = add_verbs(place)
     for name, run, purpose in (
@@ -40,7 +40,7 @@ def add_to(place: argparse.ArgumentParser) -> None:
     proto.add_argument("--no-quotes", action="store_true", help="without the quotes around it")
 
 
-def _list(options: Any, session: Session) -> None:
+def _list(options: Namespace, session: Session) -> None:
     del session
     from course_kit import interfaces
 
@@ -50,7 +50,7 @@ def _list(options: Any, session: Session) -> None:
             print(f"    {name}")
 
 
-def _packages(options: Any, session: Session) -> None:
+def _packages(options: Namespace, session: Session) -> None:
     del session
     from course_kit import interfaces
 
@@ -59,7 +59,7 @@ def _packages(options: Any, session: Session) -> None:
             print(package)
 
 
-def _package(options: Any, session: Session) -> None:
+def _package(options: Namespace, session: Session) -> None:
     del session
     from course_kit import interfaces
 
@@ -68,7 +68,7 @@ def _package(options: Any, session: Session) -> None:
     print(*interfaces.types(options.package_name), sep="\n")
 
 
-def _show(options: Any, session: Session) -> None:
+def _show(options: Namespace, session: Session) -> None:
     del session
     from course_kit.ros2cli.definition import shown_lines
 
@@ -77,7 +77,7 @@ def _show(options: Any, session: Session) -> None:
         print(line)
 
 
-def _proto(options: Any, session: Session) -> None:
+def _proto(options: Namespace, session: Session) -> None:
     del session
     from course_kit.ros2cli.definition import known
     from course_kit.ros2cli.text import to_yaml

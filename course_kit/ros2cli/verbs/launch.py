@@ -5,13 +5,15 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.parser import add_named
 
 if TYPE_CHECKING:
+    from argparse import Namespace
+
     from course_kit.ros2cli.session import Session
 
 _SEPARATOR = ":="
@@ -28,7 +30,7 @@ def add_to(place: argparse.ArgumentParser) -> None:
     place.set_defaults(run=_launch)
 
 
-def _launch(options: Any, session: Session) -> int:
+def _launch(options: Namespace, session: Session) -> int:
     file, arguments = _file_and_arguments(options.package_name, options.words)
     if session.in_kernel:
         from course_kit.ros2cli.in_cell import run_and_show

@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.ros import parameters
 from course_kit.ros2cli.errors import CommandError
-from course_kit.ros2cli.graph_source import graph_for
 from course_kit.ros2cli.parameters import ParameterClient, find_node, nodes_with_parameters, type_in_words
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb, add_verbs
-from course_kit.ros2cli.verbs._listing import checked_name
+from course_kit.ros2cli.verbs._listing import add_of_kind, checked_name, graph_of
 
 if TYPE_CHECKING:
-    import argparse
+    from argparse import ArgumentParser, Namespace
 
+    from course_kit.ros.messages import Message
+    from course_kit.ros2cli.parser import Run, Verbs
     from course_kit.ros2cli.session import Session
 
 
-def add_to(place: argparse.ArgumentParser) -> None:
+def add_to(place: ArgumentParser) -> None:
     """Add the verbs."""
     verbs = add_verbs(place)
     listed = _add(verbs, "list", _list, "List the parameters of one node or of all", node=False)
@@ -44,26 +45,26 @@ def add_to(place: argparse.ArgumentParser) -> None:
     add_named(delete, "parameter_name", "parameters")
 
 
-def _add(verbs: Any, name: str, run: Any, purpose: str, *, node: bool = True) -> argparse.ArgumentParser:
+def _add(verbs: Verbs, name: str, run: Run, purpose: str, *, node: bool = True) -> ArgumentParser:
     verb = add_verb(verbs, name, run, purpose)
     if node:
-        add_named(verb, "node_name", "nodes", help="such as /robot")
+        add_of_kind(verb, "node")
     add_graph_options(verb)
     return verb
 
 
-def _client(options: Any, session: Session) -> ParameterClient:
+def _client(options: Namespace, session: Session) -> ParameterClient:
     name = checked_name(options.node_name)
-    graph = graph_for(session, options.timeout, daemon=not options.no_daemon)
+    graph = graph_of(options, session)
     return ParameterClient(session, find_node(name, graph), options.timeout)
 
 
-def _list(options: Any, session: Session) -> None:
+def _list(options: Namespace, session: Session) -> None:
     try:
         pattern = re.compile(options.filter or "")
     except re.error as error:
         raise CommandError(f"--filter: {options.filter!r} is not a regular expression: {error}.") from error
-    graph = graph_for(session, options.timeout, daemon=not options.no_daemon)
+    graph = graph_of(options, session)
     if options.node_name:
         nodes = [find_node(checked_name(options.node_name), graph)]
     else:
@@ -79,7 +80,7 @@ def _list(options: Any, session: Session) -> None:
             print(f"  {name} (type: {types[index]})" if types else f"  {name}")
 
 
-def _get(options: Any, session: Session) -> None:
+def _get(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli.parameters import value_in_words
 
     value = _client(options, session).require(options.parameter_name)
@@ -87,7 +88,7 @@ def _get(options: Any, session: Session) -> None:
     print(f"{label}{parameters.held(value)}")
 
 
-def _set(options: Any, session: Session) -> None:
+def _set(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli.parameters import parse
 
     message = parse(options.parameter_name, options.value)
@@ -95,14 +96,14 @@ def _set(options: Any, session: Session) -> None:
     _report(result, "Set parameter successful", "Setting parameter failed")
 
 
-def _delete(options: Any, session: Session) -> None:
+def _delete(options: Namespace, session: Session) -> None:
     client = _client(options, session)
     client.require(options.parameter_name)
     (result,) = client.ask(parameters.set_each([parameters.to_message(options.parameter_name, None)]))
     _report(result, "Deleted parameter successfully", "Deleting parameter failed")
 
 
-def _report(result: Any, done: str, failed: str) -> None:
+def _report(result: Message, done: str, failed: str) -> None:
     """Refusals go to stderr and are no failure of the command: its exit code stays 0, as recorded."""
     reason = f": {result.reason}" if result.reason else ""
     if result.successful:
@@ -112,7 +113,7 @@ def _report(result: Any, done: str, failed: str) -> None:
         sys.stderr.write(f"{failed}{reason}\n")
 
 
-def _describe(options: Any, session: Session) -> None:
+def _describe(options: Namespace, session: Session) -> None:
     client = _client(options, session)
     for name in options.parameter_names:
         client.require(name)
@@ -125,7 +126,7 @@ def _describe(options: Any, session: Session) -> None:
             print("  Constraints:", *constraints, sep="\n    ")
 
 
-def _constraints(descriptor: Any) -> list[str]:
+def _constraints(descriptor: Message) -> list[str]:
     found = ["Read only: true"] if descriptor.read_only else []
     for limits in (*descriptor.floating_point_range, *descriptor.integer_range):
         found += [f"Min value: {limits.from_value}", f"Max value: {limits.to_value}"]
@@ -135,7 +136,7 @@ def _constraints(descriptor: Any) -> list[str]:
     return found
 
 
-def _dump(options: Any, session: Session) -> None:
+def _dump(options: Namespace, session: Session) -> None:
     import yaml
 
     from course_kit.ros2cli.parameters import plain_value
@@ -152,7 +153,7 @@ def _dump(options: Any, session: Session) -> None:
     print(yaml.safe_dump({checked_name(options.node_name): {"ros__parameters": found}}, default_flow_style=False))
 
 
-def _load(options: Any, session: Session) -> None:
+def _load(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli.parameters import load_file
 
     client = _client(options, session)

@@ -6,11 +6,13 @@ import argparse
 import os
 import shlex
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.parser import add_named
 
 if TYPE_CHECKING:
+    from argparse import Namespace
+
     from course_kit.ros2cli.session import Session
 
 
@@ -23,7 +25,7 @@ def add_to(place: argparse.ArgumentParser) -> None:
     place.set_defaults(run=_run)
 
 
-def _run(options: Any, session: Session) -> int:
+def _run(options: Namespace, session: Session) -> int:
     from course_kit import environment
     from course_kit.launch.errors import LaunchError
     from course_kit.launch.executables import find

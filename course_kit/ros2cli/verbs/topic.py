@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from course_kit.ros.names import did_you_mean
-from course_kit.ros2cli.errors import CommandError
-from course_kit.ros2cli.graph import Graph, visible
-from course_kit.ros2cli.parser import add_graph_options, add_named, add_timeout, add_verb, add_verbs
+from course_kit.ros2cli.graph import Ends, visible
+from course_kit.ros2cli.parser import add_graph_options, add_named, add_timeout, add_verbs
 from course_kit.ros2cli.qos import add_qos
 from course_kit.ros2cli.text import TRUNCATE
-from course_kit.ros2cli.verbs._listing import checked_name, graph_of, print_names
+from course_kit.ros2cli.verbs._listing import (
+    add_about,
+    add_list,
+    add_type,
+    checked_name,
+    existing,
+    graph_of,
+    print_names,
+)
 
 if TYPE_CHECKING:
-    import argparse
+    from argparse import ArgumentParser, Namespace
 
+    from course_kit.ros2cli.graph import Endpoint, Graph, Names
     from course_kit.ros2cli.session import Session
 
 # Every command's own node brings these two, also where nobody else is.
@@ -23,36 +30,29 @@ _HISTORY = ("SYSTEM_DEFAULT", "KEEP_LAST", "KEEP_ALL", "UNKNOWN")
 _RELIABILITY = ("SYSTEM_DEFAULT", "RELIABLE", "BEST_EFFORT", "UNKNOWN", "BEST_AVAILABLE")
 _DURABILITY = ("SYSTEM_DEFAULT", "TRANSIENT_LOCAL", "VOLATILE", "UNKNOWN", "BEST_AVAILABLE")
 _LIVELINESS = ("SYSTEM_DEFAULT", "AUTOMATIC", "UNKNOWN", "MANUAL_BY_TOPIC", "UNKNOWN", "BEST_AVAILABLE")
+_NOBODY = Ends([], [])
 _FOR_EVER = 9223372036854775807  # nanoseconds
 
 
-def add_to(place: argparse.ArgumentParser) -> None:
+def add_to(place: ArgumentParser) -> None:
     """Add the verbs."""
     verbs = add_verbs(place)
-    listed = add_verb(verbs, "list", _list, "List the topics on the graph")
-    listed.add_argument("-t", "--show-types", action="store_true", help="with their types")
-    listed.add_argument("-c", "--count-topics", action="store_true", help="only how many there are")
-    listed.add_argument("-a", "--include-hidden-topics", action="store_true", help="hidden ones too, as of actions")
+    listed = add_list(verbs, "topic", _list)
     listed.add_argument("-v", "--verbose", action="store_true", help="who publishes and who subscribes")
     add_graph_options(listed)
-    kind = add_verb(verbs, "type", _type, "Show the type of a topic")
-    add_named(kind, "topic_name", "topics", help="such as /chatter")
-    add_graph_options(kind)
-    info = add_verb(verbs, "info", _info, "Show the type of a topic and how many are on it")
-    add_named(info, "topic_name", "topics", help="such as /chatter")
+    add_type(verbs, "topic", _topics)
+    info = add_about(verbs, "topic", "info", _info, "Show the type of a topic and how many are on it")
     info.add_argument("-v", "--verbose", action="store_true", help="nodes and quality of service too")
     add_graph_options(info)
-    _add_echo(add_verb(verbs, "echo", _echo, "Show the messages of a topic"))
-    _add_pub(add_verb(verbs, "pub", _pub, "Publish messages"))
-    hz = add_verb(verbs, "hz", _hz, "Show how often messages come")
-    add_named(hz, "topic_name", "topics", help="such as /chatter")
+    _add_echo(add_about(verbs, "topic", "echo", _echo, "Show the messages of a topic"))
+    _add_pub(add_about(verbs, "topic", "pub", _pub, "Publish messages"))
+    hz = add_about(verbs, "topic", "hz", _hz, "Show how often messages come")
     hz.add_argument("-w", "--window", type=int, default=10000, metavar="N", help="messages looked at")
     add_qos(hz)
     add_timeout(hz, "seconds without a message after which it ends")
 
 
-def _add_echo(verb: argparse.ArgumentParser) -> None:
-    add_named(verb, "topic_name", "topics", help="such as /chatter")
+def _add_echo(verb: ArgumentParser) -> None:
     add_named(verb, "message_type", "message_types", nargs="?", help="found out when left out")
     verb.add_argument("--once", action="store_true", help="only the first message")
     verb.add_argument("--field", metavar="NAME", help="only this field, such as pose.position")
@@ -66,8 +66,7 @@ def _add_echo(verb: argparse.ArgumentParser) -> None:
     add_timeout(verb, "seconds without a message after which it ends")
 
 
-def _add_pub(verb: argparse.ArgumentParser) -> None:
-    add_named(verb, "topic_name", "topics", help="such as /chatter")
+def _add_pub(verb: ArgumentParser) -> None:
     add_named(verb, "message_type", "message_types", help="such as std_msgs/msg/String")
     verb.add_argument("values", nargs="?", help="the message's fields as YAML, such as '{data: hello}'")
     often = verb.add_mutually_exclusive_group()
@@ -81,30 +80,25 @@ def _add_pub(verb: argparse.ArgumentParser) -> None:
     add_timeout(verb, "seconds to wait for subscriptions, and for the delivery, at most")
 
 
-def _list(options: Any, session: Session) -> None:
+def _list(options: Namespace, session: Session) -> None:
     graph = graph_of(options, session)
-    topics = visible({**_ALWAYS, **graph.topics}, hidden_too=options.include_hidden_topics)
+    topics = visible(_topics(graph), hidden_too=options.hidden)
     if not options.verbose:
-        print_names(topics, types=options.show_types, count=options.count_topics)
+        print_names(topics, options)
         return
     for title, which, word in (("Published", 0, "publisher"), ("Subscribed", 1, "subscriber")):
         print(f"{title} topics:")
         for topic, types in topics.items():
-            if many := len(_endpoints(graph, topic)[which]):
+            if many := len(graph.endpoints.get(topic, _NOBODY)[which]):
                 print(f" * {topic} [{', '.join(types)}] {many} {word}{'s' if many > 1 else ''}")
         print()
 
 
-def _type(options: Any, session: Session) -> None:
-    for topic_type in _existing(checked_name(options.topic_name), graph_of(options, session)):
-        print(topic_type)
-
-
-def _info(options: Any, session: Session) -> None:
+def _info(options: Namespace, session: Session) -> None:
     name = checked_name(options.topic_name)
     graph = graph_of(options, session)
-    types = _existing(name, graph)
-    publishers, subscriptions = _endpoints(graph, name)
+    types = existing("topic", name, _topics(graph))
+    publishers, subscriptions = graph.endpoints.get(name, _NOBODY)
     print(f"Type: {types[0] if len(types) == 1 else types}", end="\n\n" if options.verbose else "\n")
     for title, endpoints in (("Publisher", publishers), ("Subscription", subscriptions)):
         print(f"{title} count: {len(endpoints)}", end="\n\n" if options.verbose else "\n")
@@ -112,7 +106,7 @@ def _info(options: Any, session: Session) -> None:
             _print_endpoint(endpoint, title.upper())
 
 
-def _print_endpoint(info: dict[str, Any], kind: str) -> None:
+def _print_endpoint(info: Endpoint, kind: str) -> None:
     qos = info["qos_profile"]
     history = _HISTORY[qos["history"]]
     depth = f" ({qos['depth']})" if history == "KEEP_LAST" else ""
@@ -140,19 +134,11 @@ def _duration(nanoseconds: int) -> str:
     return "Infinite" if nanoseconds == _FOR_EVER else f"{nanoseconds} nanoseconds"
 
 
-def _endpoints(graph: Graph, topic: str) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    publishers, subscriptions = graph.endpoints.get(topic, ([], []))
-    return publishers, subscriptions
+def _topics(graph: Graph) -> Names:
+    return {**_ALWAYS, **graph.topics}
 
 
-def _existing(name: str, graph: Graph) -> list[str]:
-    topics = {**_ALWAYS, **graph.topics}
-    if name not in topics:
-        raise CommandError(f"Unknown topic '{name}'.{did_you_mean(name, topics)}")
-    return topics[name]
-
-
-def _echo(options: Any, session: Session) -> None:
+def _echo(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli.messages import Listener
     from course_kit.ros2cli.text import Layout
 
@@ -165,13 +151,13 @@ def _echo(options: Any, session: Session) -> None:
     Listener(options, session, checked_name(options.topic_name)).echo(layout)
 
 
-def _hz(options: Any, session: Session) -> None:
+def _hz(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli.messages import Listener
 
     Listener(options, session, checked_name(options.topic_name)).rate(options.window)
 
 
-def _pub(options: Any, session: Session) -> None:
+def _pub(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli.messages import publish
 
     publish(options, session, checked_name(options.topic_name))

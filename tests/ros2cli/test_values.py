@@ -66,7 +66,7 @@ def test_not_a_number_is_a_float() -> None:
     [
         (SetBool.Request(), "{data: 1.5}", "The field 'data' is a bool; 1.5 is a float."),
         (SetBool.Request(), "{data: 2}", "The field 'data' is a bool; 2 is an integer."),
-        (SetBool.Request(), "{dta: true}", "m has no field 'dta'; it has data. Did you mean data?"),
+        (SetBool.Request(), "{dta: true}", "There is no field 'dta' in m; it has data. Did you mean 'data'?"),
         (Int8(), "{data: 1.0}", "The field 'data' is an int8; 1.0 is a float."),
         (Int8(), "{data: true}", "The field 'data' is an int8; True is a boolean."),
         (Int8(), "{data: 128}", "The field 'data' is an int8, from -128 to 127; 128 is out of range."),
@@ -75,7 +75,7 @@ def test_not_a_number_is_a_float() -> None:
         (Float32(), "{data: fast}", "The field 'data' is a float32; 'fast' is a string."),
         (String(), "{data: [1]}", "The field 'data' is a string; [1] is a list."),
         (String(), "hello", "m takes its fields as '{data: ...}', not 'hello'."),
-        (Twist(), "{linear: {w: 1}}", "m has no field 'linear.w'"),
+        (Twist(), "{linear: {w: 1}}", "There is no field 'w' in linear, a geometry_msgs/Vector3; it has x, y, z."),
         (Twist(), "{linear: 1}", "The field 'linear' is a geometry_msgs/Vector3; 1 is an integer."),
         (UInt8MultiArray(), "{data: [1, 256]}", "The field 'data[1]' is a uint8, from 0 to 255; 256 is out of range."),
         (UInt8MultiArray(), "{data: 1}", "The field 'data' is a list of uint8; 1 is an integer."),
@@ -87,6 +87,6 @@ def test_not_a_number_is_a_float() -> None:
 def test_values_that_do_not_fit_are_named(message: object, text: str, wanted: str) -> None:
     with pytest.raises(CommandError) as caught:
         values.fill(message, text, "m")
-    said = str(caught.value).replace("geometry_msgs/Vector3 has no field", "m has no field")
+    said = str(caught.value)
     assert said.startswith(wanted)
     assert len(said.splitlines()) == 1

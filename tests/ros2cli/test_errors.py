@@ -72,7 +72,7 @@ rclpy.spin(Faulty())
         (("topic", "echo", "/chater", "--timeout", "1"), 1, "Did you mean /chatter?"),
         (("topic", "echo", "/in", "--timeout", "1"), 1, "No message on /in for 1 s; no publishers on it."),
         (("topic", "echo", "/chatter", "--field", "dta"), 1, "no field 'dta' in the message. Did you mean data?"),
-        (("topic", "pub", "/chatter", "std_msgs/String", "{dat: 1}"), 1, "Did you mean data?"),
+        (("topic", "pub", "/chatter", "std_msgs/String", "{dat: 1}"), 1, "Did you mean 'data'?"),
         (
             ("topic", "pub", "-1", "/nobody", "std_msgs/String", "--timeout", "1"),
             1,

@@ -3,7 +3,7 @@ from __future__ import annotations
 from typing import Any
 
 from course_kit.lab.recording.arrows import NOBODY, UNSEEN, arrows_of
-from course_kit.lab.recording.events import Event, Taps
+from course_kit.lab.recording.events import Event, EventStream
 from course_kit.lab.recording.recording import DRAWN, KEPT, Recording
 from course_kit.ros.arrows import Arrow
 
@@ -98,12 +98,12 @@ def test_a_recording_is_bounded_sorted_and_can_begin_anew() -> None:
 
 
 def test_taps_copy_what_they_report() -> None:
-    taps = Taps()
-    assert not taps
+    events = EventStream()
+    assert not events
     seen: list[Event] = []
-    taps.listen(seen.append)
-    taps.listen(seen.append)
+    events.listen(seen.append)
+    events.listen(seen.append)
     fields = {"values": [1, 2]}
-    taps.emit("published", ("/a", "/t", "x/msg/Y"), fields)
+    events.emit("published", ("/a", "/t", "x/msg/Y"), fields)
     fields["values"].append(3)
     assert [event.value for event in seen] == [{"values": [1, 2]}]

@@ -16,7 +16,7 @@ import pytest
 from course_kit import environment
 from course_kit.authoring import release
 
-REPOSITORY = Path(__file__).resolve().parent.parent
+REPOSITORY = Path(__file__).resolve().parents[2]
 HELPER = "course_kit/interfaces/native/_helper.so"  # built by the set-up, in the student edition as here
 
 pytestmark = pytest.mark.answers

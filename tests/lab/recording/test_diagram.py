@@ -3,15 +3,10 @@ from __future__ import annotations
 import re
 
 import pytest
-from geometry_msgs.msg import Pose
 from hypothesis import given
 from hypothesis import strategies as st
-from sensor_msgs.msg import Image
-from std_msgs.msg import String
 
 from course_kit.lab.recording.diagram import MERMAID, WIDTH, Diagram
-from course_kit.lab.recording.snapshot import CHARACTERS, ELEMENTS, snapshot
-from course_kit.lab.recording.wording import in_words
 from course_kit.ros.arrows import Arrow
 
 CALL = [
@@ -81,19 +76,3 @@ def test_no_text_breaks_the_form(text: str) -> None:
     assert len(lines) == 6
     assert re.fullmatch(r"    n1-\)n2: /t[^;{}<>%`]*", re.sub(r"#\d+;", "", lines[-1]))
     assert all(len(line) <= WIDTH for line in str(diagram).splitlines())
-
-
-def test_values_in_words() -> None:
-    assert in_words(snapshot(String(data="it's"))) == 'data="it\'s"'
-    assert in_words(snapshot(Pose())).startswith("position={x=0.0, y=0.0, z=0.0}, orientation={x=0.0")
-    assert in_words({}) == "(empty)"
-    assert in_words("ValueError") == "'ValueError'"
-    assert len(in_words({"a": "x" * 500})) == 160
-
-
-def test_long_values_are_cut_when_they_are_copied() -> None:
-    image = snapshot(Image(data=bytes(1_000_000), encoding="x" * 1000))
-    assert len(image["data"]) == ELEMENTS + 1
-    assert image["data"][-1] == f"+{1_000_000 - ELEMENTS} more"
-    assert len(image["encoding"]) == CHARACTERS
-    assert in_words({"data": image["data"]}) == "data=[0, 0, 0, 0, 0, 0, 0, 0, +999992 more]"

@@ -15,7 +15,7 @@ from rclpy.node import Node
 from course_kit import lab
 from tests.lab.action_nodes import Fibonaccis, Stubborn, Waiting
 
-PROGRAMS = Path(__file__).parent.parent / "lesson_programs"
+PROGRAMS = Path(__file__).parents[2] / "lesson_programs"
 
 
 def drawn() -> list[str]:

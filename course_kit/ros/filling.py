@@ -1,0 +1,224 @@
+"""Fields put into messages, with errors that name the field: Python's values as they are, or what YAML makes of text.
+
+rclpy checks fields with assertions, whose text names neither the message nor a way out.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import textwrap
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from course_kit.ros.errors import BadFieldError
+from course_kit.ros.messages import Message, is_message_type, ros_word, with_article
+from course_kit.ros.names import nearest
+
+Fields = Mapping[str, object]
+# How a value becomes what a field takes: the value, the field's type, the path to it, and what it holds now.
+Fit = Callable[[Any, str, str, Any], Any]
+
+_INTEGER = re.compile(r"(u?)int(\d+)")
+_ARRAY = re.compile(r"(?P<element>[^\[]+)\[(?P<length>\d+)\]")
+_SEQUENCE = re.compile(r"sequence<(?P<element>.+?)(?:, (?P<bound>\d+))?>")
+_BOUNDED_STRING = re.compile(r"w?string<(?P<bound>\d+)>")
+_FLOATS = {"float": 3.4028234663852886e38, "double": math.inf}
+_BYTE = 256
+_HINTS = {
+    "double": "a float such as 20.0",
+    "float": "a float such as 20.0",
+    "boolean": "True or False",
+    "string": "a str such as 'text'",
+    "wstring": "a str such as 'text'",
+    "octet": "one byte such as b'a'",
+}
+_KINDS = {bool: "a boolean", int: "an integer", float: "a float", str: "a string", list: "a list", dict: "a mapping"}
+
+
+def make(message_type: type[Message], fields: Fields, owner: str) -> Message:
+    """Make a message with these fields; a dict stands for a message inside it.
+
+    Args:
+        message_type: the class, e.g. `Trigger.Request`.
+        fields: field names and values.
+        owner: how to call the message in errors, e.g. "a std_srvs/srv/Trigger request".
+
+    Raises:
+        BadFieldError: an unknown field, or a value of the wrong type or out of range.
+    """
+    message = message_type(check_fields=True)  # whatever ROS_PYTHON_CHECK_FIELDS was when the type was imported
+    _put(message, fields, owner, "", _as_given)
+    return message
+
+
+def fill_from_yaml(message: Message, fields: Fields, owner: str) -> None:
+    """Set fields to what YAML makes of typed text: 1 is good for a float, '7' for an integer, "now" for a time.
+
+    Args:
+        message: the message; fields that are not named keep their defaults.
+        fields: field names and values.
+        owner: how to call the message in errors.
+
+    Raises:
+        BadFieldError: an unknown field, or a value that does not fit.
+    """
+    _put(message, fields, owner, "", _from_yaml)
+
+
+def unknown_field(field: object, known: Mapping[str, str], owner: str) -> str:
+    """What to say about a field that a message does not have.
+
+    Args:
+        field: its name.
+        known: the fields there are.
+        owner: the message or its type.
+    """
+    if not known:
+        return f"There is no field {field!r} in {owner}; it has none."
+    near = nearest(str(field), known)
+    meant = f" Did you mean {near!r}?" if near else ""
+    return f"There is no field {field!r} in {owner}; it has {', '.join(known)}.{meant}"
+
+
+def _put(message: Message, fields: Fields, owner: str, path: str, fit: Fit) -> None:
+    known = message.get_fields_and_field_types()
+    for name, value in fields.items():
+        field = f"{path}{name}"
+        if name not in known:
+            raise BadFieldError(unknown_field(name, known, owner))
+        now = getattr(message, name)
+        if isinstance(value, dict) and is_message_type(type(now)):
+            inner = type(now)(check_fields=True)
+            _put(inner, value, f"{field}, {with_article(known[name])}", f"{field}.", fit)
+            fitted = inner
+        else:
+            fitted = fit(value, known[name], field, now)
+        try:
+            setattr(message, name, fitted)
+        except (AssertionError, TypeError, ValueError, OverflowError) as error:
+            raise BadFieldError(_refused(name, value, known[name], owner)) from error
+
+
+def _as_given(value: object, field_type: str, field: str, now: object) -> object:
+    del field_type, field, now
+    return value
+
+
+def _refused(field: object, value: object, field_type: str, owner: str) -> str:
+    """Why the message has refused a value."""
+    if field_type in _HINTS:
+        wanted = _HINTS[field_type]
+        if field_type in _FLOATS and isinstance(value, int) and not isinstance(value, bool):
+            wanted = f"a float: write {float(value)}"
+    elif _INTEGER.fullmatch(field_type):
+        wanted = "a whole number in its range"
+    else:
+        example = "a dict of its fields" if "/" in field_type else "one that fits"
+        wanted = f"a value of that type, such as {'a list' if _list_type(field_type) else example}"
+    shown = textwrap.shorten(repr(value), 40, placeholder="...")
+    comma = "," if ", " in owner else ""  # after "position, a geometry_msgs/Point"
+    return (
+        f"The field {field!r} in {owner}{comma} has the type {ros_word(field_type)} and takes {wanted}; "
+        f"it was given {shown}, {with_article(type(value).__name__)}."
+    )
+
+
+def _list_type(field_type: str) -> re.Match[str] | None:
+    return _ARRAY.fullmatch(field_type) or _SEQUENCE.fullmatch(field_type)
+
+
+def _from_yaml(value: Any, field_type: str, field: str, now: Any = None) -> Any:  # noqa: PLR0911 - a table of types
+    if listed := _list_type(field_type):
+        return _fit_list(value, listed, field_type, field)
+    if "/" in field_type:
+        return _fit_message(value, field_type, field, now)
+    if integer := _INTEGER.fullmatch(field_type):
+        return _fit_integer(value, int(integer[2]), field, signed=not integer[1])
+    if field_type in _FLOATS:
+        return _fit_float(value, field_type, field)
+    if field_type == "boolean":
+        if value in (True, False) and not isinstance(value, float):
+            return bool(value)
+    elif field_type == "octet":
+        if isinstance(value, int) and 0 <= value < _BYTE:
+            return bytes([value])
+    elif "string" in field_type:
+        return _fit_text(value, field_type, field)
+    raise _unfit(value, field_type, field)
+
+
+def _fit_text(value: object, field_type: str, field: str) -> str:
+    if isinstance(value, (dict, list)) or value is None:
+        raise _unfit(value, field_type, field)
+    bounded = _BOUNDED_STRING.fullmatch(field_type)
+    if bounded and len(str(value)) > int(bounded["bound"]):
+        raise BadFieldError(f"The field {field!r} takes at most {bounded['bound']} characters, not {len(str(value))}.")
+    return str(value)
+
+
+def _fit_integer(value: object, bits: int, field: str, *, signed: bool) -> int:
+    field_type = f"{'' if signed else 'u'}int{bits}"
+    if isinstance(value, str) and re.fullmatch(r"[+-]?\d+", value):
+        value = int(value)
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise _unfit(value, field_type, field)
+    lowest, highest = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
+    if not lowest <= value <= highest:
+        limits = f"{with_article(field_type)}, from {lowest} to {highest}"
+        raise BadFieldError(f"The field {field!r} is {limits}; {value} is out of range.")
+    return value
+
+
+def _fit_float(value: object, field_type: str, field: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise _unfit(value, field_type, field)
+    try:
+        number = float(value)  # YAML 1.1 takes 1e3 for a string
+    except (ValueError, OverflowError):
+        raise _unfit(value, field_type, field) from None
+    if math.isfinite(number) and abs(number) > _FLOATS[field_type]:
+        raise BadFieldError(f"The field {field!r} is a {ros_word(field_type)}; {value} is out of range.")
+    return number
+
+
+def _fit_list(value: object, listed: re.Match[str], field_type: str, field: str) -> list[object]:
+    if not isinstance(value, list):
+        raise _unfit(value, field_type, field)
+    parts = listed.groupdict()
+    if parts.get("length") and len(value) != int(parts["length"]):
+        raise BadFieldError(f"The field {field!r} takes exactly {parts['length']} values, not {len(value)}.")
+    if parts.get("bound") and len(value) > int(parts["bound"]):
+        raise BadFieldError(f"The field {field!r} takes at most {parts['bound']} values, not {len(value)}.")
+    return [_from_yaml(element, parts["element"], f"{field}[{index}]") for index, element in enumerate(value)]
+
+
+def _fit_message(value: object, field_type: str, field: str, now: Message) -> Message:
+    """A message that was not given by its fields; one in a list, by its fields."""
+    from course_kit import interfaces
+
+    package, name = field_type.split("/")
+    message = type(now)() if now is not None else interfaces.get_type(f"{package}/msg/{name}")()
+    if value == "now" and field_type == "builtin_interfaces/Time":
+        return _set_to_now(message)
+    if value == "auto" and field_type == "std_msgs/Header":
+        _set_to_now(message.stamp)
+        return message
+    if not isinstance(value, dict):
+        raise _unfit(value, field_type, field)
+    _put(message, value, f"{field}, {with_article(field_type)}", f"{field}.", _from_yaml)
+    return message
+
+
+def _set_to_now(stamp: Message) -> Message:
+    stamp.sec, stamp.nanosec = divmod(time.time_ns(), 1_000_000_000)
+    return stamp
+
+
+def _unfit(value: object, field_type: str, field: str) -> BadFieldError:
+    word = ros_word(field_type)
+    given = _KINDS.get(type(value), "nothing" if value is None else type(value).__name__)
+    if listed := _list_type(field_type):
+        word = f"list of {ros_word(listed['element'])}"
+    return BadFieldError(f"The field {field!r} is {with_article(word)}; {value!r} is {given}.")

@@ -1,0 +1,59 @@
+"""One way to fill a message, from a program and from what was typed: an error names the field and its message."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from geometry_msgs.msg import Point, Pose
+
+from course_kit.ros.errors import BadFieldError
+from course_kit.ros.filling import fill_from_yaml, make
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.ros.filling import Fields
+
+
+def typed(fields: Fields) -> None:
+    fill_from_yaml(Pose(), fields, "a pose")
+
+
+def given(fields: Fields) -> None:
+    make(Pose, fields, "a pose")
+
+
+@pytest.mark.parametrize("fill", [given, typed])
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        (
+            {"positon": {}},
+            "There is no field 'positon' in a pose; it has position, orientation. Did you mean 'position'?",
+        ),
+        (
+            {"position": {"q": 1.0}},
+            "There is no field 'q' in position, a geometry_msgs/Point; it has x, y, z.",
+        ),
+    ],
+)
+def test_both_say_the_same_of_a_field_that_is_not_there(
+    fill: Callable[[Fields], None], fields: Fields, said: str
+) -> None:
+    with pytest.raises(BadFieldError) as caught:
+        fill(fields)
+    assert str(caught.value).startswith(said)
+
+
+def test_only_what_was_typed_is_made_to_fit() -> None:
+    point = Point()
+    fill_from_yaml(point, {"x": 1, "y": "2.5"}, "a point")
+    assert (point.x, point.y) == (1.0, 2.5)
+    with pytest.raises(BadFieldError, match=r"takes a float: write 1\.0"):
+        make(Point, {"x": 1}, "a point")
+
+
+def test_what_a_message_inside_refuses_is_said_of_that_message() -> None:
+    with pytest.raises(BadFieldError, match=r"'x' in position, a geometry_msgs/Point, has the type float64"):
+        make(Pose, {"position": {"x": "far"}}, "a pose")
