@@ -3,9 +3,10 @@
 One run of `course-kit class` over the mixed submissions of `class.py` (right, wrong, crashing, greedy, one in 50 that
 never ends), all different. Meanwhile it is counted, every few seconds, what the run holds: processes, open files and
 memory of those that live as long as the run (the command, the warm process, the workers, and the processes that start
-submissions), processes that nobody has reaped, files in /dev/shm, and what lies in the temporary folder. A lease of a ROS
-domain is a socket, and so among the open files. The table shows what was held at the beginning, in the middle and at the end of the run, and after it.
-Beginning, middle and end are the medians of a fifth of the samples each; what was there before the run is taken off.
+submissions), processes that nobody has reaped, files in /dev/shm, and what lies in the temporary folder. A lease of a
+ROS domain is a socket, and so among the open files. The table shows what was held at the beginning, in the middle and
+at the end of the run, and after it. Beginning, middle and end are the medians of a fifth of the samples each; what was
+there before the run is taken off.
 """
 
 from __future__ import annotations

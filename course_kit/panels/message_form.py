@@ -139,7 +139,7 @@ class MessageForm:
             count = self._length(path, kind, now)
             parts = [*now[:count], *[""] * (count - len(now))]
             return [self._value(f"{path}[{n}]", element, values, wrong, part) for n, part in enumerate(parts)]
-        if kind.is_nested:
+        if kind.is_nested and field.nested is not None:
             return self._read(field.nested, f"{path}.", values, wrong)
         return _parsed(kind, values[path]) if path in values else now
 
