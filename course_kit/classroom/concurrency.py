@@ -18,8 +18,8 @@ from course_kit.grading.machine import processor_times
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from course_kit.grading.engine import Task
     from course_kit.grading.report import Report
-    from course_kit.grading.workers.pool import Task
 
 Thing = TypeVar("Thing")
 _LOOK_S = 0.25  # over which it is seen whether processors idle

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.classroom.concurrency import Turns
 from course_kit.grading.errors import GradingError
-from course_kit.grading.workers.pool import Pool, Task
+from course_kit.grading.workers.pool import Pool
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from concurrent.futures import Future
 
+    from course_kit.grading.engine import Task
     from course_kit.grading.report import Report
 
 _WORKERS_PER_CORE = 2  # a grading waits for answers about as long as it computes

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from course_kit.classroom.records import Record
 from course_kit.grading import engine
+from course_kit.grading.engine import Task
 from course_kit.grading.errors import GradingError
 from course_kit.grading.submission import Copy, UnreadableError
-from course_kit.grading.workers.pool import Task
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -78,6 +78,22 @@ class Limiter:
             raise Failed(Evidence("get_parameters", expected, ", ".join(wrong)), message, "parameter.type")
         return LimiterSettings(**{name: value.value for name, value in found.items()})
 
+    def require(self, values: Mapping[str, object], otherwise: Failed) -> LimiterSettings:
+        """The settings, which hold these values.
+
+        Args:
+            values: by the parameters' names.
+            otherwise: the verdict when they do not, but for what was got.
+
+        Raises:
+            Failed: they do not.
+        """
+        settings = self.settings()
+        read = {name: value for name, value in settings.to_mapping().items() if name in values}
+        if read != dict(values):
+            raise Failed(replace(otherwise.evidence, got=shown(read)), otherwise.message, otherwise.diagnosis)
+        return settings
+
     def driving(self) -> LimiterSettings:
         """What a check begins with: the settings, once `enabled` is true, as only then there is something to see."""
         return self._before if self._before.enabled else self.set(enabled=True)
@@ -90,12 +106,12 @@ class Limiter:
         """
         for name, value in values.items():
             require_accepted(self.remote.set(name, value), {name: value})
-        return self._require_values(values)
+        return self._require_accepted(values)
 
     def set_together(self, **values: object) -> LimiterSettings:
         """Set valid values at once; otherwise like `set`."""
         require_accepted(self.remote.set_together(values), values)
-        return self._require_values(values)
+        return self._require_accepted(values)
 
     def react(self, twist: Twist, evidence: Evidence) -> Reaction:
         """What comes out for one command."""
@@ -165,13 +181,10 @@ class Limiter:
             )
         return Failed(evidence, message, diagnosis)
 
-    def _require_values(self, values: Mapping[str, object]) -> LimiterSettings:
-        settings = self.settings()
-        read = {name: value for name, value in settings.to_mapping().items() if name in values}
-        if read != dict(values):
-            evidence = Evidence(shown(values), f"afterwards get_parameters says {shown(values)}", shown(read))
-            raise Failed(evidence, "Your node accepted the value, but afterwards the parameter has another one.")
-        return settings
+    def _require_accepted(self, values: Mapping[str, object]) -> LimiterSettings:
+        evidence = Evidence(shown(values), f"afterwards get_parameters says {shown(values)}")
+        message = "Your node accepted the value, but afterwards the parameter has another one."
+        return self.require(values, Failed(evidence, message))
 
 
 def endpoints(context: CheckContext) -> tuple[TopicExchange, Inbox]:

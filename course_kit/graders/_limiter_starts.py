@@ -106,13 +106,8 @@ def _names_a_parameter(context: CheckContext) -> bool:
 
 
 def _require_values(limiter: Limiter, values: Mapping[str, object], sent: str) -> LimiterSettings:
-    settings = limiter.settings()
-    got = {name: value for name, value in settings.to_mapping().items() if name in values}
-    if got != dict(values):
-        evidence = Evidence(sent, shown(values), shown(got))
-        message = "The program was started with these values, but its parameters have others."
-        raise Failed(evidence, message, "parameter.override_ignored")
-    return settings
+    message = "The program was started with these values, but its parameters have others."
+    return limiter.require(values, Failed(Evidence(sent, shown(values)), message, "parameter.override_ignored"))
 
 
 def _require_effect(limiter: Limiter, settings: LimiterSettings, part: str, sent: str) -> Evidence:

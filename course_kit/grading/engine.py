@@ -6,7 +6,7 @@ import secrets
 import shlex
 import time
 from contextlib import ExitStack, nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,9 +28,28 @@ if TYPE_CHECKING:
     from course_kit.grading.plain_data import Record
     from course_kit.grading.sandbox.isolation import Isolation
     from course_kit.grading.submission import Submission
-    from course_kit.grading.workers.outcome import Outcome
+    from course_kit.grading.workers.grading_outcome import GradingOutcome
 
 _NOT_STARTED = ("start.", "limit.")
+
+
+@dataclass(frozen=True)
+class Task:
+    """One grading, as it travels to where it is done.
+
+    Attributes:
+        exercise: the exercise.
+        text: the submission.
+        shown: what the report calls it.
+        seed: what the checks draw their random values from.
+        hidden: folders the submission must not see, wherever they lie: what others have handed in, and their results.
+    """
+
+    exercise: Exercise
+    text: Submission
+    shown: str
+    seed: int
+    hidden: tuple[str, ...] = ()
 
 
 def grade(  # noqa: PLR0913 - the options of one verb
@@ -98,37 +117,23 @@ def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None, re
         used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
         text = reader.read(copy, task)
         shown = submission.readable(str(path))
-        return grade_text(task, text, shown, seed, used, require_isolation=require_isolation)
+        return grade_task(Task(task, text, shown, seed), used, require_isolation=require_isolation)
 
 
-def grade_text(  # noqa: PLR0913 - the options of one grading
-    task: Exercise,
-    text: Submission,
-    shown: str,
-    seed: int,
-    worker: Worker | None = None,
-    *,
-    hidden: Sequence[str] = (),
-    require_isolation: bool = False,
-) -> Report:
+def grade_task(task: Task, worker: Worker | None = None, *, require_isolation: bool = False) -> Report:
     """Grade a submission that has been read.
 
     Args:
-        task: the exercise.
-        text: the submission.
-        shown: what the report calls it.
-        seed: what the checks draw their random values from.
+        task: what is to be graded.
         worker: a running worker to use; one is started and ended when None.
-        hidden: folders the submission must not see, wherever they lie.
         require_isolation: refuse to run it where it would not be fully isolated.
 
     Raises:
         GradingError: a broken installation, a lack of isolation, or the worker ended.
     """
-    job = _job(task, text, seed, None)
-    job = replace(job, hidden=tuple(hidden))
+    job = replace(_job(task.exercise, task.text, task.seed, None), hidden=task.hidden)
     with Worker() if worker is None else nullcontext(worker) as used:
-        return _grade(task, job, shown, used, require_isolation)
+        return _grade(task.exercise, job, task.shown, used, require_isolation)
 
 
 def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
@@ -212,7 +217,7 @@ def _fault(text: Submission) -> str:
     return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."
 
 
-def _report(task: Exercise, shown: str, outcome: Outcome, isolation: str, began: float) -> Report:
+def _report(task: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:
     checks = tuple(_check(task, result) for result in bounds.results(outcome["results"]))
     score = sum(check.points for check in checks)
     problem = _no_grade(outcome["problem"], checks)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.classroom.gradebook import Gradebook
-    from course_kit.grading.workers.pool import Task
+    from course_kit.grading.engine import Task
 
 SERVICE = exercise.load("temperature_service")
 CHOICE = exercise.load("pattern_choice")

@@ -84,7 +84,8 @@ def of_logged(stderr: str, job: Job) -> exits.Cause | None:
     if raised is None:
         return None
     cause = exits.of_second_spin(raised, job) or _of_parameters(raised, job) or exits.of_field(raised, job)
-    return cause or (None, f"Your program raised {raised.describe()}{_where(raised, job)}, and nothing caught it.")
+    where = exits.in_line(job, raised.own)
+    return cause or (None, f"Your program raised {raised.describe()}{where}, and nothing caught it.")
 
 
 def unanswered(context: CheckContext, evidence: Evidence, waited_s: float) -> Failed:
@@ -103,7 +104,7 @@ def unanswered(context: CheckContext, evidence: Evidence, waited_s: float) -> Fa
 
 
 def _of_parameters(raised: Raised, job: Job) -> exits.Cause | None:
-    where = _where(raised, job)
+    where = exits.in_line(job, raised.own)
     if raised.type == "ParameterNotDeclaredException":
         return "parameter.undeclared", f"{raised.text}{where}."
     functions = [frame.function for frame in raised.frames]
@@ -119,7 +120,3 @@ def _of_parameters(raised: Raised, job: Job) -> exits.Cause | None:
     if raised.type == "InvalidParameterTypeException":
         return "parameter.type", f"{raised.text}{where}."
     return None
-
-
-def _where(raised: Raised, job: Job) -> str:
-    return f" in {exits.source_line(job, raised.own.line)}" if raised.own else ""

@@ -15,6 +15,7 @@ from course_kit.ros.names import nearest
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.process_status import ProcessStatus
+    from course_kit.grading.diagnosis.tracebacks import Frame
     from course_kit.grading.job import Job
 
 _FIELD = re.compile(r"'(?P<field>\w+)' field must be (?:a sub message )?of type '(?P<type>[\w.]+)'")
@@ -39,6 +40,11 @@ def source_line(job: Job, line: int) -> str:
     text = lines[line - 1].strip()[:_LONGEST_LINE] if 0 < line <= len(lines) else ""
     place = where(job.places, line)
     return f"{place}: {text}" if text else place
+
+
+def in_line(job: Job, frame: Frame | None) -> str:
+    """` in line 12: return response`, to follow on what happened there; nothing where it is not known."""
+    return f" in {source_line(job, frame.line)}" if frame else ""
 
 
 def of_limit(process: ProcessStatus, job: Job) -> Cause | None:
@@ -76,7 +82,7 @@ def of_start(process: ProcessStatus, job: Job) -> Cause:
     raised = last_exception(process.stderr, job.name)
     if raised is None:
         return exited(process)
-    where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
+    where = in_line(job, raised.own)
     if raised.type in ("ModuleNotFoundError", "ImportError"):
         return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
     return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
@@ -117,7 +123,6 @@ def of_logged(stderr: str, job: Job) -> Cause | None:
 
 
 def _of_exception(raised: Raised, job: Job) -> Cause:
-    where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
     if raised.frames and raised.frames[-1].function == "send_response" and raised.type == "TypeError":
         return (
             "service.wrong_return",
@@ -125,6 +130,7 @@ def _of_exception(raised: Raised, job: Job) -> Cause:
         )
     if cause := of_second_spin(raised, job) or of_field(raised, job):
         return cause
+    where = in_line(job, raised.own)
     return "service.exception", f"Your callback raised {raised.describe()}{where}. The client got no answer."
 
 

@@ -101,7 +101,7 @@ def _in_execute(raised: Raised) -> bool:
 def _of_exception(raised: Raised, job: Job) -> Cause:
     if fault := exits.of_second_spin(raised, job) or exits.of_field(raised, job):
         return fault
-    where = f" in {exits.source_line(job, raised.own.line)}" if raised.own else ""
+    where = exits.in_line(job, raised.own)
     if match := _TRANSITION.search(raised.text):
         verb = _VERBS.get(match["event"], match["event"])
         text = (

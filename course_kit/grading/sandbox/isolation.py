@@ -14,12 +14,14 @@ import sys
 import tempfile
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.grading.sandbox import file_view, landlock, namespaces, seccomp
+from course_kit.process.fork import fork
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -155,13 +157,7 @@ def _told(user: int) -> list[str]:
     """What a child process that tries everything says: a line for each kind that works, and reasons after "!"."""
     reader, writer = os.pipe()
     folder = tempfile.mkdtemp(prefix="course-kit-trial-")
-    child = os.fork()
-    if child == 0:
-        try:
-            os.close(reader)
-            _try_each(writer, folder, user)
-        finally:
-            os._exit(0)
+    child = fork(partial(_try_each, writer, folder, user))
     os.close(writer)
     with os.fdopen(reader) as lines:
         told = [line.rstrip("\n") for line in lines]
@@ -214,18 +210,16 @@ def _try_each(writer: int, folder: str, user: int) -> None:
     entered = _works(writer, "network", lambda: enter_network(user)) and _works(
         writer, "", lambda: enter_processes(user)
     )
-    child = os.fork()
-    if child == 0:
-        try:
-            if entered:
-                _say(writer, "processes")
-                _works(writer, "files", lambda: arrange_files(file_view.of_a_program(), folder, 1, user))
-            if user:
-                _works(writer, "user", lambda: _try_user(user))
-            _works(writer, "syscalls", seccomp.install)
-        finally:
-            os._exit(0)
-    os.waitpid(child, 0)
+
+    def try_inside() -> None:
+        if entered:
+            _say(writer, "processes")
+            _works(writer, "files", lambda: arrange_files(file_view.of_a_program(), folder, 1, user))
+        if user:
+            _works(writer, "user", lambda: _try_user(user))
+        _works(writer, "syscalls", seccomp.install)
+
+    os.waitpid(fork(try_inside), 0)
 
 
 def _try_user(user: int) -> None:

@@ -69,7 +69,7 @@ class Launcher:
             network: descriptors of the user and the network namespace to join; empty to stay in the launcher's.
 
         Raises:
-            LaunchError: the process has ended, or does not take it.
+            SandboxStartError: the process has ended, or does not take it.
         """
         ours, theirs = socket.socketpair()
         request = Channel(ours)
@@ -89,7 +89,7 @@ class Launcher:
         """Kill all that was started; returns when it is dead.
 
         Raises:
-            LaunchError: the process has ended, or does not manage it.
+            SandboxStartError: the process has ended, or does not manage it.
         """
         try:
             self._line.settimeout(_ENDING_S)

@@ -62,13 +62,10 @@ class OutputCollector:
             if name == "status":
                 self._drain()
                 self.over = True
-        elif name in self._output:
-            self._output[name].add(data)
-            self._totals[name].add(data)
         elif name == "status":
             self._take_status(data)
         else:
-            self._take_evidence(data)
+            self._keep(name, data)
 
     def too_much_output(self) -> bool:
         """Whether it has printed more than it may."""
@@ -136,12 +133,14 @@ class OutputCollector:
         """Read what the program had still written when it ended: its last words explain the end."""
         for name in ("stdout", "stderr", "evidence"):
             with suppress(OSError):
-                data = os.read(getattr(self._streams, name), _LAST_WORDS)
-                if name == "evidence":
-                    self._take_evidence(data)
-                else:
-                    self._output[name].add(data)
-                    self._totals[name].add(data)
+                self._keep(name, os.read(getattr(self._streams, name), _LAST_WORDS))
+
+    def _keep(self, name: str, data: bytes) -> None:
+        if name == "evidence":
+            self._take_evidence(data)
+        else:
+            self._output[name].add(data)
+            self._totals[name].add(data)
 
     def _take_status(self, data: bytes) -> None:
         *lines, self._status = (self._status + data).split(b"\n")

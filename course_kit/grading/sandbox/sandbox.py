@@ -97,7 +97,7 @@ class Sandbox:
             network: descriptors of the user and the network namespace it is to join.
 
         Raises:
-            LaunchError: the launcher has ended.
+            SandboxStartError: the launcher has ended.
             OSError: the scratch directory or the pipes cannot be made.
         """
         self._launcher = launcher
@@ -119,7 +119,7 @@ class Sandbox:
         """Kill all that was started; returns when it is dead and its scratch directory gone.
 
         Raises:
-            LaunchError: the launcher has ended.
+            SandboxStartError: the launcher has ended.
         """
         try:
             self._launcher.end()

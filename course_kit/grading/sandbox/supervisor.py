@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from course_kit.grading.plain_data import Record
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.launcher import Launcher
-    from course_kit.grading.workers.outcome import Outcome
+    from course_kit.grading.workers.grading_outcome import GradingOutcome
 
 _ANSWER_S = 5.0  # how long the init process is waited for; it has answered long before, unless the machine is very busy
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
@@ -78,7 +78,7 @@ class Supervisor:
         self._killed_before = memory.oom_kills()
         self._again = False  # whether this may go better the next time: something was killed that should not be
 
-    def run(self) -> Outcome:
+    def run(self) -> GradingOutcome:
         """Grade, and return the outcome as plain data; nothing that was started is alive then."""
         set_name("grade supervise")
         die_with_parent()

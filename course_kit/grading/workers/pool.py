@@ -7,7 +7,6 @@ a student's, and a submission that kills workers must not stop a class.
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.grading import engine
@@ -17,30 +16,10 @@ from course_kit.grading.workers.worker import Worker, side_by_side
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.engine import Task
     from course_kit.grading.report import Report
-    from course_kit.grading.submission import Submission
 
 _TRIES = 2
-
-
-@dataclass(frozen=True)
-class Task:
-    """One grading, as it travels to where it is done.
-
-    Attributes:
-        exercise: the exercise.
-        text: the submission.
-        shown: what the report calls it.
-        seed: what the checks draw from.
-        hidden: folders the submission must not see: what others have handed in, and their results.
-    """
-
-    exercise: Exercise
-    text: Submission
-    shown: str
-    seed: int
-    hidden: tuple[str, ...] = ()
 
 
 class Pool:
@@ -61,7 +40,7 @@ class Pool:
                 break
             worker = self._take()
             try:
-                report = engine.grade_text(task.exercise, task.text, task.shown, task.seed, worker, hidden=task.hidden)
+                report = engine.grade_task(task, worker)
             except Exception as failure:  # noqa: BLE001 - a worker in an unforeseen state must not end a class run
                 problem = str(failure) if isinstance(failure, GradingError) else f"The worker failed: {failure!r}."
                 self._give_back(worker, usable=False)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.job import Job
     from course_kit.grading.plain_data import Record
-    from course_kit.grading.workers.outcome import Outcome
+    from course_kit.grading.workers.grading_outcome import GradingOutcome
 
 _START_S = 60.0  # importing everything from a cold disk on a loaded machine
 _GRACE_S = 60.0  # beyond the queue and the wall time; a worker that is later than that hangs, by a fault of ours
@@ -77,7 +77,7 @@ class Worker(Closing):
             raise GradingError(str(problem_text))
         return Isolation(**self._greeting["isolation"])
 
-    def grade(self, job: Job) -> Outcome:
+    def grade(self, job: Job) -> GradingOutcome:
         """Grade one submission; returns the outcome as the supervisor describes it.
 
         Raises:
@@ -91,7 +91,7 @@ class Worker(Closing):
             raise GradingError(f"The grader ended while it was grading. {self._last_words()}") from problem
         if "results" not in outcome:  # its last words
             raise GradingError(str(outcome.get("problem", "The grader ended while it was grading.")))
-        return cast("Outcome", outcome)
+        return cast("GradingOutcome", outcome)
 
     def has_ended(self) -> bool:
         """Whether its process has gone, for one that is not at work."""

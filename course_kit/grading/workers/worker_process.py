@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.isolation import Isolation
-    from course_kit.grading.workers.outcome import Outcome
+    from course_kit.grading.workers.grading_outcome import GradingOutcome
 
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
 _FIRST_SERVED = -19  # nice value
@@ -174,7 +174,7 @@ def _load(module: str) -> ModuleType | None:
     return None
 
 
-def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> Outcome:
+def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> GradingOutcome:
     ours, theirs = Channel.pair()
 
     def supervise() -> None:
@@ -191,7 +191,7 @@ def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep:
         launcher.end()
 
 
-def _run(job: Job, launcher: Launcher, view: FileView) -> Outcome:
+def _run(job: Job, launcher: Launcher, view: FileView) -> GradingOutcome:
     if problem := needs.lacking(job.limits, guest=job.user != 0, disk="" if job.isolation.files else job.scratch):
         return _broken_off(problem, again=False)
     try:
@@ -200,12 +200,12 @@ def _run(job: Job, launcher: Launcher, view: FileView) -> Outcome:
         return _broken_off(f"the submission could not be run: {problem}")
 
 
-def _broken_off(problem: str, *, again: bool = True) -> Outcome:
+def _broken_off(problem: str, *, again: bool = True) -> GradingOutcome:
     """The outcome, as `Supervisor.run` gives it, of a grading that came to nothing by no fault of the submission."""
     return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": again}
 
 
-def _outcome(supervisor: Channel, parent: Channel) -> Outcome:
+def _outcome(supervisor: Channel, parent: Channel) -> GradingOutcome:
     poll = select.poll()
     poll.register(supervisor.fileno(), select.POLLIN)
     poll.register(parent.fileno(), select.POLLIN)
@@ -213,7 +213,7 @@ def _outcome(supervisor: Channel, parent: Channel) -> Outcome:
     if parent.fileno() in ready:
         raise ChannelClosedError("the parent process has ended, or sent a message out of turn")
     try:
-        return cast("Outcome", supervisor.receive())
+        return cast("GradingOutcome", supervisor.receive())
     except ChannelClosedError:
         return _broken_off("the process that supervises it was killed")
 

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from course_kit.grading.plain_data import Record
 
 
-class Outcome(TypedDict):
+class GradingOutcome(TypedDict):
     """The outcome.
 
     Attributes:

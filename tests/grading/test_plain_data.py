@@ -1,0 +1,44 @@
+"""What the grader's processes tell each other arrives as it was."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+
+from course_kit.grading.job import Job
+from course_kit.grading.limits import Limits
+from course_kit.grading.plain_data import rebuilt
+from course_kit.grading.sandbox.file_view import FileView
+from course_kit.grading.sandbox.isolation import Isolation
+from course_kit.grading.sandbox.runner import Program
+from course_kit.grading.sandbox.sandbox import Conditions
+from course_kit.grading.submission import Facts
+
+
+def through_json(thing: object) -> dict[str, object]:
+    read: dict[str, object] = json.loads(json.dumps(asdict(thing)))  # type: ignore[call-overload]
+    return read
+
+
+def test_a_job_arrives_with_all_its_parts() -> None:
+    job = Job(
+        "a.grader",
+        "run",
+        "answer.py",
+        7,
+        places=((1, 4), (3, 2)),
+        facts=Facts(awaits=True, functions=((1, 3, True),)),
+        literal={"entries": [["a", "b"]]},
+        command=("ros2", "run"),
+        limits=Limits(memory_mb=99),
+        isolation=Isolation(network=True, reason="none"),
+        hidden=("/a", "/b"),
+    )
+    assert Job.from_record(through_json(job)) == job
+
+
+def test_the_conditions_and_the_program_of_a_sandbox_arrive() -> None:
+    cell = Conditions(Limits(tasks=9), Isolation(files=True), "/scratch", FileView(("/usr",), ("/usr/x",)), {"A": "b"})
+    assert Conditions.from_record(through_json(cell)) == cell
+    program = Program("a.py", "text", arguments=("-p", "x"), files={"f": "text"}, command=("sh",))
+    assert rebuilt(Program, through_json(program)) == program
