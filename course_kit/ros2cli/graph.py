@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 Names = dict[str, list[str]]  # name -> its types
 
 
-class Endpoint(TypedDict):
+class EndpointFacts(TypedDict):
     """A publisher or a subscription; durations in nanoseconds, the type's hash as REP 2011 writes it."""
 
     node_name: str
@@ -27,8 +27,8 @@ class Endpoint(TypedDict):
 class Ends(NamedTuple):
     """Who is on a topic."""
 
-    publishers: list[Endpoint]
-    subscriptions: list[Endpoint]
+    publishers: list[EndpointFacts]
+    subscriptions: list[EndpointFacts]
 
 
 class Graph(NamedTuple):

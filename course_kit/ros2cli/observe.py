@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-    from course_kit.ros2cli.graph import Endpoint
+    from course_kit.ros2cli.graph import EndpointFacts
 
 _DISCOVERY_TOPIC = "ros_discovery_info"  # each participant publishes its nodes here (rmw_dds_common)
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"
@@ -186,7 +186,7 @@ def _participant_of(info: TopicEndpointInfo) -> bytes:
     return bytes(info.endpoint_gid[:_GUID_PREFIX])
 
 
-def _plain(info: TopicEndpointInfo) -> Endpoint:
+def _plain(info: TopicEndpointInfo) -> EndpointFacts:
     qos = {name: getattr(info.qos_profile, name) for name in _QOS}
     return {
         "node_name": info.node_name,

@@ -21,7 +21,7 @@ from course_kit.ros2cli.verbs._listing import (
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
-    from course_kit.ros2cli.graph import Endpoint, Graph, Names
+    from course_kit.ros2cli.graph import EndpointFacts, Graph, Names
     from course_kit.ros2cli.session import Session
 
 # Every command's own node brings these two, also where nobody else is.
@@ -106,7 +106,7 @@ def _info(options: Namespace, session: Session) -> None:
             _print_endpoint(endpoint, title.upper())
 
 
-def _print_endpoint(info: Endpoint, kind: str) -> None:
+def _print_endpoint(info: EndpointFacts, kind: str) -> None:
     qos = info["qos_profile"]
     history = _HISTORY[qos["history"]]
     depth = f" ({qos['depth']})" if history == "KEEP_LAST" else ""
