@@ -47,12 +47,20 @@ class Instructions:
         """
         exercises = {one.id: one for one in book.exercises}
         stand_ins, missing = self._without_submission(book.missing, exercises)
-        records = [self._adjusted(record, exercises[record.entry.exercise], book.root) for record in book.records]
+        records = [self.adjusted(record, book.exercises, book.root) for record in book.records]
         everybody = sorted([*records, *stand_ins], key=lambda one: (one.entry.student, one.entry.exercise))
         return replace(book, records=tuple(everybody), missing=tuple(missing))
 
-    def _adjusted(self, record: Record, exercise: Exercise, root: Path | None) -> Record:
+    def adjusted(self, record: Record, exercises: Sequence[Exercise], root: Path | None) -> Record:
+        """A result with its lateness, penalty, override and comment.
+
+        Args:
+            record: the result.
+            exercises: those that were set.
+            root: the folder of what was handed in; None where it is not at hand.
+        """
         entry = record.entry
+        exercise = next(one for one in exercises if one.id == entry.exercise)
         moment = submitted(root, entry, self.deadlines.zone) if root else None
         found = self.deadlines.judge(entry.student, exercise, moment, marked=entry.late)
         if decided := self.overrides.find(entry.student, exercise.id):

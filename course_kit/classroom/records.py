@@ -17,11 +17,12 @@ from course_kit.environment import write_atomically
 from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Collection, Iterable, Iterator
     from pathlib import Path
 
 FORMAT_VERSION = 1
 STUDENTS = "students"  # folder in the output folder: students/<student>/<exercise>.json and .html
+SUPERSEDED = "superseded"  # beside it, results that no longer count: superseded/<student>/<exercise>.<number>.json
 _UNSAFE = re.compile(r"[^\w.@+-]+")
 _LONGEST_NAME = 120  # bytes; a file system takes 255
 _LONGEST_PLAIN = 80  # characters
@@ -159,6 +160,7 @@ class Records:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder / STUDENTS
+        self._superseded = folder / SUPERSEDED
 
     def path(self, entry: Entry, suffix: str = ".json") -> Path:
         """Where a submission's record or report (`.html`) stands."""
@@ -167,24 +169,71 @@ class Records:
     def keep(self, record: Record, page: str | None = None) -> None:
         """Write a record and its report page; the page first, so that a record that is there is complete.
 
+        A grade that stood there is kept under `superseded`.
+
         Raises:
             OSError: the disk is full, or the folder cannot be written.
         """
         if page is not None:
+            before = self.find(record.entry)
+            if before is not None and before.status != "error":
+                self._copy_superseded(self.path(record.entry))
             write_atomically(self.path(record.entry, ".html"), page)
         write_atomically(self.path(record.entry), record.to_json() + "\n")
 
     def find(self, entry: Entry) -> Record | None:
         """The record of a submission if there is one that can be read."""
-        try:
-            return Record.from_json(self.path(entry).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            return None
+        return _read(self.path(entry))
+
+    def without(self, entries: Iterable[Entry], exercises: Collection[str]) -> list[Path]:
+        """Where results stand that belong to none of these submissions.
+
+        Args:
+            entries: the submissions there are.
+            exercises: ids; results of others are left alone.
+        """
+        here = {self.path(entry) for entry in entries}
+        found = sorted(self.folder.glob("*/*.json"))
+        return [path for path in found if path not in here and path.stem in exercises]
+
+    def supersede(self, path: Path) -> Record | None:
+        """Move a result, and its page, to `superseded`; returns it if it can be read.
+
+        Raises:
+            OSError: it could not be moved.
+        """
+        record = _read(path)
+        self._copy_superseded(path)
+        path.unlink(missing_ok=True)  # first: whatever comes between, a page without a record counts for nothing
+        path.with_suffix(".html").unlink(missing_ok=True)
+        with suppress(OSError):  # there are results for other exercises
+            path.parent.rmdir()
+        return record
+
+    def _copy_superseded(self, path: Path) -> None:
+        """Copy a result; once, should a run have ended between copying it and whatever takes its place."""
+        content = path.read_bytes()
+        folder = self._superseded / path.parent.name
+        number = 1
+        while (copy := folder / f"{path.stem}.{number}.json").exists():
+            if copy.read_bytes() == content:
+                return
+            number += 1
+        with suppress(FileNotFoundError):
+            write_atomically(copy.with_suffix(".html"), path.with_suffix(".html").read_bytes())
+        write_atomically(copy, content)
 
     def __iter__(self) -> Iterator[Record]:
         for path in sorted(self.folder.glob("*/*.json")):
-            with suppress(OSError, ValueError):
-                yield Record.from_json(path.read_text(encoding="utf-8"))
+            if (record := _read(path)) is not None:
+                yield record
+
+
+def _read(path: Path) -> Record | None:
+    try:
+        return Record.from_json(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
 
 
 def safe_name(student: str) -> str:

@@ -82,12 +82,16 @@ class Handed:
         return replace(other, entry=self.entry, report=report, same_as=other.entry.student)
 
     def has_result(self, record: Record | None) -> bool:
-        """Whether a record is of this submission as it is now; an error of the grader is worth another try."""
-        return (
-            record is not None
-            and (record.digest, record.seed, record.entry.source) == (self.digest, self.seed, self.entry.source)
-            and record.status != "error"
-        )
+        """Whether a record is of this submission as it is now, wherever it lies; a grader's error gets another try."""
+        if record is None or record.status == "error" or (record.digest, record.seed) != (self.digest, self.seed):
+            return False
+        return bool(self.digest) or record.entry.source == self.entry.source
+
+    def kept_record(self, record: Record) -> Record:
+        """The result it has, as of what was handed in now: it may have got a name, a time or another place."""
+        if record.entry == self.entry:
+            return record
+        return replace(record, entry=self.entry, report={**record.report, "submission": self.entry.source})
 
 
 def read(  # noqa: PLR0913 - what a submission is read for

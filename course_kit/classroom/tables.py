@@ -51,13 +51,16 @@ class Mistakes:
         raise GradingError(f"{self.path} cannot be used. Correct it, then run this again:\n  " + "\n  ".join(told))
 
 
-def read_rows(path: Path, required: Sequence[str], optional: Sequence[str] = ()) -> list[Row]:
+def read_rows(
+    path: Path, required: Sequence[str], optional: Sequence[str] = (), *, headless: bool = False
+) -> list[Row]:
     """Read a table; empty lines are left out.
 
     Args:
         path: a CSV file in UTF-8, with commas, semicolons or tabs between the cells.
         required: columns that have to be there.
         optional: columns that may be there; others are left alone.
+        headless: a first line that ends with a number is no header; the columns are then the required ones.
 
     Raises:
         GradingError: it cannot be read, or a column is missing.
@@ -65,6 +68,11 @@ def read_rows(path: Path, required: Sequence[str], optional: Sequence[str] = ())
     text = _text(path)
     first = text.partition("\n")[0]
     delimiter = max(_DELIMITERS, key=first.count)
+    if headless and first.strip().rpartition(delimiter)[2].strip(' "').isdecimal():
+        text = f"{delimiter.join(required)}\n{text}"
+        lines_before = 1
+    else:
+        lines_before = 0
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
     mistakes = Mistakes(path)
     rows: list[Row] = []
@@ -77,8 +85,9 @@ def read_rows(path: Path, required: Sequence[str], optional: Sequence[str] = ())
         before = reader.line_num
         for cells in reader:
             if any(cell.strip() for cell in cells):
-                found = {column: cells[at].strip() for column, at in wanted.items() if at < len(cells)}
-                rows.append(Row(before + 1, {column: found.get(column, "") for column in (*required, *optional)}))
+                found = dict.fromkeys((*required, *optional), "")
+                found |= {column: cells[at].strip() for column, at in wanted.items() if at < len(cells)}
+                rows.append(Row(before + 1 - lines_before, found))
             before = reader.line_num
     except csv.Error as problem:
         mistakes.add(reader.line_num, str(problem))

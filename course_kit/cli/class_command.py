@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import csv
+import shlex
 import signal
 import sys
 from contextlib import contextmanager
@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.gradebook import Gradebook
+    from course_kit.grading.exercise import Exercise
 
 FAILED, INTERRUPTED = 2, 130
 _MOST_NAMED = 20  # students in a sentence; the class page has them all
@@ -38,6 +39,12 @@ def add_to(verbs: Any) -> None:
     parser.add_argument("--layout", default="auto", help="canvas, moodle, nbgrader, github, folders or files")
     parser.add_argument("--seed", type=int, help="draw the same random values as an earlier run")
     parser.add_argument("--seeds", type=Path, metavar="CSV", help="two columns, student and seed, as for exercise 4")
+    add_where(parser)
+    parser.set_defaults(run=run)
+
+
+def add_where(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say where submissions are graded."""
     parser.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
@@ -47,7 +54,6 @@ def add_to(verbs: Any) -> None:
         help="number of gradings at the same time on this machine, more while they only wait",
     )
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://10.0.0.1:8786")
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -57,61 +63,105 @@ def run(options: argparse.Namespace) -> int:
         0 when everything handed in has its grade; 2 when it could not be done, no submission was found, a student was
         dropped or the grader itself failed for a submission; 130 when it was stopped.
     """
+    return told(_run, options)
+
+
+def told(work: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
+    """Do it, and say in a sentence what stopped it.
+
+    Args:
+        work: what to do; returns an exit code.
+        options: of the command line.
+    """
+    from course_kit.classroom.executors import SchedulerLostError
     from course_kit.grading import GradingError
 
     try:
-        return _run(options)
+        return work(options)
+    except SchedulerLostError as problem:
+        say(
+            f"\ncourse-kit: {problem} The results so far are safe. Start a scheduler and its workers, then run:\n"
+            f"  {_command_to_continue(options)}"
+        )
     except GradingError as problem:
-        _say(f"course-kit: {problem}")
+        say(f"course-kit: {problem}")
     except OSError as problem:
         where = f" ({problem.filename})" if problem.filename else ""
-        _say(
+        say(
             f"\ncourse-kit: a result could not be written: {problem.strerror or problem}{where}. The results before it "
-            "are safe. Fix this, then run the same command with --resume."
+            f"are safe. Fix this, then run:\n  {_command_to_continue(options)}"
         )
     return FAILED
 
 
-def _say(text: str) -> None:
+def _command_to_continue(options: argparse.Namespace) -> str:
+    """The command that goes on where this one has ended."""
+    more = [] if getattr(options, "resume", True) else ["--resume"]
+    return shlex.join(["course-kit", *options.arguments, *more])
+
+
+def say(text: str) -> None:
     """Tell a person something in which names of strangers may stand."""
     from course_kit.text.sanitize import printable
 
     print(printable(text), file=sys.stderr)
 
 
+def require_machine(options: argparse.Namespace, exercises: Iterable[Exercise]) -> None:
+    """See that this machine can give submissions what their exercises promise.
+
+    Raises:
+        GradingError: it cannot, and they would be graded here; or it does not isolate them, and has to.
+    """
+    from course_kit.grading import isolation_status, needs
+
+    if not options.scheduler:
+        for one in exercises:
+            needs.require(one.limits)
+    if options.require_isolation:
+        isolation_status().require()
+
+
 def _run(options: argparse.Namespace) -> int:
+    from course_kit.classroom import run_lock, seeds
     from course_kit.classroom.progress import RunProgress
-    from course_kit.classroom.run import ClassRun, Plan
-    from course_kit.grading import GradingError, exercise, isolation_status, needs
+    from course_kit.classroom.records import SUPERSEDED
+    from course_kit.classroom.run import ClassRun, Plan, require_folders_apart
+    from course_kit.grading import GradingError, exercise
 
     chosen = {one: exercise.load(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
         raise GradingError(f"{options.out} is a file. --out has to name a folder for the results.")
-    if not options.scheduler:
-        for one in chosen.values():
-            needs.require(one.limits)
-    if options.require_isolation:
-        isolation_status().require()
+    require_machine(options, chosen.values())
     plan = Plan(
         source=options.submissions,
         out=options.out,
         exercises=tuple(sorted(chosen.values(), key=lambda one: one.order)),
         seed=options.seed,
-        seeds=_read_seeds(options.seeds) if options.seeds else {},
+        seeds=seeds.read(options.seeds) if options.seeds else None,
         layout=options.layout,
         resume=options.resume,
     )
+    require_folders_apart(plan)
     tally = RunProgress(sys.stderr)
-    with _interrupts() as stops:
-        grading = ClassRun(plan, tally, stops)
-        book = grading.grade(lambda: _executor(options, [one.grader for one in chosen.values()]))
-    tally.end()
-    return _finish(book, options.out)
+    with run_lock.hold(plan.out):
+        with interrupts() as stops:
+            grading = ClassRun(plan, tally, stops)
+            book = grading.grade(lambda: executor(options, [one.grader for one in chosen.values()]))
+        tally.end()
+        if grading.gone:
+            say(
+                f"{many(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}, as the submission is not in "
+                f"{plan.source} any more: {some(grading.gone, '; ')}."
+            )
+        return _finish(book, options)
 
 
-def _finish(book: Gradebook, out: Path) -> int:
+def _finish(book: Gradebook, options: argparse.Namespace) -> int:
     from course_kit.classroom import exports
     from course_kit.grading import advice_for_root
+
+    out = options.out
 
     if advice := advice_for_root():
         print(f"course-kit: {advice}", file=sys.stderr)
@@ -122,43 +172,65 @@ def _finish(book: Gradebook, out: Path) -> int:
             if len(book.left) == 1
             else f"{len(book.left)} files were not recognised as submissions; they are"
         )
-        _say(f"{what} listed in {page.name}.")
+        say(f"{what} listed in {page.name}.")
     if book.odd:
         odd = [f"{student} ({reason})" for student, reason in book.odd]
-        _say(f"Graded as separate students, because their names do not fit the layout '{book.layout}': {_some(odd)}.")
+        say(f"Graded as separate students, because their names do not fit the layout '{book.layout}': {some(odd)}.")
     print(page)
+    for notice in _notices(book, out):
+        say(notice)
     worries = list(_worries(book))
     for worry in worries:
-        _say(f"course-kit: {worry}")
+        say(f"course-kit: {worry}")
     if not book.complete:
-        _say("course-kit: stopped. Run the same command with --resume to continue.")
+        say(f"course-kit: stopped. To continue, run:\n  {_command_to_continue(options)}")
         return INTERRUPTED
     return FAILED if worries else 0
+
+
+def _notices(book: Gradebook, out: Path) -> Iterator[str]:
+    """What the instructor may want to look at, a sentence each."""
+    from course_kit.classroom import instructor, regrade
+
+    yield from instructor.warnings(book)
+    if others := regrade.graded_otherwise(book):
+        counts = ", ".join(f"{count} of {exercise}" for exercise, count in others.items())
+        yield (
+            f"Graded by another version of the kit, the exercise or its grader than the one of now: {counts}. "
+            f"To see what it would change: course-kit regrade {shlex.quote(str(out))}"
+        )
 
 
 def _worries(book: Gradebook) -> Iterator[str]:
     """What is missing from the grades, a sentence each."""
     if book.dropped:
         reasons = [f"{student} ({reason})" for student, reason in book.dropped]
-        yield f"{_many(reasons, 'student')} handed in something that was not graded: {_some(reasons)}."
+        yield f"{many(reasons, 'student')} handed in something that was not graded: {some(reasons)}."
     if failed := book.not_graded:
         whose = [f"{record.entry.student}, {record.entry.exercise}" for record in failed]
         yield (
-            f"{_many(whose, 'submission')} could not be graded, through no fault of the student: {_some(whose, '; ')}. "
+            f"{many(whose, 'submission')} could not be graded, through no fault of the student: {some(whose, '; ')}. "
             "Run the same command with --resume."
         )
 
 
-def _many(of_what: list[str], name: str) -> str:
+def many(of_what: Sequence[str], name: str) -> str:
+    """`1 student`, `2 students`."""
     return f"{len(of_what)} {name}{'s' * (len(of_what) != 1)}"
 
 
-def _some(parts: list[str], between: str = ", ") -> str:
+def some(parts: Sequence[str], between: str = ", ") -> str:
+    """The first ones, and how many more there are."""
     more = len(parts) - _MOST_NAMED
     return between.join(parts[:_MOST_NAMED]) + (f"{between}and {more} more" if more > 0 else "")
 
 
-def _executor(options: argparse.Namespace, graders: list[str]) -> Executor:
+def executor(options: argparse.Namespace, graders: list[str]) -> Executor:
+    """Where submissions are graded, as the options say.
+
+    Raises:
+        GradingError: the scheduler they name is not there.
+    """
     from course_kit.classroom import executors, exports
 
     del exports  # needed at the end: imported now it costs no time, the workers start
@@ -168,30 +240,8 @@ def _executor(options: argparse.Namespace, graders: list[str]) -> Executor:
     return executors.Local(options.workers, graders)
 
 
-def _read_seeds(path: Path) -> dict[str, int]:
-    """Students' own seeds.
-
-    Raises:
-        GradingError: the file is missing or holds something else.
-    """
-    from course_kit.grading import GradingError
-    from course_kit.text.sanitize import one_line
-
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = [row for row in csv.reader(file) if row]
-        body = rows[1:] if rows and not rows[0][-1].strip().lstrip("-").isdigit() else rows
-        return {one_line(student): int(seed) for student, seed in body}
-    except OSError as problem:
-        raise GradingError(f"{path} could not be read: {problem.strerror}.") from problem
-    except (ValueError, csv.Error) as problem:
-        raise GradingError(
-            f"{path} is not a list of students and seeds (two columns in each line): {problem}."
-        ) from problem
-
-
 @contextmanager
-def _interrupts() -> Iterator[Callable[[], int]]:
+def interrupts() -> Iterator[Callable[[], int]]:
     """Count Ctrl-C instead of being cut off by it in the middle of a result."""
     pressed: list[int] = []
     before = signal.signal(signal.SIGINT, lambda number, _frame: pressed.append(number))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import class_command, streams
+from course_kit.cli import class_command, regrade_command, seeds_command, streams
 from course_kit.integrations import otter
 
 if TYPE_CHECKING:
@@ -54,6 +54,8 @@ def build_parser() -> argparse.ArgumentParser:
     release.set_defaults(run=_release)
 
     class_command.add_to(verbs)
+    regrade_command.add_to(verbs)
+    seeds_command.add_to(verbs)
     otter.add_to(verbs)
 
     present = verbs.add_parser(
@@ -118,10 +120,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         streams.read_names_as_utf_8()
     parser = build_parser()
+    arguments = regrade_command.spelled_out(sys.argv[1:] if arguments is None else arguments)
     options, others = parser.parse_known_args(arguments)
     if others and "others" not in options:
         parser.error(f"unrecognized arguments: {' '.join(others)}")
     options.others = others
+    options.arguments = list(arguments)
     streams.speak_to_any_terminal()
     try:
         code = int(options.run(options))

@@ -18,6 +18,7 @@ from course_kit.classroom import exports
 from course_kit.classroom.progress import RunProgress
 from course_kit.classroom.records import Entry, Record, Records, safe_name
 from course_kit.classroom.run import ClassRun, Plan
+from course_kit.classroom.seeds import Seeds
 from course_kit.grading import GradingError, exercise
 from course_kit.grading.report import CheckReport, Report
 
@@ -51,6 +52,9 @@ class StandInForGrading:
             )
         )
         return done
+
+    def require_reachable(self) -> None:
+        """It always is."""
 
     def close(self) -> None:
         self.closed = True
@@ -157,12 +161,18 @@ def test_results_of_an_earlier_run_are_not_mixed_with_new_ones_by_accident(hande
 def test_checks_draw_from_the_seed_of_the_run_the_exercise_or_the_student(handed_in: Path, tmp_path: Path) -> None:
     (handed_in / "ada/pattern_choice.py").write_text("answers = {}")
     (handed_in / "bob/pattern_choice.py").write_text("answers = {}")
+    listed = {"ada": 98, "bob": 99, "cem": 1, "dee": 2, "eve": 3}
+    seeds = Seeds(tmp_path / "seeds.csv", {student: (seed, 1) for student, seed in listed.items()})
+    own = StandInForGrading()
+    run(handed_in, tmp_path / "own", own, exercises=(SERVICE, CHOICE), seed=7, seeds=seeds)
     executor = StandInForGrading()
-    run(handed_in, tmp_path / "out", executor, exercises=(SERVICE, CHOICE), seed=7, seeds={"bob": 99})
-    seeds = {(task.shown, task.seed) for task in executor.tasks}
-    assert ("ada/temperature_service.py", 7) in seeds
-    assert ("ada/pattern_choice.py", CHOICE.seed) in seeds
-    assert ("bob/pattern_choice.py", 99) in seeds  # the same bytes as ada's, and not the same questions
+    run(handed_in, tmp_path / "out", executor, exercises=(SERVICE, CHOICE), seed=7)
+    usual = {(task.shown, task.seed) for task in executor.tasks}
+    assert ("ada/temperature_service.py", 7) in usual
+    assert ("ada/pattern_choice.py", CHOICE.seed) in usual
+    drawn = {(task.shown, task.seed) for task in own.tasks}
+    assert ("ada/pattern_choice.py", 98) in drawn
+    assert ("bob/pattern_choice.py", 99) in drawn  # the same bytes as ada's, and not the same questions
 
 
 def test_a_request_to_stop_leaves_what_is_done_and_says_it_is_not_all(handed_in: Path, tmp_path: Path) -> None:

@@ -13,10 +13,14 @@ from course_kit.grading.render.sequence import sequence_svg
 from course_kit.text.templates import render
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.report import Report
 
 _TEMPLATES = Path(__file__).with_name("templates")
+# Between these a page may get a notice later on. Whatever a submission says is escaped, and cannot hold one of them.
+NOTICE_BEGINS, NOTICE_ENDS = "<!-- notice -->", "<!-- end of notice -->"
 
 
 def render_html(report: Report, base: Path | None = None) -> str:
@@ -37,6 +41,22 @@ def render_page(report: Report, student: str) -> str:
         student: whose it is, for the heading.
     """
     return str(render(_TEMPLATES / "page.html", student=student, **_values(report, Path.cwd())))
+
+
+def with_notice(page: str, score: str, sentences: Sequence[str]) -> str:
+    """A page of `render_page` with a notice above the report, in the place of the one before.
+
+    Args:
+        page: the page.
+        score: what counts, in a sentence.
+        sentences: why, or what else is to be said; without any there is no notice.
+    """
+    before, begins, rest = page.partition(NOTICE_BEGINS)
+    _, ends, after = rest.partition(NOTICE_ENDS)
+    if not begins or not ends:  # not a page of ours any more
+        return page
+    notice = render(_TEMPLATES / "notice.html", score=score, sentences=sentences).strip() if sentences else ""
+    return f"{before}{begins}{notice}{ends}{after}"
 
 
 def _values(report: Report, base: Path) -> dict[str, Any]:
