@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import secrets
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -212,6 +212,9 @@ class ClassRun:
         return early(groups.values(), lambda group: group[0].may_last)
 
     def _keep(self, record: Record, known: Record) -> None:
+        here = {entry.student for entry in self.intake.entries}
+        if record.same_as and record.same_as not in here:
+            record = replace(record, same_as="")
         if record != known:
             self._records.keep(record)
         self._kept.append(record)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _DISTRIBUTION = "ros2-course-kit"
 _DIGITS = 12  # hexadecimal
 _SOURCES = (".py", ".toml")
+_SHARED = ("course_kit.grading", "course_kit.ros", "course_kit.environment", "course_kit.text")  # in `kit`, or no rules
 
 
 def of(exercise: Exercise) -> dict[str, str]:
@@ -48,8 +49,8 @@ def _fingerprint(paths: Iterable[Path]) -> str:
 
 
 def _grader_sources(module: str) -> list[Path]:
-    """The files of a grader: its module or package, and what it imports from the package around it."""
-    around = module.rpartition(".")[0]
+    """The files of a grader: its module or package, and what it imports of what is beside it, such as the quiz."""
+    around, top = module.rpartition(".")[0], module.partition(".")[0]
     found: dict[str, Path] = {}
     waiting = [module]
     while waiting:
@@ -58,9 +59,10 @@ def _grader_sources(module: str) -> list[Path]:
         if name in found or path is None:
             continue
         found[name] = path
-        waiting += [one for one in _imported(path) if around and one.startswith(f"{around}.")]
+        own = [one for one in _imported(path) if one.startswith(f"{top}.") and one != around]
+        waiting += [one for one in own if not one.startswith(_SHARED)]
     packages = [path.parent for path in found.values() if path.name == "__init__.py"]
-    inside = {path for folder in packages for path in folder.rglob("*.py")}
+    inside = {path for folder in packages for path in folder.rglob("*") if path.suffix in _SOURCES}
     return sorted({*found.values(), *inside})
 
 

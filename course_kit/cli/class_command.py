@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from course_kit import environment
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
@@ -97,7 +99,7 @@ def told(work: Callable[[argparse.Namespace], int], options: argparse.Namespace)
 def _command_to_continue(options: argparse.Namespace) -> str:
     """The command that goes on where this one has ended."""
     more = [] if getattr(options, "resume", True) else ["--resume"]
-    return shlex.join(["course-kit", *options.arguments, *more])
+    return shlex.join([environment.command(), *options.arguments, *more])
 
 
 def say(text: str) -> None:
@@ -197,7 +199,7 @@ def _notices(book: Gradebook, out: Path) -> Iterator[str]:
         counts = ", ".join(f"{count} of {exercise}" for exercise, count in others.items())
         yield (
             f"Graded by another version of the kit, the exercise or its grader than the one of now: {counts}. "
-            f"To see what it would change: course-kit regrade {shlex.quote(str(out))}"
+            f"To see what it would change, run:\n  {environment.command()} regrade {shlex.quote(str(out))}"
         )
 
 

@@ -99,7 +99,7 @@ def _is_wanted(changes: Sequence[Change], options: argparse.Namespace) -> bool:
 def _worries(regrade: Regrade) -> int:
     if regrade.not_at_hand:
         say(
-            f"course-kit: {class_command.many(regrade.not_at_hand, 'submission')} changed since they were graded, or "
+            f"course-kit: {class_command.many(regrade.not_at_hand, 'submission')} changed after the grading, or "
             f"cannot be read: {class_command.some(regrade.not_at_hand, '; ')}. Their results stay as they are. Run "
             "course-kit class with --resume to grade them as they are now."
         )

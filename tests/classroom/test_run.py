@@ -10,7 +10,7 @@ import shutil
 from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -19,45 +19,14 @@ from course_kit.classroom.progress import RunProgress
 from course_kit.classroom.records import Entry, Record, Records, safe_name
 from course_kit.classroom.run import ClassRun, Plan
 from course_kit.classroom.seeds import Seeds
-from course_kit.grading import GradingError, exercise
-from course_kit.grading.report import CheckReport, Report
+from course_kit.grading import GradingError
+from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.grading.report import Report
     from course_kit.grading.workers.pool import Task
-
-SERVICE = exercise.load("temperature_service")
-CHOICE = exercise.load("pattern_choice")
-
-
-class StandInForGrading:
-    """An executor that gives full marks at once to whatever contains "right"."""
-
-    slots = 2
-
-    def __init__(self) -> None:
-        self.tasks: list[Task] = []
-        self.closed = False
-
-    def submit(self, task: Task) -> Future[Report]:
-        self.tasks.append(task)
-        done: Future[Report] = Future()
-        right = "right" in task.text.source
-        check = CheckReport("it", "It", "passed" if right else "failed", 10.0 if right else 0.0, 10.0)
-        done.set_result(
-            Report(
-                task.exercise.id, task.exercise.title, task.shown, "graded", right, check.points, 10.0, 0.1, (check,)
-            )
-        )
-        return done
-
-    def require_reachable(self) -> None:
-        """It always is."""
-
-    def close(self) -> None:
-        self.closed = True
 
 
 @pytest.fixture
@@ -67,15 +36,6 @@ def handed_in(tmp_path: Path) -> Path:
         (tmp_path / "in" / student).mkdir(parents=True)
         (tmp_path / "in" / student / "temperature_service.py").write_text(text)
     return tmp_path / "in"
-
-
-def run(source: Path, out: Path, executor: StandInForGrading, **options: Any) -> Gradebook:
-    plan = Plan(source, out, options.pop("exercises", (SERVICE,)), **options)
-    return ClassRun(plan, RunProgress(io.StringIO())).grade(lambda: executor)
-
-
-def results(book: Gradebook) -> dict[str, tuple[str, float, str]]:
-    return {one.entry.student: (one.status, one.score, one.same_as) for one in book.records}
 
 
 def test_everybody_gets_a_result_and_identical_submissions_are_graded_once(handed_in: Path, tmp_path: Path) -> None:

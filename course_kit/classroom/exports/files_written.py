@@ -38,10 +38,10 @@ class FilesWritten:
             OSError: a file could not be removed.
         """
         for name in self._before - set(names):
-            path = self._out / name
-            path.unlink(missing_ok=True)
-            with suppress(OSError):  # it holds more
-                path.parent.rmdir()
+            (self._out / name).unlink(missing_ok=True)
+            with suppress(OSError):  # one holds more
+                for folder in list(PurePosixPath(name).parents)[:-1]:  # but the output folder itself
+                    (self._out / folder).rmdir()
         self._note(set(names))
 
     def _note(self, names: set[str]) -> None:

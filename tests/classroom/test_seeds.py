@@ -1,0 +1,94 @@
+"""`--seeds` and `course-kit seeds`: everybody has a seed of their own, and all mistakes of a list are told at once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.classroom import seeds
+from course_kit.cli.main import main
+from course_kit.grading import GradingError
+from tests.classroom.stand_ins import StandInForGrading, run
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def listed(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "seeds.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    "text", ["student,seed\nann,1\nbo,2\n", "ann,1\nbo,2\n", "\ufeffstudent;seed\nann;1\n\nbo;2\n"]
+)
+def test_a_list_may_have_a_header_or_none(text: str, tmp_path: Path) -> None:
+    found = seeds.read(listed(tmp_path, text))
+    assert {student: found.of(student) for student in found.found} == {"ann": 1, "bo": 2}
+
+
+def test_doubles_and_what_is_no_seed_are_told_together_with_their_lines(tmp_path: Path) -> None:
+    path = listed(tmp_path, "student,seed\nann,1\nbo,x\nann,2\n,4\ncy,-1\ndi,99999999999\n")
+    with pytest.raises(GradingError) as told:
+        seeds.read(path)
+    for said in (
+        "line 3: the seed 'x' is no whole number",
+        "line 4: ann stands in line 2 already",
+        "line 5: the student is missing",
+        "line 6: the seed '-1'",
+        "line 7: the seed '99999999999'",
+    ):
+        assert said in str(told.value)
+
+
+def test_absent_and_unknown_students_are_told_together_before_anything_is_graded(tmp_path: Path) -> None:
+    for student in ("ann", "bo", "cy"):
+        (tmp_path / "in" / student).mkdir(parents=True)
+        (tmp_path / "in" / student / "temperature_service.py").write_text("right = 1")
+    executor = StandInForGrading()
+    found = seeds.read(listed(tmp_path, "student,seed\nann,1\nboo,2\n"))
+    with pytest.raises(GradingError) as told:
+        run(tmp_path / "in", tmp_path / "out", executor, seeds=found)
+    assert "line 3: there is no student 'boo' here. Did you mean bo?" in str(told.value)
+    assert "there is no seed for: bo, cy" in str(told.value)
+    assert executor.tasks == []
+    assert not (tmp_path / "out/students").exists()
+
+
+def test_the_command_writes_a_list_that_class_takes_and_keeps_seeds_that_were_handed_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    roster, out = tmp_path / "roster.csv", tmp_path / "seeds.csv"
+    roster.write_text('student,mail\nann,a@x\n"Zoë, the second",z@x\n', encoding="utf-8")
+    assert main(["seeds", str(roster), "--out", str(out)]) == 0
+    before = seeds.read(out)
+    assert set(before.found) == {"ann", "Zoë, the second"}
+    roster.write_text('mail,student\na@x,ann\nb@x,bo\nz@x,"Zoë, the second"\n', encoding="utf-8")
+    assert main(["seeds", str(roster), "--out", str(out)]) == 0
+    after = seeds.read(out)
+    assert {student: after.of(student) for student in before.found} == {one: before.of(one) for one in before.found}
+    assert len({after.of(student) for student in after.found}) == 3
+    assert main(["seeds", str(roster)]) == 0
+    assert capsys.readouterr().out.splitlines()[0] == "student,seed"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("name\nann\n", "line 1: the column 'student' is missing"),
+        ("student\nann\nann\n", "line 3: ann stands in line 2 already"),
+        ("student\n", "names no student"),
+        (None, "could not be read: No such file"),
+    ],
+)
+def test_a_roster_that_will_not_do_is_told(
+    text: str | None, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    roster = tmp_path / "roster.csv"
+    if text is not None:
+        roster.write_text(text)
+    assert main(["seeds", str(roster), "--out", str(tmp_path / "seeds.csv")]) == 2
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "seeds.csv").exists()
