@@ -210,6 +210,14 @@ class Records:
             path.parent.rmdir()
         return record
 
+    def remove_pages_alone(self) -> None:
+        """Take away pages whose record was never written, as the run was killed between the two."""
+        for page in self.folder.glob("*/*.html"):
+            if not page.with_suffix(".json").exists():
+                page.unlink(missing_ok=True)
+                with suppress(OSError):
+                    page.parent.rmdir()
+
     def _copy_superseded(self, path: Path) -> None:
         """Copy a result; once, should a run have ended between copying it and whatever takes its place."""
         content = path.read_bytes()

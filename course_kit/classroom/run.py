@@ -18,7 +18,7 @@ from course_kit.classroom.concurrency import early
 from course_kit.classroom.gradebook import Gradebook
 from course_kit.classroom.grading_loop import GradingLoop
 from course_kit.classroom.records import Records
-from course_kit.environment import write_atomically
+from course_kit.environment import remove_half_written, write_atomically
 from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader, ReadingStoppedError
@@ -185,7 +185,9 @@ class ClassRun:
         write_atomically(self._plan.out / RUN_FILE, f"{encodable(json.dumps(noted))}\n")
 
     def _take_away_what_is_gone(self) -> None:
-        """Results of submissions that are not in the inbox any more count no longer."""
+        """Results of submissions that are not in the inbox any more count no longer; nor does what a crash has left."""
+        remove_half_written(self._plan.out, besides=[WORKSPACE])
+        self._records.remove_pages_alone()
         for path in self._records.without(self.intake.entries, [one.id for one in self._plan.exercises]):
             record = self._records.supersede(path)
             whose = record.entry.student if record else path.parent.name
