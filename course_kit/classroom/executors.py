@@ -6,6 +6,7 @@ An executor has `slots`, takes a `Task` by `submit` and returns a future of its 
 
 from __future__ import annotations
 
+import logging
 import os
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -96,6 +97,7 @@ class Cluster:
             raise GradingError(
                 'Grading on a cluster needs Dask. Install it with: .venv/bin/python -m pip install -e ".[cluster]"'
             ) from problem
+        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what it says with tracebacks, we say
         try:
             self._client = distributed.Client(address, timeout=_CONNECT_S, set_as_default=False)
         except (OSError, ValueError, TypeError) as problem:
