@@ -23,14 +23,16 @@ FULL, FIRST, LAST, EMAIL, LOGIN, NUMBER, CANVAS, MOODLE, GITHUB, GROUP = (
 )
 _WORDS = {  # headers without accents, signs and capitals
     FULL: "student|student name|full name|fullname|display name|vollstandiger name|nom complet|nombre completo|"
-    "nome completo|volledige naam|imie i nazwisko|cele jmeno|fullstandigt namn|fullt navn|koko nimi|氏名|姓名|フルネーム|"
+    "nome completo|volledige naam|imie i nazwisko|cele jmeno|fullstandigt namn|"
+    "fullt navn|koko nimi|氏名|姓名|フルネーム|"
     "полное имя|фио|teljes nev|ad soyad",
     FIRST: "first name|firstname|first names|given name|given names|forename|vorname|vornamen|prenom|prenoms|voornaam|"
     "imie|krestni jmeno|fornavn|fornamn|etunimi|名|名字|имя|keresztnev|ad|prenume",
     LAST: "last name|lastname|surname|family name|familyname|nachname|familienname|nom de famille|apellido|apellidos|"
     "apellido s|cognome|sobrenome|apelido|apelidos|achternaam|nazwisko|prijmeni|etternavn|efternavn|efternamn|sukunimi|"
     "姓|фамилия|vezeteknev|soyad",
-    LOGIN: "sis login id|login|login id|loginname|username|user name|user id|userid|netid|net id|benutzername|anmeldename|"
+    LOGIN: "sis login id|login|login id|loginname|username|user name|user id|userid|netid|net id|"
+    "benutzername|anmeldename|"
     "benutzerkennung|identifiant|nom d utilisateur|usuario|nombre de usuario|nome utente|nome de usuario|"
     "gebruikersnaam|nazwa uzytkownika|brugernavn|anvandarnamn|用户名|ユーザ名|логин",
     NUMBER: "sis user id|sis id|student id|studentid|sid|student number|id number|idnumber|matrikelnummer|matrikelnr|"

@@ -1,4 +1,4 @@
-"""The table of an intake: which file was chosen for whom, why, and what else was there; every file stands in it once."""
+"""The table of an intake: which file was chosen for whom, why, and what else was there; every file is in it once."""
 
 from __future__ import annotations
 
