@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from course_kit.classroom.adjustments import Adjustment
-from course_kit.classroom.tables import Mistakes, read_rows, unknown
+from course_kit.classroom.instructor_tables import Mistakes, read_rows, unknown
 from course_kit.grading import exercise as course
 from course_kit.grading.errors import GradingError
 from course_kit.ros.names import did_you_mean

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.tables import Mistakes, read_rows, to_number, unknown
+from course_kit.classroom.instructor_tables import Mistakes, read_rows, to_number, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

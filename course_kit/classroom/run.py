@@ -13,16 +13,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom import instructor, intake, submissions
+from course_kit.classroom import instructor, intake, roster, submissions, table
 from course_kit.classroom.concurrency import early
 from course_kit.classroom.gradebook import Gradebook
 from course_kit.classroom.grading_loop import GradingLoop
+from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart, require_submissions
 from course_kit.classroom.records import Records
 from course_kit.environment import remove_half_written, write_atomically
 from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader, ReadingStoppedError
-from course_kit.text.sanitize import encodable, one_line
+from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,14 +31,13 @@ if TYPE_CHECKING:
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.grading_loop import Watcher
     from course_kit.classroom.records import Entry, Record
+    from course_kit.classroom.roster import Roster
     from course_kit.classroom.seeds import Seeds
     from course_kit.classroom.submissions import Handed
     from course_kit.grading.exercise import Exercise
 
 RUN_FILE = "run.json"
-WORKSPACE = "handed_in"  # where an archive is unpacked, in the output folder
 FORMAT_VERSION = 1
-_NAMED = 3  # things that are there where there is no submission
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,8 @@ class Plan:
 
     Attributes:
         source: a folder or a zip.
+        more: further ones of the same class.
+        roster: who is in the class.
         out: the folder for all results.
         exercises: what was set.
         seed: what all checks draw from; drawn once for the run when None.
@@ -61,6 +63,13 @@ class Plan:
     seeds: Seeds | None = None
     layout: str = "auto"
     resume: bool = False
+    more: tuple[Path, ...] = ()
+    roster: Roster | None = None
+
+    @property
+    def sources(self) -> tuple[Path, ...]:
+        """All folders and zips."""
+        return (self.source, *self.more)
 
 
 class ClassRun:
@@ -84,14 +93,17 @@ class ClassRun:
         self._watcher = watcher
         self._stops = stops
         self._records = Records(plan.out)
-        require_folders_apart(plan)
+        require_folders_apart(plan.sources, plan.out)
         self.seed = self._choose_seed()
         self._instructions = instructor.read(plan.out, plan.exercises)
         try:
-            self.intake = intake.collect(plan.source, plan.exercises, plan.out / WORKSPACE, plan.layout, self._stopped)
+            self.intake = intake.collect(
+                plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, self._stopped, plan.roster
+            )
         except ReadingStoppedError:
             raise KeyboardInterrupt from None  # nothing has begun
-        self._require_submissions()
+        table.write(self.intake, plan.out)
+        require_submissions(self.intake, plan.sources, plan.exercises)
         self._require_everybody_known()
         self._note_run()
         self._loop = GradingLoop(self._records, watcher, stops, hidden_folders(plan))
@@ -155,30 +167,23 @@ class ClassRun:
                 f"Add {' '.join(f'--exercise {one}' for one in left_out)}, or name another folder."
             )
 
-    def _require_submissions(self) -> None:
-        if self.intake.entries:
-            return
-        seen = [*self.intake.dropped, *self.intake.left][:_NAMED]
-        wanted = ", ".join(one.id for one in self._plan.exercises)
-        raise GradingError(
-            f"{self._plan.source} holds no submission for {wanted}, read with the layout '{self.intake.layout}'. "
-            f"It holds: {'; '.join(f'{one_line(what)} ({one_line(why)})' for what, why in seen) or 'nothing'}. "
-            "Name the right exercise with --exercise, or the layout with --layout."
-        )
-
     def _require_everybody_known(self) -> None:
         """See that what the instructor has written is about this class, before hours go into grading it."""
         handed_in = {entry.student for entry in self.intake.entries}
-        students = handed_in | {student for student, _ in (*self.intake.missing, *self.intake.dropped)}
+        absent = self.intake.roster.absent if self.intake.roster else ()
+        students = handed_in | {student for student, _ in (*self.intake.missing, *self.intake.dropped, *absent)}
         self._instructions.require_known(students)
         if self._plan.seeds is not None:
-            self._plan.seeds.require_for(handed_in, students)
+            names = {name for _, name in absent}
+            self._plan.seeds.require_for(self.intake.entries, students | names)
 
     def _note_run(self) -> None:
+        listed = self._plan.roster.path if self._plan.roster else None
         noted = {
             "format_version": FORMAT_VERSION,
             "seed": self.seed,
-            "source": str(self._plan.source.resolve()),
+            "sources": [str(source.resolve()) for source in self._plan.sources],
+            "roster": str(listed.resolve()) if listed else None,
             "layout": self._plan.layout,
             "exercises": [one.id for one in self._plan.exercises],
         }
@@ -224,7 +229,8 @@ class ClassRun:
     def _read(self, entry: Entry, reader: Reader, known: Record | None) -> Handed:
         task = next(one for one in self._plan.exercises if one.id == entry.exercise)
         usual = self.seed if task.seed is None else task.seed
-        seed = usual if self._plan.seeds is None else self._plan.seeds.of(entry.student)
+        own = self._plan.seeds.of(entry) if self._plan.seeds else None
+        seed = usual if own is None else own
         return submissions.read(entry, self.intake.root, task, seed, reader, known=known)
 
     def _gradebook(self, done: list[Record]) -> Gradebook:
@@ -245,7 +251,7 @@ class ClassRun:
 
 def hidden_folders(plan: Plan) -> tuple[str, ...]:
     """What no submission may see: one student's program must not read another's, nor the results."""
-    return tuple(str(folder.resolve()) for folder in (plan.source, plan.out))
+    return tuple(str(folder.resolve()) for folder in (*plan.sources, plan.out))
 
 
 def plan_of(out: Path) -> Plan:
@@ -256,33 +262,17 @@ def plan_of(out: Path) -> Plan:
     """
     try:
         noted = json.loads((out / RUN_FILE).read_text(encoding="utf-8"))
-        source, layout, ids = Path(noted["source"]), str(noted["layout"]), [str(one) for one in noted["exercises"]]
+        source, *more = (Path(one) for one in noted["sources"])
+        layout, ids = str(noted["layout"]), [str(one) for one in noted["exercises"]]
+        listed = Path(noted["roster"]) if noted["roster"] else None
     except (OSError, ValueError, KeyError, TypeError):
         raise GradingError(
             f"{out} does not hold the results of a class run, or of one by an earlier version of the course kit. Name "
             "the folder that you gave as --out; with an earlier version run course-kit class with --resume once."
         ) from None
-    return Plan(source, out, tuple(exercise.load(one) for one in ids), layout=layout, resume=True)
-
-
-def require_folders_apart(plan: Plan) -> None:
-    """See that results are not taken for submissions, and that nothing handed in is written over.
-
-    Raises:
-        GradingError: one of the two folders lies in the other, or they are the same.
-    """
-    try:
-        source, out = plan.source.resolve(), plan.out.resolve()
-    except (OSError, RuntimeError):  # a loop of links, which is said when one of them is opened
-        return
-    if source == out or source in out.parents:
-        raise GradingError(
-            f"The results would lie among the submissions in {plan.source}. Name another folder with --out."
-        )
-    if out in source.parents and (plan.source.is_dir() or out / WORKSPACE in source.parents):
-        raise GradingError(
-            f"{plan.source} lies in {plan.out}, the folder for the results. Name another folder with --out."
-        )
+    exercises = tuple(exercise.load(one) for one in ids)
+    everybody = roster.read(listed) if listed else None
+    return Plan(source, out, exercises, layout=layout, resume=True, more=tuple(more), roster=everybody)
 
 
 def _seed_of_run(path: Path) -> int | None:

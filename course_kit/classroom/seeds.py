@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import secrets
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.tables import Mistakes, read_rows, unknown
+from course_kit.classroom import roster
+from course_kit.classroom.instructor_tables import Mistakes, read_rows, unknown
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
     from pathlib import Path
+
+    from course_kit.classroom.records import Entry
 
 COLUMNS = ("student", "seed")
 _BITS = 31
@@ -24,27 +28,35 @@ class Seeds:
     path: Path
     found: Mapping[str, tuple[int, int]]
 
-    def of(self, student: str) -> int:
-        """A student's seed."""
-        return self.found[student][0]
+    def of(self, entry: Entry) -> int | None:
+        """The seed of whoever handed something in; None where the file has none.
 
-    def require_for(self, handed_in: Collection[str], students: Collection[str]) -> None:
+        It may list them by any of their names: that of the reports, their own, or what a platform calls them.
+        """
+        return next((self.found[name][0] for name in _names(entry) if name in self.found), None)
+
+    def require_for(self, entries: Collection[Entry], others: Collection[str]) -> None:
         """See that the file fits the class.
 
         Args:
-            handed_in: those who need a seed.
-            students: everybody known.
+            entries: what was handed in; whoever did so needs a seed.
+            others: names of everybody else who is known, as those on the roster.
 
         Raises:
             GradingError: somebody has no seed, or a line is about nobody of the class; all are named.
         """
         mistakes = Mistakes(self.path)
+        known = {name for entry in entries for name in _names(entry)} | set(others)
         for student, (_, line) in self.found.items():
-            if student not in students:
-                mistakes.add(line, unknown("student", student, students))
-        if absent := sorted(set(handed_in) - set(self.found)):
+            if student not in known:
+                mistakes.add(line, unknown("student", student, known))
+        if absent := sorted({entry.student for entry in entries if self.of(entry) is None}):
             mistakes.found.append(f"there is no seed for: {', '.join(absent)}")
         mistakes.require_none()
+
+
+def _names(entry: Entry) -> list[str]:
+    return [name for name in (entry.student, entry.name, *entry.platform.values()) if name]
 
 
 def read(path: Path) -> Seeds:
@@ -87,23 +99,13 @@ def draw(students: Iterable[str], before: Seeds | None = None) -> dict[str, int]
     return drawn
 
 
-def students_of(path: Path) -> list[str]:
-    """The students of a roster: its column `student`, or the only one.
+def students_of(path: Path, layout: str = "") -> list[str]:
+    """The students of a class list, called as a class run with this layout calls them.
 
     Raises:
-        GradingError: it cannot be read, has no such column, or names somebody twice or nobody.
+        GradingError: it cannot be read, lists nobody, or two of one name and nothing else to tell them apart.
     """
-    mistakes = Mistakes(path)
-    lines: dict[str, int] = {}
-    for row in read_rows(path, ("student",)):
-        student = row.cells["student"]
-        if student in lines:
-            mistakes.add(row.line, f"{student} stands in line {lines[student]} already")
-        elif student:
-            lines[student] = row.line
-        else:
-            mistakes.add(row.line, "the student is missing")
-    mistakes.require_none()
-    if not lines:
-        raise GradingError(f"{path} names no student.")
-    return list(lines)
+    students = [person.student(layout) for person in roster.read(path).people]
+    if doubles := sorted(student for student, count in Counter(students).items() if count > 1):
+        raise GradingError(f"{path} lists these more than once, and they cannot be told apart: {', '.join(doubles)}.")
+    return students

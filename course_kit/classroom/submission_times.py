@@ -1,7 +1,7 @@
 """When a submission was handed in, as far as anything but a student's own file times tells it.
 
-In this order: what the layout told (`Entry.submitted`), nbgrader's `timestamp.txt`, the last commit of a clone that
-changed the file. A student can set the time of a commit; `git push` leaves none in a clone.
+In this order: what the platform told, as Gradescope's list does, nbgrader's `timestamp.txt`, the last commit of a clone
+that changed the file. A student can set the time of a commit; `git push` leaves none in a clone.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.records import Entry
 
 STAMP = "timestamp.txt"
+SUBMITTED_AT = "submitted_at"  # see `Entry.platform`
 _LONGEST_STAMP = 200  # bytes
 _GIT_S = 10.0
 _STAMP = re.compile(r"(?P<time>\d{4}-\d\d-\d\d[ T]\d\d:\d\d(:\d\d(\.\d{1,6})?)?)\s*(?P<zone>[\w/+:-]*)", re.ASCII)
@@ -40,9 +41,9 @@ def submitted(root: Path, entry: Entry, zone: tzinfo | None = None) -> datetime 
         entry: the submission.
         zone: the class's, which gives abbreviations such as CET their meaning.
     """
-    if entry.submitted:
-        with suppress(ValueError):
-            return datetime.fromisoformat(entry.submitted)
+    told = entry.platform.get(SUBMITTED_AT, "")
+    if told and (moment := read_stamp(told, zone)):
+        return moment
     source = PurePosixPath(entry.source)
     if len(source.parts) > 1:  # beside a submission in its student's folder, not between those of all
         stamp = _read_text(root / source.parent / STAMP, _LONGEST_STAMP)

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import argparse
 import shlex
-import signal
 import sys
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
+from course_kit.cli import intake_words
+from course_kit.cli.class_words import FAILED, INTERRUPTED, command_to_continue, interrupts, many, say, some, told
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.run import Plan
     from course_kit.grading.exercise import Exercise
-
-FAILED, INTERRUPTED = 2, 130
-_MOST_NAMED = 20  # students in a sentence; the class page has them all
 
 
 def add_to(verbs: Any) -> None:
@@ -32,13 +30,29 @@ def add_to(verbs: Any) -> None:
         "handed in has its grade; 2 when it could not be done, no submission was found, a student was dropped or a "
         "submission could not be graded through no fault of its student; 130 when it was stopped.",
     )
-    parser.add_argument("submissions", type=Path, help="a folder or zip, as your learning platform gives it")
+    parser.add_argument(
+        "submissions",
+        type=Path,
+        nargs="+",
+        help="a folder or zip, as your learning platform gives it; several, or a folder of zips, of one class",
+    )
     parser.add_argument(
         "--exercise", action="append", required=True, metavar="ID", help="an exercise that was set; give it repeatedly"
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="the folder for all results")
     parser.add_argument("--resume", action="store_true", help="continue an earlier run into DIR")
-    parser.add_argument("--layout", default="auto", help="canvas, moodle, nbgrader, github, folders or files")
+    parser.add_argument(
+        "--dry-run", action="store_true", help="show which file would be graded for whom and why, and grade nothing"
+    )
+    parser.add_argument(
+        "--roster",
+        type=Path,
+        metavar="CSV",
+        help="the class list, as Canvas, Moodle or nbgrader export it, or any other",
+    )
+    parser.add_argument(
+        "--layout", default="auto", help="canvas, moodle, gradescope, nbgrader, github, folders or files"
+    )
     parser.add_argument("--seed", type=int, help="draw the same random values as an earlier run")
     parser.add_argument("--seeds", type=Path, metavar="CSV", help="two columns, student and seed, as for exercise 4")
     add_where(parser)
@@ -68,47 +82,6 @@ def run(options: argparse.Namespace) -> int:
     return told(_run, options)
 
 
-def told(work: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
-    """Do it, and say in a sentence what stopped it.
-
-    Args:
-        work: what to do; returns an exit code.
-        options: of the command line.
-    """
-    from course_kit.classroom.executors import SchedulerLostError
-    from course_kit.grading import GradingError
-
-    try:
-        return work(options)
-    except SchedulerLostError as problem:
-        say(
-            f"\ncourse-kit: {problem} The results so far are safe. Start a scheduler and its workers, then run:\n"
-            f"  {_command_to_continue(options)}"
-        )
-    except GradingError as problem:
-        say(f"course-kit: {problem}")
-    except OSError as problem:
-        where = f" ({problem.filename})" if problem.filename else ""
-        say(
-            f"\ncourse-kit: a result could not be written: {problem.strerror or problem}{where}. The results before it "
-            f"are safe. Fix this, then run:\n  {_command_to_continue(options)}"
-        )
-    return FAILED
-
-
-def _command_to_continue(options: argparse.Namespace) -> str:
-    """The command that goes on where this one has ended."""
-    more = [] if getattr(options, "resume", True) else ["--resume"]
-    return shlex.join([environment.command(), *options.arguments, *more])
-
-
-def say(text: str) -> None:
-    """Tell a person something in which names of strangers may stand."""
-    from course_kit.text.sanitize import printable
-
-    print(printable(text), file=sys.stderr)
-
-
 def require_machine(options: argparse.Namespace, exercises: Iterable[Exercise]) -> None:
     """See that this machine can give submissions what their exercises promise.
 
@@ -125,18 +98,22 @@ def require_machine(options: argparse.Namespace, exercises: Iterable[Exercise]) 
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.classroom import run_lock, seeds
+    from course_kit.classroom import roster, run_lock, seeds
+    from course_kit.classroom.preconditions import require_folders_apart
     from course_kit.classroom.progress import RunProgress
     from course_kit.classroom.records import SUPERSEDED
-    from course_kit.classroom.run import ClassRun, Plan, require_folders_apart
+    from course_kit.classroom.run import ClassRun, Plan
     from course_kit.grading import GradingError, exercise
 
     chosen = {one: exercise.load(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
         raise GradingError(f"{options.out} is a file. --out has to name a folder for the results.")
-    require_machine(options, chosen.values())
+    if not options.dry_run:
+        require_machine(options, chosen.values())
     plan = Plan(
-        source=options.submissions,
+        source=options.submissions[0],
+        more=tuple(options.submissions[1:]),
+        roster=roster.read(options.roster) if options.roster else None,
         out=options.out,
         exercises=tuple(sorted(chosen.values(), key=lambda one: one.order)),
         seed=options.seed,
@@ -144,19 +121,39 @@ def _run(options: argparse.Namespace) -> int:
         layout=options.layout,
         resume=options.resume,
     )
-    require_folders_apart(plan)
+    if options.dry_run:
+        return _dry_run(plan)
+    require_folders_apart(plan.sources, plan.out)
     tally = RunProgress(sys.stderr)
     with run_lock.hold(plan.out):
         with interrupts() as stops:
             grading = ClassRun(plan, tally, stops)
             book = grading.grade(lambda: executor(options, [one.grader for one in chosen.values()]))
         tally.end()
+        intake_words.say(grading.intake, say)
         if grading.gone:
             say(
-                f"{many(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}, as the submission is not in "
-                f"{plan.source} any more: {some(grading.gone, '; ')}."
+                f"{many(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}, as the submission is not there any "
+                f"more: {some(grading.gone, '; ')}."
             )
         return _finish(book, options)
+
+
+def _dry_run(plan: Plan) -> int:
+    """Print the table of what would be graded."""
+    from course_kit.classroom import dry_run, table
+    from course_kit.classroom.preconditions import require_submissions
+    from course_kit.text.sanitize import printable
+
+    with interrupts() as stops:
+        found = dry_run.look(plan, lambda: stops() > 0)
+    print(printable(table.as_text(found)))
+    intake_words.say(found, say)
+    print(plan.out / table.FILE)
+    require_submissions(found, plan.sources, plan.exercises)
+    if found.dropped:
+        say(f"course-kit: {_left_out(found.dropped)}")
+    return FAILED if found.dropped else 0
 
 
 def _finish(book: Gradebook, options: argparse.Namespace) -> int:
@@ -185,7 +182,7 @@ def _finish(book: Gradebook, options: argparse.Namespace) -> int:
     for worry in worries:
         say(f"course-kit: {worry}")
     if not book.complete:
-        say(f"course-kit: stopped. To continue, run:\n  {_command_to_continue(options)}")
+        say(f"course-kit: stopped. To continue, run:\n  {command_to_continue(options)}")
         return INTERRUPTED
     return FAILED if worries else 0
 
@@ -206,8 +203,7 @@ def _notices(book: Gradebook, out: Path) -> Iterator[str]:
 def _worries(book: Gradebook) -> Iterator[str]:
     """What is missing from the grades, a sentence each."""
     if book.dropped:
-        reasons = [f"{student} ({reason})" for student, reason in book.dropped]
-        yield f"{many(reasons, 'student')} handed in something that was not graded: {some(reasons)}."
+        yield _left_out(book.dropped)
     if failed := book.not_graded:
         whose = [f"{record.entry.student}, {record.entry.exercise}" for record in failed]
         yield (
@@ -216,15 +212,9 @@ def _worries(book: Gradebook) -> Iterator[str]:
         )
 
 
-def many(of_what: Sequence[str], name: str) -> str:
-    """`1 student`, `2 students`."""
-    return f"{len(of_what)} {name}{'s' * (len(of_what) != 1)}"
-
-
-def some(parts: Sequence[str], between: str = ", ") -> str:
-    """The first ones, and how many more there are."""
-    more = len(parts) - _MOST_NAMED
-    return between.join(parts[:_MOST_NAMED]) + (f"{between}and {more} more" if more > 0 else "")
+def _left_out(dropped: Sequence[tuple[str, str]]) -> str:
+    reasons = [f"{student} ({reason})" for student, reason in dropped]
+    return f"{many(reasons, 'student')} handed in something that was not graded: {some(reasons)}."
 
 
 def executor(options: argparse.Namespace, graders: list[str]) -> Executor:
@@ -240,17 +230,6 @@ def executor(options: argparse.Namespace, graders: list[str]) -> Executor:
     if options.scheduler:
         return executors.Cluster(options.scheduler)
     return executors.Local(options.workers, graders)
-
-
-@contextmanager
-def interrupts() -> Iterator[Callable[[], int]]:
-    """Count Ctrl-C instead of being cut off by it in the middle of a result."""
-    pressed: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, _frame: pressed.append(number))
-    try:
-        yield lambda: len(pressed)
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _positive(text: str) -> int:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.cli import class_command
-from course_kit.cli.class_command import FAILED, INTERRUPTED, say
+from course_kit.cli.class_words import FAILED, INTERRUPTED, interrupts, many, say, some, told
 
 if TYPE_CHECKING:
     import argparse
@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
         0 when it went well, whether something was written or not; 2 when something could not be graded again; 130
         when it was stopped.
     """
-    return class_command.told(_run, options)
+    return told(_run, options)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -61,7 +61,7 @@ def _run(options: argparse.Namespace) -> int:
     plan = plan_of(options.out)
     class_command.require_machine(options, plan.exercises)
     progress = RunProgress(sys.stderr)
-    with run_lock.hold(options.out), class_command.interrupts() as stops:
+    with run_lock.hold(options.out), interrupts() as stops:
         chosen = Selection(options.exercise, options.check, options.student)
         regrade = Regrade(ClassRun(plan, progress, stops), options.out, chosen, progress)
         graders = [one.grader for one in plan.exercises]
@@ -88,7 +88,7 @@ def _is_wanted(changes: Sequence[Change], options: argparse.Namespace) -> bool:
     if not sys.stdin.isatty():
         say("Nothing was written. To write it, run the same command with --write; nothing is graded twice.")
         return False
-    wanted = class_command.many([change.row[0] for change in changes], "result")
+    wanted = many([change.row[0] for change in changes], "result")
     print(f"Write {wanted}? [y/N] ", end="", file=sys.stderr, flush=True)
     if sys.stdin.readline().strip().lower() in ("y", "yes"):
         return True
@@ -99,14 +99,14 @@ def _is_wanted(changes: Sequence[Change], options: argparse.Namespace) -> bool:
 def _worries(regrade: Regrade) -> int:
     if regrade.not_at_hand:
         say(
-            f"course-kit: {class_command.many(regrade.not_at_hand, 'submission')} changed after the grading, or "
-            f"cannot be read: {class_command.some(regrade.not_at_hand, '; ')}. Their results stay as they are. Run "
+            f"course-kit: {many(regrade.not_at_hand, 'submission')} changed after the grading, or "
+            f"cannot be read: {some(regrade.not_at_hand, '; ')}. Their results stay as they are. Run "
             "course-kit class with --resume to grade them as they are now."
         )
     if regrade.failed:
         whose = [f"{record.entry.student}, {record.entry.exercise}" for record in regrade.failed]
         say(
-            f"course-kit: the grader failed for {class_command.many(whose, 'submission')}: "
-            f"{class_command.some(whose, '; ')}. Their results stay as they are. Run the same command again."
+            f"course-kit: the grader failed for {many(whose, 'submission')}: "
+            f"{some(whose, '; ')}. Their results stay as they are. Run the same command again."
         )
     return FAILED if regrade.not_at_hand or regrade.failed else 0

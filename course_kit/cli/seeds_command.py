@@ -20,7 +20,8 @@ def add_to(verbs: Any) -> None:
         epilog="Students who have a seed in FILE already keep it, so that the command can be run again when somebody "
         "joins the class.",
     )
-    parser.add_argument("roster", type=Path, help="a CSV file with a column `student`: the names that `class` reports")
+    parser.add_argument("roster", type=Path, help="the class list, as for class --roster")
+    parser.add_argument("--layout", default="", help="of the submissions, as for class: whom its reports name how")
     parser.add_argument("--out", type=Path, metavar="FILE", help="the list; printed when left out")
     parser.set_defaults(run=run)
 
@@ -35,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
 
     try:
         before = seeds.read(options.out) if options.out and options.out.exists() else None
-        drawn = seeds.draw(seeds.students_of(options.roster), before)
+        drawn = seeds.draw(seeds.students_of(options.roster, options.layout), before)
         text = csv_text([seeds.COLUMNS, *((student, seed) for student, seed in drawn.items())])
         if options.out:
             write_atomically(options.out, text)

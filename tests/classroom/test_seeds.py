@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom import seeds
+from course_kit.classroom.records import Entry
 from course_kit.cli.main import main
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import StandInForGrading, run
@@ -26,7 +27,7 @@ def listed(tmp_path: Path, text: str) -> Path:
 )
 def test_a_list_may_have_a_header_or_none(text: str, tmp_path: Path) -> None:
     found = seeds.read(listed(tmp_path, text))
-    assert {student: found.of(student) for student in found.found} == {"ann": 1, "bo": 2}
+    assert {student: seed for student, (seed, _) in found.found.items()} == {"ann": 1, "bo": 2}
 
 
 def test_doubles_and_what_is_no_seed_are_told_together_with_their_lines(tmp_path: Path) -> None:
@@ -61,25 +62,36 @@ def test_the_command_writes_a_list_that_class_takes_and_keeps_seeds_that_were_ha
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     roster, out = tmp_path / "roster.csv", tmp_path / "seeds.csv"
-    roster.write_text('student,mail\nann,a@x\n"Zoë, the second",z@x\n', encoding="utf-8")
+    roster.write_text('login,name\nann,Ann Li\nzoe,"Zoë, the second"\n', encoding="utf-8")
     assert main(["seeds", str(roster), "--out", str(out)]) == 0
-    before = seeds.read(out)
-    assert set(before.found) == {"ann", "Zoë, the second"}
-    roster.write_text('mail,student\na@x,ann\nb@x,bo\nz@x,"Zoë, the second"\n', encoding="utf-8")
+    before = seeds.read(out).found
+    assert set(before) == {"ann", "zoe"}
+    roster.write_text('name,login\nAnn Li,ann\nBo Li,bo\n"Zoë, the second",zoe\n', encoding="utf-8")
     assert main(["seeds", str(roster), "--out", str(out)]) == 0
-    after = seeds.read(out)
-    assert {student: after.of(student) for student in before.found} == {one: before.of(one) for one in before.found}
-    assert len({after.of(student) for student in after.found}) == 3
+    after = seeds.read(out).found
+    assert {student: after[student][0] for student in before} == {
+        student: seed for student, (seed, _) in before.items()
+    }
+    assert len({seed for seed, _ in after.values()}) == 3
     assert main(["seeds", str(roster)]) == 0
     assert capsys.readouterr().out.splitlines()[0] == "student,seed"
+
+
+def test_a_student_is_found_by_any_of_their_names(tmp_path: Path) -> None:
+    entry = Entry("4711", "pattern_choice", "x.py", "Ann Li", platform={"login": "ann"})
+    for name in ("4711", "Ann Li", "ann"):
+        found = seeds.read(listed(tmp_path, f"student,seed\n{name},5\nbo,6\n"))
+        assert found.of(entry) == 5
+        found.require_for([entry], ["bo"])  # who is on the roster, and has handed in nothing
+        with pytest.raises(GradingError, match="line 3: there is no student 'bo' here"):
+            found.require_for([entry], [])
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("name\nann\n", "line 1: the column 'student' is missing"),
-        ("student\nann\nann\n", "line 3: ann stands in line 2 already"),
-        ("student\n", "names no student"),
+        ("", "is empty"),
+        ("name,group\nAnn Li,1\nAnn Li,2\n", "more than once, and they cannot be told apart: Ann Li"),
         (None, "could not be read: No such file"),
     ],
 )

@@ -20,7 +20,7 @@ _MOST_TOLD = 20
 
 
 @dataclass(frozen=True)
-class Row:
+class TableRow:
     """One line of a table: its number in the file, and its cells by column, without blanks around them."""
 
     line: int
@@ -53,7 +53,7 @@ class Mistakes:
 
 def read_rows(
     path: Path, required: Sequence[str], optional: Sequence[str] = (), *, headless: bool = False
-) -> list[Row]:
+) -> list[TableRow]:
     """Read a table; empty lines are left out.
 
     Args:
@@ -75,7 +75,7 @@ def read_rows(
         lines_before = 0
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
     mistakes = Mistakes(path)
-    rows: list[Row] = []
+    rows: list[TableRow] = []
     try:
         header = [cell.strip().lower() for cell in next(reader, [])]
         if missing := [column for column in required if column not in header]:
@@ -87,7 +87,7 @@ def read_rows(
             if any(cell.strip() for cell in cells):
                 found = dict.fromkeys((*required, *optional), "")
                 found |= {column: cells[at].strip() for column, at in wanted.items() if at < len(cells)}
-                rows.append(Row(before + 1 - lines_before, found))
+                rows.append(TableRow(before + 1 - lines_before, found))
             before = reader.line_num
     except csv.Error as problem:
         mistakes.add(reader.line_num, str(problem))
