@@ -64,6 +64,11 @@ def fingerprints(source: str) -> frozenset[int]:
     return frozenset(min(runs[place : place + WINDOW]) for place in windows)
 
 
+def shape(line: str) -> tuple[str, ...]:
+    """A line of a program without its names, values and layout; empty for one that is blank or a comment."""
+    return tuple(_tokens(line))
+
+
 def _runs(tokens: list[int]) -> Iterator[int]:
     """A hash of each run of neighbouring tokens, made of that of the run before."""
     value = 0

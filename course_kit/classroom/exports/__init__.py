@@ -10,7 +10,7 @@ import pkgutil
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports import formats, page
+from course_kit.classroom.exports import attention, changes, comparison, formats, lookalikes, page
 from course_kit.environment import write_atomically
 
 if TYPE_CHECKING:
@@ -34,8 +34,21 @@ def write_all(book: Gradebook, out: Path) -> Path:
         write_atomically(out / name, text, durable=False)
         written.add(name)
     _remove_grades_that_are_gone(book, out, written)
-    write_atomically(out / PAGE, page.render(book))
+    alike = lookalikes.find(book)
+    _write_comparisons(book, alike, out)
+    write_atomically(out / PAGE, page.render(book, alike, changes.since_last_run(book, out)))
+    changes.remember(book, out)
     return out / PAGE
+
+
+def _write_comparisons(book: Gradebook, alike: lookalikes.LookAlikes, out: Path) -> None:
+    """Write a page for each pair that looks alike, and take away those of an earlier run."""
+    written = set()
+    for name, text in comparison.pages(book, alike.pairs, attention.labels(book)):
+        write_atomically(out / name, text, durable=False)
+        written.add(out / name)
+    for old in set((out / comparison.FOLDER).glob("*.html")) - written:
+        old.unlink(missing_ok=True)
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
