@@ -93,7 +93,9 @@ def groups(book: Gradebook, called: Mapping[str, str], told: Callable[[Record], 
         Group(
             "late",
             "Handed in late",
-            _of_records([one for one in book.records if one.entry.late], called, lambda one: titles[one.entry.exercise]),
+            _of_records(
+                [one for one in book.records if one.entry.late], called, lambda one: titles[one.entry.exercise]
+            ),
         ),
     ]
     return [group for group in found if group.people]

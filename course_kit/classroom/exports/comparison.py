@@ -9,7 +9,6 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports.lookalikes import Pair
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader
 from course_kit.grading.submission import Copy, UnreadableError
@@ -19,6 +18,7 @@ from course_kit.text.templates import render
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from course_kit.classroom.exports.lookalikes import Pair
     from course_kit.classroom.gradebook import Gradebook
     from course_kit.classroom.records import Record
 
@@ -61,7 +61,7 @@ def pages(book: Gradebook, pairs: Sequence[Pair], called: Mapping[str, str]) -> 
     template = _TEMPLATES / "comparison.html"
     with Reader() as reader:
         for place, pair in enumerate(pairs[:MOST_PAIRS]):
-            sides = [_lines(book, one, reader) for one in (pair.first, pair.second)]
+            sides = [_lines(book, book.root, one, reader) for one in (pair.first, pair.second)]
             rows = list(compare(*(lines[:_MOST_LINES] for lines in sides)))
             cut = any(len(lines) > _MOST_LINES for lines in sides)
             names = [called[one.entry.student] for one in (pair.first, pair.second)]
@@ -69,22 +69,39 @@ def pages(book: Gradebook, pairs: Sequence[Pair], called: Mapping[str, str]) -> 
 
 
 def compare(first: Sequence[str], second: Sequence[str]) -> Iterator[Row]:
-    """Rows for two programs; lines of the same shape stand beside each other."""
-    shapes = [[shape(line) for line in lines] for lines in (first, second)]
-    for kind, start, end, other, other_end in SequenceMatcher(None, *shapes, autojunk=False).get_opcodes():
-        for one, two in zip_longest(range(start, end), range(other, other_end)):
-            yield Row(
-                0 if one is None else one + 1,
-                "" if one is None else first[one],
-                0 if two is None else two + 1,
-                "" if two is None else second[two],
-                same=kind == "equal" and bool(shapes[0][one or 0]),
-            )
+    """Rows for two programs; lines of the same shape stand beside each other, the others between them."""
+    at = at_other = 0
+    for one, other in [*_pairs(first, second), (len(first), len(second))]:
+        for left, right in zip_longest(range(at, one), range(at_other, other)):
+            yield _row(first, left, second, right, same=False)
+        if one < len(first):
+            yield _row(first, one, second, other, same=True)
+        at, at_other = one + 1, other + 1
 
 
-def _lines(book: Gradebook, record: Record, reader: Reader) -> list[str]:
+def _pairs(first: Sequence[str], second: Sequence[str]) -> Iterator[tuple[int, int]]:
+    """Lines of the same shape, in order; blank lines and comments tell nothing."""
+    shapes = [
+        [(place, found) for place, line in enumerate(lines) if (found := shape(line))] for lines in (first, second)
+    ]
+    matcher = SequenceMatcher(None, *([found for _, found in one] for one in shapes), autojunk=False)
+    for start, other, size in matcher.get_matching_blocks():
+        for step in range(size):
+            yield shapes[0][start + step][0], shapes[1][other + step][0]
+
+
+def _row(first: Sequence[str], one: int | None, second: Sequence[str], other: int | None, *, same: bool) -> Row:
+    return Row(
+        0 if one is None else one + 1,
+        "" if one is None else first[one],
+        0 if other is None else other + 1,
+        "" if other is None else second[other],
+        same,
+    )
+
+
+def _lines(book: Gradebook, root: Path, record: Record, reader: Reader) -> list[str]:
     exercise = next(one for one in book.exercises if one.id == record.entry.exercise)
-    assert book.root is not None
-    with suppress(UnreadableError, GradingError), Copy(book.root / record.entry.source) as copy:
+    with suppress(UnreadableError, GradingError), Copy(root / record.entry.source) as copy:
         return reader.read(copy, exercise).source.split("\n")
     return []

@@ -71,9 +71,7 @@ class HeatMap:
     having: dict[str, list[Record]]
 
 
-def render(
-    book: Gradebook, alike: lookalikes.LookAlikes | None = None, changes: Sequence[Change] = ()
-) -> str:
+def render(book: Gradebook, alike: lookalikes.LookAlikes | None = None, changes: Sequence[Change] = ()) -> str:
     """The page of a class run.
 
     Args:
