@@ -240,7 +240,7 @@ class ClassRun:
         first, *twins = group
         record = first.record(report)
         for one in (record, *(twin.same_record(record) for twin in twins)):
-            self._records.keep(one, render_page(report, one.entry.name or one.entry.student))
+            self._records.keep(one, render_page(report, one.entry.name or one.entry.student, first.text))
             self._done.append(one)
             self._watcher.done(one)
 

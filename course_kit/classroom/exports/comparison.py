@@ -81,13 +81,13 @@ def compare(first: Sequence[str], second: Sequence[str]) -> Iterator[Row]:
 
 def _pairs(first: Sequence[str], second: Sequence[str]) -> Iterator[tuple[int, int]]:
     """Lines of the same shape, in order; blank lines and comments tell nothing."""
-    shapes = [
+    ours, theirs = (
         [(place, found) for place, line in enumerate(lines) if (found := shape(line))] for lines in (first, second)
-    ]
-    matcher = SequenceMatcher(None, *([found for _, found in one] for one in shapes), autojunk=False)
+    )
+    matcher = SequenceMatcher(None, [one for _, one in ours], [one for _, one in theirs], autojunk=False)
     for start, other, size in matcher.get_matching_blocks():
         for step in range(size):
-            yield shapes[0][start + step][0], shapes[1][other + step][0]
+            yield ours[start + step][0], theirs[other + step][0]
 
 
 def _row(first: Sequence[str], one: int | None, second: Sequence[str], other: int | None, *, same: bool) -> Row:
