@@ -9,9 +9,10 @@ import hashlib
 import json
 import re
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
+from course_kit.classroom.adjustments import Adjustment, sentences
 from course_kit.environment import write_atomically
 from course_kit.text.sanitize import encodable
 
@@ -42,6 +43,7 @@ class Entry:
         name: the person's name where the layout tells it.
         late: whether the platform marked it as late.
         platform: what else the layout tells: `canvas_user`, `canvas_submission`, `moodle_participant`, `login`.
+        submitted: when it was handed in, ISO 8601 with its offset; empty where nothing tells.
     """
 
     student: str
@@ -50,11 +52,12 @@ class Entry:
     name: str = ""
     late: bool = False
     platform: dict[str, str] = field(default_factory=dict)
+    submitted: str = ""
 
 
 @dataclass(frozen=True)
 class Record:
-    """The result of one submission.
+    """The result of one submission, and what the instructor has made of it; only the result is stored.
 
     Attributes:
         entry: what was handed in.
@@ -66,6 +69,8 @@ class Record:
         isolation: what kept the submission apart from the machine, in one line.
         wall_s: how long the grading took, in seconds.
         same_as: the student whose identical submission was graded in its place; empty when this one was graded.
+        versions: of what graded it: `kit`, `exercise` and `grader`; empty in records of earlier kits.
+        adjustment: lateness, penalty, override and comment; a gradebook adds it.
     """
 
     entry: Entry
@@ -77,11 +82,39 @@ class Record:
     isolation: str = ""
     wall_s: float = 0.0
     same_as: str = ""
+    versions: dict[str, str] = field(default_factory=dict)
+    adjustment: Adjustment = field(default_factory=Adjustment)
+
+    @property
+    def graded_score(self) -> float:
+        """What the checks gave."""
+        return float(self.report["score"])
 
     @property
     def score(self) -> float:
-        """Points reached."""
-        return float(self.report["score"])
+        """The points that count: those of the checks less the penalty, or what the instructor has set."""
+        return self.adjustment.score(self.graded_score)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the points that count reach the pass mark."""
+        mark = self.adjustment.pass_mark
+        return bool(self.report["passed"]) if mark is None else self.has_grade and self.score >= mark
+
+    @property
+    def has_grade(self) -> bool:
+        """Whether there is a grade: not where the grader itself failed, unless the instructor has set one."""
+        return self.status != "error" or self.adjustment.override is not None
+
+    @property
+    def is_late(self) -> bool:
+        """Whether it counts as late; without a due date the platform's mark says so."""
+        return self.adjustment.late or (self.adjustment.due is None and self.entry.late)
+
+    @property
+    def remarks(self) -> list[str]:
+        """What the student is told of lateness, penalty, override and comment, a sentence each."""
+        return list(sentences(self.adjustment, None if self.status == "error" else self.graded_score))
 
     @property
     def max_score(self) -> float:
@@ -101,7 +134,9 @@ class Record:
 
     def to_json(self) -> str:
         """The record as one JSON document."""
-        return encodable(json.dumps({"format_version": FORMAT_VERSION, **asdict(self)}, indent=1, ensure_ascii=False))
+        stored = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "adjustment"}
+        stored["entry"] = vars(self.entry)
+        return encodable(json.dumps({"format_version": FORMAT_VERSION, **stored}, indent=1, ensure_ascii=False))
 
     @classmethod
     def from_json(cls, text: str) -> Record:

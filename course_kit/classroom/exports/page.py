@@ -138,7 +138,7 @@ def _facts(book: Gradebook) -> Iterator[tuple[str, int]]:
 def _figure(exercise: Exercise, records: Sequence[Record]) -> Figure:
     points = [found for record in records if (found := score(record)) is not None]
     average, middle = (mean(points), median(points)) if points else (None, None)
-    passed = sum(record.report["passed"] for record in records)
+    passed = sum(record.passed for record in records)
     return Figure(exercise, counts.distribution(exercise, records), len(records), passed, average, middle)
 
 

@@ -24,7 +24,7 @@ def files(book: Gradebook) -> Iterator[tuple[str, str]]:
 
 def results(record: Record) -> dict[str, Any]:
     """The result as Gradescope's specification has it."""
-    output = "\n\n".join(filter(None, (headline(record), problem(record))))
+    output = "\n\n".join(filter(None, (headline(record), *record.remarks, problem(record))))
     return {
         "score": record.score,
         "execution_time": record.report["duration_s"],
