@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 import shutil
 import stat
 import tempfile
@@ -40,6 +41,8 @@ def grade(exercise_id: str, path: Path, *, seed: int | None = None, require_isol
         OSError: the folder cannot be copied.
     """
     task = exercise.load(exercise_id)
+    if seed is None:  # drawn here, for the result to tell it
+        seed = secrets.randbits(31) if task.seed is None else task.seed
     if not path.is_dir():
         report = engine.grade(task.id, path, seed=seed, require_isolation=require_isolation)
         return _record(task, path.name, report, seed)
@@ -54,7 +57,7 @@ def grade(exercise_id: str, path: Path, *, seed: int | None = None, require_isol
         return _record(task, found.name, report, seed)
 
 
-def _record(task: Exercise, source: str, report: Report, seed: int | None) -> Record:
+def _record(task: Exercise, source: str, report: Report, seed: int) -> Record:
     """The result as a class's exports take it.
 
     Raises:
