@@ -42,7 +42,11 @@ class Entry:
         source: path in the folder or archive that was handed over, with forward slashes.
         name: the person's name where the layout tells it.
         late: whether the platform marked it as late.
-        platform: what else the layout tells: `canvas_user`, `canvas_submission`, `moodle_participant`, `login`.
+        platform: what else the layout or the roster tells: `canvas_user`, `canvas_submission`, `moodle_participant`,
+            `login`, `sid`, `email`, `group`, `submitted_at`.
+        why: why this file was chosen.
+        others: what else of theirs might have been, and why it was not.
+        worry: why somebody should look at the choice; empty when there is no doubt.
         submitted: when it was handed in, ISO 8601 with its offset; empty where nothing tells.
     """
 
@@ -52,6 +56,9 @@ class Entry:
     name: str = ""
     late: bool = False
     platform: dict[str, str] = field(default_factory=dict)
+    why: str = ""
+    others: list[str] = field(default_factory=list)
+    worry: str = ""
     submitted: str = ""
 
 
@@ -62,7 +69,7 @@ class Record:
     Attributes:
         entry: what was handed in.
         digest: SHA-256 of the submission's bytes, hexadecimal; empty where they could not be read.
-        size: of the submission, in bytes.
+        size: of the submission's program, in bytes; of its file where it has none that can be read.
         seed: what the checks drew from.
         report: the report as `Report.to_mapping` gives it.
         title: the exercise's title.

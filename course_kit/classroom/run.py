@@ -12,7 +12,7 @@ from concurrent.futures import FIRST_COMPLETED, wait
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
-from course_kit.classroom import intake, submissions
+from course_kit.classroom import intake, submissions, table
 from course_kit.classroom.concurrency import early
 from course_kit.classroom.gradebook import Gradebook
 from course_kit.classroom.records import Records
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.records import Entry, Record
+    from course_kit.classroom.roster import Roster
     from course_kit.classroom.submissions import Handed
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.report import Report
@@ -65,6 +66,8 @@ class Plan:
 
     Attributes:
         source: a folder or a zip.
+        more: further ones of the same class.
+        roster: who is in the class.
         out: the folder for all results.
         exercises: what was set.
         seed: what all checks draw from; drawn once for the run when None.
@@ -80,6 +83,13 @@ class Plan:
     seeds: Mapping[str, int] = field(default_factory=dict)
     layout: str = "auto"
     resume: bool = False
+    more: tuple[Path, ...] = ()
+    roster: Roster | None = None
+
+    @property
+    def sources(self) -> tuple[Path, ...]:
+        """All folders and zips."""
+        return (self.source, *self.more)
 
 
 class ClassRun:
@@ -102,18 +112,21 @@ class ClassRun:
         self._watcher = watcher
         self._stops = stops
         self._records = Records(plan.out)
-        _require_folders_apart(plan)
+        require_folders_apart(plan.sources, plan.out)
         self.seed = self._choose_seed()
         try:
-            self.intake = intake.collect(plan.source, plan.exercises, plan.out / WORKSPACE, plan.layout, self._stopped)
+            self.intake = intake.collect(
+                plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, self._stopped, plan.roster
+            )
         except ReadingStoppedError:
             raise KeyboardInterrupt from None  # nothing has begun
-        self._require_submissions()
+        table.write(self.intake, plan.out)
+        require_submissions(self.intake, plan)
         run_file = json.dumps({"format_version": FORMAT_VERSION, "seed": self.seed})
         write_atomically(plan.out / RUN_FILE, f"{run_file}\n")
         self._done: list[Record] = []
         # One student's program must not read another's, nor the results.
-        self._hidden = tuple(str(folder.resolve()) for folder in (plan.source, plan.out))
+        self._hidden = tuple(str(folder.resolve()) for folder in (*plan.sources, plan.out))
 
     def grade(self, start: Callable[[], Executor]) -> Gradebook:
         """Grade what has no result yet.
@@ -160,17 +173,6 @@ class ClassRun:
                 f"{self._plan.out} also holds results of {', '.join(left_out)}; they would be missing from the grades. "
                 f"Add {' '.join(f'--exercise {one}' for one in left_out)}, or name another folder."
             )
-
-    def _require_submissions(self) -> None:
-        if self.intake.entries:
-            return
-        seen = [*self.intake.dropped, *self.intake.left][:_NAMED]
-        wanted = ", ".join(exercise.id for exercise in self._plan.exercises)
-        raise GradingError(
-            f"{self._plan.source} holds no submission for {wanted}, read with the layout '{self.intake.layout}'. "
-            f"It holds: {'; '.join(f'{one_line(what)} ({one_line(why)})' for what, why in seen) or 'nothing'}. "
-            "Name the right exercise with --exercise, or the layout with --layout."
-        )
 
     def _take_stock(self) -> list[list[Handed]]:
         """Read all submissions; returns those without a result, identical ones together.
@@ -245,6 +247,7 @@ class ClassRun:
             self._watcher.done(one)
 
     def _gradebook(self) -> Gradebook:
+        roster = self.intake.roster
         return Gradebook(
             exercises=self._plan.exercises,
             records=tuple(sorted(self._done, key=lambda one: (one.entry.student, one.entry.exercise))),
@@ -256,6 +259,8 @@ class ClassRun:
             root=self.intake.root,
             odd=self.intake.odd,
             dropped=self.intake.dropped,
+            absent=roster.absent if roster else (),
+            unknown=roster.unknown if roster else (),
         )
 
 
@@ -268,24 +273,41 @@ def _result(submission: Handed, future: Future[Report]) -> Report:
         return engine.unreadable(submission.exercise, submission.entry.source, why, status="error")
 
 
-def _require_folders_apart(plan: Plan) -> None:
+def require_submissions(found: intake.Intake, plan: Plan) -> None:
+    """See that there is anything to grade.
+
+    Raises:
+        GradingError: there is not.
+    """
+    if found.entries:
+        return
+    seen = [*found.dropped, *found.left][:_NAMED]
+    wanted = ", ".join(exercise.id for exercise in plan.exercises)
+    raise GradingError(
+        f"{', '.join(map(str, plan.sources))} holds no submission for {wanted}, read with the layout "
+        f"'{found.layout}'. It holds: "
+        f"{'; '.join(f'{one_line(what)} ({one_line(why)})' for what, why in seen) or 'nothing'}. "
+        "Name the right exercise with --exercise, or the layout with --layout."
+    )
+
+
+def require_folders_apart(sources: Sequence[Path], out: Path) -> None:
     """See that results are not taken for submissions, and that nothing handed in is written over.
 
     Raises:
-        GradingError: one of the two folders lies in the other, or they are the same.
+        GradingError: one of the folders lies in the other, or they are the same.
     """
-    try:
-        source, out = plan.source.resolve(), plan.out.resolve()
-    except (OSError, RuntimeError):  # a loop of links, which is said when one of them is opened
-        return
-    if source == out or source in out.parents:
-        raise GradingError(
-            f"The results would lie among the submissions in {plan.source}. Name another folder with --out."
-        )
-    if out in source.parents and (plan.source.is_dir() or out / WORKSPACE in source.parents):
-        raise GradingError(
-            f"{plan.source} lies in {plan.out}, the folder for the results. Name another folder with --out."
-        )
+    for given in sources:
+        try:
+            source, results = given.resolve(), out.resolve()
+        except (OSError, RuntimeError):  # a loop of links, which is said when one of them is opened
+            continue
+        if source == results or source in results.parents:
+            raise GradingError(
+                f"The results would lie among the submissions in {given}. Name another folder with --out."
+            )
+        if results in source.parents and (given.is_dir() or results / WORKSPACE in source.parents):
+            raise GradingError(f"{given} lies in {out}, the folder for the results. Name another folder with --out.")
 
 
 def _seed_of_run(path: Path) -> int | None:

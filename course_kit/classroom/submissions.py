@@ -30,7 +30,7 @@ class Handed:
         exercise: what it is for.
         seed: what its checks draw from.
         digest: SHA-256 of kind and bytes; empty when it could not be read.
-        size: in bytes.
+        size: of its program in bytes, not of a notebook's outputs.
         text: its text; None when there is none, and `problem` says why.
         problem: why it cannot be graded.
         status: of the report of one that cannot be graded: "unreadable", or "error" where that is not its own fault.
@@ -110,7 +110,10 @@ def read(  # noqa: PLR0913 - what a submission is read for
     try:
         with Copy(path) as copy:
             one = Handed(entry, exercise, seed, copy.digest, copy.size)
-            return one if one.has_result(known) else replace(one, text=reader.read(copy, exercise))
+            if one.has_result(known):
+                return one
+            text = reader.read(copy, exercise)
+            return replace(one, text=text, size=len(text.source.encode(errors="replace")))
     except UnreadableError as problem:
         return Handed(entry, exercise, seed, problem=str(problem), size=_size(path))
     except GradingError as problem:

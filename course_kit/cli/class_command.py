@@ -10,11 +10,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from course_kit.cli import intake_words
+
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.run import Plan
 
 FAILED, INTERRUPTED = 2, 130
 _MOST_NAMED = 20  # students in a sentence; the class page has them all
@@ -29,13 +32,29 @@ def add_to(verbs: Any) -> None:
         "handed in has its grade; 2 when it could not be done, no submission was found, a student was dropped or a "
         "submission could not be graded through no fault of its student; 130 when it was stopped.",
     )
-    parser.add_argument("submissions", type=Path, help="a folder or zip, as your learning platform gives it")
+    parser.add_argument(
+        "submissions",
+        type=Path,
+        nargs="+",
+        help="a folder or zip, as your learning platform gives it; several, or a folder of zips, of one class",
+    )
     parser.add_argument(
         "--exercise", action="append", required=True, metavar="ID", help="an exercise that was set; give it repeatedly"
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="the folder for all results")
     parser.add_argument("--resume", action="store_true", help="continue an earlier run into DIR")
-    parser.add_argument("--layout", default="auto", help="canvas, moodle, nbgrader, github, folders or files")
+    parser.add_argument(
+        "--dry-run", action="store_true", help="show which file would be graded for whom and why, and grade nothing"
+    )
+    parser.add_argument(
+        "--roster",
+        type=Path,
+        metavar="CSV",
+        help="the class list, as Canvas, Moodle or nbgrader export it, or any other",
+    )
+    parser.add_argument(
+        "--layout", default="auto", help="canvas, moodle, gradescope, nbgrader, github, folders or files"
+    )
     parser.add_argument("--seed", type=int, help="draw the same random values as an earlier run")
     parser.add_argument("--seeds", type=Path, metavar="CSV", help="two columns, student and seed, as for exercise 4")
     parser.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
@@ -80,6 +99,7 @@ def _say(text: str) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
+    from course_kit.classroom import roster
     from course_kit.classroom.progress import RunProgress
     from course_kit.classroom.run import ClassRun, Plan
     from course_kit.grading import GradingError, exercise, isolation_status, needs
@@ -87,13 +107,15 @@ def _run(options: argparse.Namespace) -> int:
     chosen = {one: exercise.load(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
         raise GradingError(f"{options.out} is a file. --out has to name a folder for the results.")
-    if not options.scheduler:
+    if not options.scheduler and not options.dry_run:
         for one in chosen.values():
             needs.require(one.limits)
     if options.require_isolation:
         isolation_status().require()
     plan = Plan(
-        source=options.submissions,
+        source=options.submissions[0],
+        more=tuple(options.submissions[1:]),
+        roster=roster.read(options.roster) if options.roster else None,
         out=options.out,
         exercises=tuple(sorted(chosen.values(), key=lambda one: one.order)),
         seed=options.seed,
@@ -101,12 +123,32 @@ def _run(options: argparse.Namespace) -> int:
         layout=options.layout,
         resume=options.resume,
     )
+    if options.dry_run:
+        return _dry_run(plan)
     tally = RunProgress(sys.stderr)
     with _interrupts() as stops:
         grading = ClassRun(plan, tally, stops)
         book = grading.grade(lambda: _executor(options, [one.grader for one in chosen.values()]))
     tally.end()
+    intake_words.say(grading.intake, _say)
     return _finish(book, options.out)
+
+
+def _dry_run(plan: Plan) -> int:
+    """Print the table of what would be graded."""
+    from course_kit.classroom import dry_run, table
+    from course_kit.classroom.run import require_submissions
+    from course_kit.text.sanitize import printable
+
+    with _interrupts() as stops:
+        found = dry_run.look(plan, lambda: stops() > 0)
+    print(printable(table.as_text(found)))
+    intake_words.say(found, _say)
+    print(plan.out / table.FILE)
+    require_submissions(found, plan)
+    if found.dropped:
+        _say(f"course-kit: {_left_out(found.dropped)}")
+    return FAILED if found.dropped else 0
 
 
 def _finish(book: Gradebook, out: Path) -> int:
@@ -139,14 +181,18 @@ def _finish(book: Gradebook, out: Path) -> int:
 def _worries(book: Gradebook) -> Iterator[str]:
     """What is missing from the grades, a sentence each."""
     if book.dropped:
-        reasons = [f"{student} ({reason})" for student, reason in book.dropped]
-        yield f"{_many(reasons, 'student')} handed in something that was not graded: {_some(reasons)}."
+        yield _left_out(book.dropped)
     if failed := book.not_graded:
         whose = [f"{record.entry.student}, {record.entry.exercise}" for record in failed]
         yield (
             f"{_many(whose, 'submission')} could not be graded, through no fault of the student: {_some(whose, '; ')}. "
             "Run the same command with --resume."
         )
+
+
+def _left_out(dropped: Sequence[tuple[str, str]]) -> str:
+    reasons = [f"{student} ({reason})" for student, reason in dropped]
+    return f"{_many(reasons, 'student')} handed in something that was not graded: {_some(reasons)}."
 
 
 def _many(of_what: list[str], name: str) -> str:

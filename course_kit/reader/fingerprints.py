@@ -6,6 +6,7 @@ Renaming, comments, blank lines and moved functions change few of them. Of each 
 
 from __future__ import annotations
 
+import hashlib
 import keyword
 import re
 import zlib
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 RUN = 14  # tokens: a line or two
 WINDOW = 8
 _MOST_TOKENS = 50_000
+_IDENTITY = 32  # hexadecimal digits
 _BASE = 1_000_003
 _DROPPED = pow(_BASE, RUN, 1 << 64)  # the weight of the token that leaves a run
 _64_BITS = (1 << 64) - 1
@@ -67,6 +69,12 @@ def fingerprints(source: str) -> frozenset[int]:
 def shape(line: str) -> tuple[str, ...]:
     """A line of a program without its names, values and layout; empty for one that is blank or a comment."""
     return tuple(_tokens(line))
+
+
+def identity(source: str) -> str:
+    """A hash of a program, equal for programs that differ in comments, docstrings, blanks and line ends alone."""
+    tokens = (match.group() for match in _TOKEN.finditer(source) if match.lastgroup != "skipped")
+    return hashlib.sha256("\n".join(tokens).encode("utf-8", errors="replace")).hexdigest()[:_IDENTITY]
 
 
 def _runs(tokens: list[int]) -> Iterator[int]:

@@ -29,21 +29,28 @@ def people(gradebook: Gradebook) -> dict[str, list[str]]:
 def test_everybody_who_needs_it_is_named_with_the_reason_and_nobody_else() -> None:
     half = record("half", [check("first"), check("second", "failed")])
     gradebook = book(
-        good("fine"),
-        bad("zero", late=True),
+        good("fine", why="it is the newest", others=["old.py: older", "starter.py: as it was given out"]),
+        bad("zero", late=True, worry="nothing but its name tells it from b.py"),
         half,
         unreadable("empty"),
         not_graded("ole"),
         missing=(("eve", SERVICE.id), ("eve", ROBOT.id), ("fine", ROBOT.id)),
         dropped=(("zoe", "it is a link"),),
         odd=(("yan", "it does not fit"),),
+        absent=(("eve", "Eve Adams"),),
+        unknown=(("half", "nobody on it is called so"),),
         exercises=(SERVICE, ROBOT),
     )
     assert people(gradebook) == {
         "failed": [f"ole: {SERVICE.title}: the worker was gone"],
         "dropped": ["zoe: it is a link"],
-        "missing": ["eve: everything", f"fine: {ROBOT.title}"],
+        "doubtful": ["zero: zero/temperature_service.py: nothing but its name tells it from b.py"],
+        "unknown": ["half: nobody on it is called so"],
+        "missing": ["Eve Adams: everything", f"fine: {ROBOT.title}"],
         "not-passed-temperature_service": ["empty: unreadable, 0 of 10", "zero: 0 of 10", "half: 5 of 10"],
+        "chosen": [
+            "fine: fine/temperature_service.py: it is the newest. Not: old.py: older; starter.py: as it was given out"
+        ],
         "odd": ["yan: it does not fit"],
         "late": [f"zero: {SERVICE.title}"],
     }

@@ -49,7 +49,8 @@ class Group:
 
 def labels(book: Gradebook) -> dict[str, str]:
     """What to call each student: by name, and by name and identifier where two have the same name."""
-    names = {student: name_of(records, student) for student, records in by_student(book).items()}
+    absent = dict(book.absent)
+    names = {student: name_of(records, absent.get(student) or student) for student, records in by_student(book).items()}
     shared = Counter(name.casefold() for name in names.values())
     return {
         student: f"{name} ({student})" if shared[name.casefold()] > 1 and name != student else name
@@ -82,8 +83,27 @@ def groups(book: Gradebook, called: Mapping[str, str], told: Callable[[Record], 
             "Check what these students handed in.",
             urgent=True,
         ),
+        Group(
+            "doubtful",
+            "Graded, but look at which file was chosen",
+            _of_records([one for one in book.records if one.entry.worry], called, _doubt),
+            "All choices, with their reasons, are in intake.csv.",
+            urgent=True,
+        ),
+        Group(
+            "unknown",
+            "Not matched with the roster",
+            [Person(called.get(student, student), reason) for student, reason in book.unknown],
+            "Graded, but not under a name of the roster.",
+            urgent=True,
+        ),
         Group("missing", "Missing submissions", list(_missing(book, called, titles))),
         *_failed(book, called, titles),
+        Group(
+            "chosen",
+            "One file was chosen among several",
+            _of_records([one for one in book.records if one.entry.others], called, _choice),
+        ),
         Group(
             "odd",
             "Entries that do not fit the layout",
@@ -128,6 +148,16 @@ def _how_it_went(record: Record) -> str:
     state = outcome(record)
     points = f"{number(score(record) or 0.0)} of {number(record.max_score)}"
     return points if state == "not passed" else f"{state}, {points}"
+
+
+def _doubt(record: Record) -> str:
+    return f"{record.entry.source}: {record.entry.worry}"
+
+
+def _choice(record: Record) -> str:
+    """The file, why it, and what else there was."""
+    entry = record.entry
+    return f"{entry.source}: {entry.why}. Not: {'; '.join(entry.others)}"
 
 
 def _lateness(record: Record, titles: Mapping[str, str]) -> str:

@@ -41,6 +41,7 @@ _SECTIONS = {  # of the page, in its order: template and title; what has nothing
 _LAYOUTS = {
     "canvas": "Canvas",
     "moodle": "Moodle",
+    "gradescope": "Gradescope",
     "nbgrader": "nbgrader",
     "github": "GitHub Classroom",
     "folders": "a folder for each student",
@@ -99,6 +100,7 @@ def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Seque
     return {
         "book": book,
         "called": called,
+        "absent": dict(book.absent),
         "groups": attention.groups(book, called, problem),
         "changes": changes,
         "facts": list(_facts(book)),
