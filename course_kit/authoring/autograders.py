@@ -18,18 +18,19 @@ if TYPE_CHECKING:
 _TEMPLATES = Path(__file__).with_name("templates")
 _FOR_EXERCISE = "@EXERCISE@"  # in a template: the exercise's id
 _KIT = "ros2-course"  # the kit's folder, in a zip
-# What a bare server needs to grade; no solutions, lessons or tests.
+# What a bare server needs to grade; no solutions or tests. Reports name the lessons that are there.
 _PARTS = (
     "course",
     "course_kit",
     "course_setup",
     "exercises",
+    "notebooks",
     "pyproject.toml",
     "hatch_build.py",
     "README.md",
     "LICENSE",
 )
-_NOT_THESE = {"__pycache__", ".ipynb_checkpoints"}
+_NOT_THESE = {"__pycache__", ".ipynb_checkpoints", "demos"}
 _NOT_SUCH = (".pyc", ".so", ".tmp")
 _EXECUTABLE, _ORDINARY = 0o100755, 0o100644
 _RUNTIME = {"runs-on": "ubuntu-24.04", "python": "3.12"}  # what a Classroom 50 assignment is set to

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.classroom.exports.results import STATES, explained, problem
 from course_kit.classroom.exports.texts import number, xml
+from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -58,7 +59,7 @@ def _suite(place: int, record: Record, checks: Sequence[dict[str, Any]]) -> str:
     cases = "".join(_case(record, check) for check in checks)
     name = f"{record.entry.name or record.entry.student}: {record.title or record.entry.exercise}"
     return (
-        f'<testsuite name="{xml(name)}" id="{place}" package="{record.entry.exercise}" hostname="localhost" '
+        f'<testsuite name="{xml(one_line(name))}" id="{place}" package="{record.entry.exercise}" hostname="localhost" '
         f'timestamp="{_moment(record)}" tests="{counts.total()}" failures="{counts["failed"]}" '
         f'errors="{counts["error"]}" skipped="{counts["skipped"]}" time="{float(record.report["duration_s"]):.3f}">\n'
         f"<properties>{listed}</properties>\n{cases}<system-out/>\n<system-err/>\n</testsuite>\n"
@@ -73,7 +74,7 @@ def _moment(record: Record) -> str:
 
 def _case(record: Record, check: dict[str, Any]) -> str:
     # Students stand in the class's name, as CI systems list results by it.
-    start = f'<testcase name="{xml(check["title"])}" classname="{xml(_class_name(record))}" time="0.000"'
+    start = f'<testcase name="{xml(one_line(check["title"]))}" classname="{xml(_class_name(record))}" time="0.000"'
     if check["status"] == "passed":
         return f"{start}/>\n"
     kind = _KINDS[check["status"]]
@@ -84,4 +85,4 @@ def _case(record: Record, check: dict[str, Any]) -> str:
 
 def _class_name(record: Record) -> str:
     """Dots part packages for Jenkins, so that a student's own are written otherwise."""
-    return f"{record.entry.exercise}.{record.entry.student.replace('.', '_')}"
+    return one_line(f"{record.entry.exercise}.{record.entry.student.replace('.', '_')}")
