@@ -131,7 +131,7 @@ JUNIT: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
     "testcase": ({"name": _TRIMMED, "time": _SECONDS, "classname": _TRIMMED}, ("skipped", "error", "failure")),
     "failure": _OUTCOME,
     "error": _OUTCOME,
-    "skipped": _OUTCOME,
+    "skipped": ({"message": _TEXT}, ()),
     "system-out": ({}, ()),
     "system-err": ({}, ()),
 }

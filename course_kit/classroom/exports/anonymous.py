@@ -90,6 +90,6 @@ def _names(record: Record, student: str) -> re.Pattern[str]:
     entry = record.entry
     whole = {student, entry.name, entry.source, *entry.source.split("/"), *entry.platform.values()}
     parts = {part for text in (student, entry.name) for part in re.split(r"[\W_]+", text)}
-    wanted = {one for one in whole | parts if len(one) >= _SHORTEST}
+    wanted = {one for one in whole if one} | {one for one in parts if len(one) >= _SHORTEST}
     longest_first = sorted(wanted, key=lambda one: (-len(one), one))
     return re.compile("|".join(rf"(?<!\w){re.escape(one)}(?!\w)" for one in longest_first), re.IGNORECASE)
