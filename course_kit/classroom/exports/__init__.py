@@ -10,7 +10,7 @@ import pkgutil
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports import attention, changes, comparison, feedback, formats, lookalikes, page, reports
+from course_kit.classroom.exports import attention, changes, comparison, feedback, formats, lookalikes, page
 from course_kit.environment import write_atomically
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ def write_all(book: Gradebook, out: Path) -> Path:
         write_atomically(out / name, text, durable=False)
         written.add(name)
     _remove_grades_that_are_gone(book, out, written)
-    reports.refresh(book, out)
     feedback.write_all(book, out)
     alike = lookalikes.find(book)
     _write_comparisons(book, alike, out)

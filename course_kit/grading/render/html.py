@@ -14,14 +14,11 @@ from course_kit.grading.render.sequence import sequence_svg
 from course_kit.text.templates import render
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.report import Report
     from course_kit.grading.submission import Submission
 
 _TEMPLATES = Path(__file__).with_name("templates")
-_BEGIN, _END = "<!-- remarks -->", "<!-- end of remarks -->"  # stand in page.html; no text that is filled in has a <
 
 
 def render_html(report: Report, base: Path | None = None) -> str:
@@ -53,21 +50,6 @@ def render_page(report: Report, student: str, program: Submission | None = None)
         "most_lines": program_lines.MOST_LINES,
     }
     return str(render(_TEMPLATES / "page.html", **values))
-
-
-def with_remarks(page: str, remarks: Sequence[str]) -> str:
-    """A page of `render_page` with what an instructor says of the result, above it, in place of what stood there.
-
-    Args:
-        page: the page; one of an earlier kit, which has no place for it, stays as it is.
-        remarks: a paragraph each; none takes away those that are there.
-    """
-    before, begin, rest = page.partition(_BEGIN)
-    _, end, after = rest.partition(_END)
-    if not end:
-        return page
-    told = render(_TEMPLATES / "remarks.html", remarks=remarks).strip() if remarks else ""
-    return f"{before}{begin}{told}{end}{after}"
 
 
 def _values(report: Report, base: Path) -> dict[str, Any]:
