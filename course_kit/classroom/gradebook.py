@@ -32,6 +32,8 @@ class Gradebook:
         root: the folder the entries' sources are relative to; None where they are not at hand.
         odd: student and reason of those whose entry does not fit the layout.
         dropped: student and reason of those who handed in something of which nothing could be graded, or not all.
+        absent: identifier and name of those on the roster who handed in nothing; they are among `missing`, too.
+        unknown: student and reason of those who do not match the roster.
     """
 
     exercises: tuple[Exercise, ...]
@@ -44,6 +46,8 @@ class Gradebook:
     root: Path | None = None
     odd: tuple[tuple[str, str], ...] = ()
     dropped: tuple[tuple[str, str], ...] = ()
+    absent: tuple[tuple[str, str], ...] = ()
+    unknown: tuple[tuple[str, str], ...] = ()
 
     @property
     def students(self) -> list[str]:

@@ -113,7 +113,7 @@ class GradingLoop:
             self._versions[exercise.id] = versions.of(exercise)
         record = replace(first.record(report), versions=self._versions[exercise.id])
         for one in (record, *(twin.same_record(record) for twin in twins)):
-            self._records.keep(one, render_page(report, one.entry.name or one.entry.student))
+            self._records.keep(one, render_page(report, one.entry.name or one.entry.student, first.text))
             self.done.append(one)
             self._watcher.done(one)
 

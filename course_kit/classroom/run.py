@@ -234,6 +234,7 @@ class ClassRun:
         return submissions.read(entry, self.intake.root, task, seed, reader, known=known)
 
     def _gradebook(self, done: list[Record]) -> Gradebook:
+        fit = self.intake.roster
         book = Gradebook(
             exercises=self._plan.exercises,
             records=tuple(sorted(done, key=lambda one: (one.entry.student, one.entry.exercise))),
@@ -245,6 +246,8 @@ class ClassRun:
             root=self.intake.root,
             odd=self.intake.odd,
             dropped=self.intake.dropped,
+            absent=fit.absent if fit else (),
+            unknown=fit.unknown if fit else (),
         )
         return self._instructions.apply(book)
 

@@ -66,6 +66,11 @@ def fingerprints(source: str) -> frozenset[int]:
     return frozenset(min(runs[place : place + WINDOW]) for place in windows)
 
 
+def shape(line: str) -> tuple[str, ...]:
+    """A line of a program without its names, values and layout; empty for one that is blank or a comment."""
+    return tuple(_tokens(line))
+
+
 def identity(source: str) -> str:
     """A hash of a program, equal for programs that differ in comments, docstrings, blanks and line ends alone."""
     tokens = (match.group() for match in _TOKEN.finditer(source) if match.lastgroup != "skipped")

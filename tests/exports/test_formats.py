@@ -42,8 +42,8 @@ def test_everything_is_written_where_it_belongs(tmp_path: Path) -> None:
     page = exports.write_all(books.hostile_book(), tmp_path)
     assert page == tmp_path / "index.html"
     found = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
-    assert found == {*written(HOSTILE_BOOK), "index.html", "exports/.files.json"}
-    assert {PurePosixPath(name).parts[0] for name in found} == {"grades.csv", "exports", "index.html"}
+    assert found == {*written(HOSTILE_BOOK), "index.html", "last_run.json", "exports/.files.json"}
+    assert {PurePosixPath(name).parts[0] for name in found} == {"grades.csv", "exports", "index.html", "last_run.json"}
 
 
 def test_writing_again_leaves_the_same(tmp_path: Path) -> None:
@@ -110,6 +110,7 @@ def test_where_the_grader_failed_there_is_no_grade_in_any_export(tmp_path: Path)
         "exports/nbgrader.csv",
         "exports/.files.json",
         "index.html",
+        "last_run.json",
     }
     assert not any("jane" in left[name] for name in left if name.startswith("exports/"))
     assert table(left["grades.csv"])[0]["temperature_service status"] == "error"

@@ -9,7 +9,16 @@ import importlib
 import pkgutil
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports import formats, notices, page
+from course_kit.classroom.exports import (
+    attention,
+    changes,
+    comparison,
+    feedback,
+    formats,
+    lookalikes,
+    notices,
+    page,
+)
 from course_kit.classroom.exports.files_written import FilesWritten
 from course_kit.environment import write_atomically
 
@@ -36,8 +45,22 @@ def write_all(book: Gradebook, out: Path) -> Path:
         write_atomically(out / name, text, durable=False)
     note_of_files.end(made)  # takes away those of students and grades that are gone
     notices.write(book, out)
-    write_atomically(out / PAGE, page.render(book))
+    feedback.write_all(book, out)
+    alike = lookalikes.find(book)
+    _write_comparisons(book, alike, out)
+    write_atomically(out / PAGE, page.render(book, alike, changes.since_last_run(book, out)))
+    changes.remember(book, out)
     return out / PAGE
+
+
+def _write_comparisons(book: Gradebook, alike: lookalikes.LookAlikes, out: Path) -> None:
+    """Write a page for each pair that looks alike, and take away those of an earlier run."""
+    written = set()
+    for name, text in comparison.pages(book, alike.pairs, attention.labels(book)):
+        write_atomically(out / name, text, durable=False)
+        written.add(out / name)
+    for old in set((out / comparison.FOLDER).glob("*.html")) - written:
+        old.unlink(missing_ok=True)
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
