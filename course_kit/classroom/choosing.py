@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from course_kit.classroom import candidates, kit_copies, known_starters, listing, nested
 from course_kit.classroom.candidates import BY_CONTENT, CALLED_ALIKE, NAMED, ONLY_ONE, Candidate, File
 from course_kit.classroom.records import Entry
+from course_kit.classroom.submission_times import STAMP
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Glance
 from course_kit.grading.submission import Copy, UnreadableError
@@ -102,7 +103,7 @@ class Chooser:
             if not (found.files or found.tools or found.unseen):
                 self.left.append((unit.item.path, "an empty folder"))
         files, opened = self._without_zips(self._without_kit(files))
-        wanted = [file for file in files if file.item.is_program or len(files) == 1]
+        wanted = [file for file in files if file.item.is_program or len(files) == 1 or file.item.name == STAMP]
         unpacked = self._listing.fetch(file.item for file in wanted if not file.problem)
         return [replace(file, problem=file.problem or unpacked.get(file.path, "")) for file in files] + opened, problems
 

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 from datetime import datetime, timedelta, timezone
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.records import Record
+from course_kit.classroom.records import Entry, Record
+from course_kit.classroom.submission_times import submitted
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from course_kit.classroom.gradebook import Gradebook
 
 BERLIN = 'timezone = "Europe/Berlin"\n'
@@ -226,6 +227,23 @@ def test_lateness_comes_from_timestamps_and_costs_what_the_rules_say(inbox: Path
     assert "Handed in 1 d late: on 2026-11-21 23:59 CET (UTC+01:00), due 2026-11-20 23:59 CET (UTC+01:00)." in page
     assert "Late penalty: 2 points" in page
     assert [one.entry.student for one in book.records if one.adjustment.warning] == ["bob"]
+
+
+def test_a_timestamp_in_a_zip_counts(tmp_path: Path) -> None:
+    for student, stamp in (("ada", "2026-11-22 12:00:00.0 UTC"), ("bob", "2026-11-19 12:00:00.0 UTC")):
+        folder = tmp_path / "course/submitted" / student / "week1"
+        folder.mkdir(parents=True)
+        (folder / "temperature_service.py").write_text(f"right = '{student}'")
+        (folder / "timestamp.txt").write_text(stamp)
+    archive = Path(shutil.make_archive(str(tmp_path / "all"), "zip", tmp_path / "course"))
+    settings(archive, class_toml=RULES + DUE)
+    book, _ = again(archive)
+    assert scores(book) == {"ada": 8.0, "bob": 10.0}
+
+
+def test_a_list_of_gradescopes_tells_when(tmp_path: Path) -> None:
+    entry = Entry("ada", "temperature_service", "ada.py", platform={"submitted_at": "2026-11-20 14:59:30.5 -08:00"})
+    assert submitted(tmp_path, entry) == datetime(2026, 11, 20, 22, 59, 30, tzinfo=timezone.utc)
 
 
 def test_a_rule_that_changes_needs_no_grading(inbox: Path) -> None:
