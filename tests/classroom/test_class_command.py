@@ -185,10 +185,10 @@ def test_a_cluster_does_the_same_and_loses_nothing_with_a_machine(handed_in: Pat
     with ExitStack() as cluster:
         scheduler = ("-m", "distributed.cli.dask_scheduler", "--port", 0, "--no-dashboard", "--host", "127.0.0.1")
         cluster.enter_context(started(*scheduler, "--scheduler-file", contact))
-        wait_until(contact.is_file)
+        wait_until(lambda: address_in(contact) is not None)
         worker = ("-m", "distributed.cli.dask_worker", "--scheduler-file", contact, "--nthreads", 1, "--no-nanny")
         first, _ = (cluster.enter_context(started(*worker, "--no-dashboard", "--name", name)) for name in "ab")
-        address = json.loads(contact.read_text())["address"]
+        address = str(address_in(contact))
         wait_until(lambda: workers_at(address) == 2)
         process = cluster.enter_context(started(*class_run(handed_in, "--scheduler", address)))
         wait_until(lambda: len(records(handed_in)) >= 1)
@@ -203,10 +203,10 @@ def test_a_scheduler_that_dies_is_said_with_the_command_that_goes_on(handed_in: 
     with ExitStack() as cluster:
         python = ("-m", "distributed.cli.dask_scheduler", "--port", 0, "--no-dashboard", "--host", "127.0.0.1")
         scheduler = cluster.enter_context(started(*python, "--scheduler-file", contact))
-        wait_until(contact.is_file)
+        wait_until(lambda: address_in(contact) is not None)
         worker = ("-m", "distributed.cli.dask_worker", "--scheduler-file", contact, "--nthreads", 1, "--no-nanny")
         cluster.enter_context(started(*worker, "--no-dashboard"))
-        address = json.loads(contact.read_text())["address"]
+        address = str(address_in(contact))
         wait_until(lambda: workers_at(address) == 1)
         process = cluster.enter_context(started(*class_run(handed_in, "--scheduler", address)))
         wait_until(lambda: len(records(handed_in)) >= 1)
@@ -220,6 +220,14 @@ def test_a_scheduler_that_dies_is_said_with_the_command_that_goes_on(handed_in: 
     assert 1 <= len(before) < CLASS_SIZE
     assert {json.loads(path.read_text())["report"]["status"] for path in before.values()} == {"graded"}
     finish(handed_in, "--resume")
+
+
+def address_in(contact: Path) -> str | None:
+    """Where the scheduler is; None until its file is there, and whole."""
+    try:
+        return str(json.loads(contact.read_text())["address"])
+    except (OSError, ValueError):
+        return None
 
 
 def workers_at(address: str) -> int:
