@@ -84,7 +84,7 @@ def _people(record: Record) -> set[str]:
 
 
 @dataclass(frozen=True)
-class Change:
+class GradeChange:
     """One line of the table: a result before and after, each with its penalty and override."""
 
     before: Record
@@ -158,7 +158,9 @@ class Regrade:
         self.not_at_hand: list[str] = []
         self.complete = False
 
-    def grade(self, start: Callable[[], Executor], stops: Callable[[], int], hidden: tuple[str, ...]) -> list[Change]:
+    def grade(
+        self, start: Callable[[], Executor], stops: Callable[[], int], hidden: tuple[str, ...]
+    ) -> list[GradeChange]:
         """Grade; what differs is returned and written into the table, and nothing else is written yet.
 
         Args:
@@ -201,7 +203,7 @@ class Regrade:
             if record.status == "error":
                 continue
             old = self._records.find(record.entry)
-            if old is None or Change(before[_key(record)], record).is_one:
+            if old is None or GradeChange(before[_key(record)], record).is_one:
                 page = self._staging.path(record.entry, ".html").read_text(encoding="utf-8")
                 self._records.keep(record, page)
             else:  # the same by other rules
@@ -209,14 +211,14 @@ class Regrade:
         shutil.rmtree(self._staging.folder.parent, ignore_errors=True)
         return self._run.as_it_is()
 
-    def _changes(self) -> list[Change]:
+    def _changes(self) -> list[GradeChange]:
         """What differs, by student and exercise, each with what the instructor's files make of it."""
         before = {_key(record): record for record in self._chosen}
         pairs = []
         for record in sorted(self._new, key=_key):
             old = before[_key(record)]
             if record.status != "error":
-                pairs.append(Change(old, self._run.adjusted(record)))
+                pairs.append(GradeChange(old, self._run.adjusted(record)))
         return [change for change in pairs if change.is_one]
 
     def _take_stock(self, stops: Callable[[], int]) -> list[list[Handed]]:
@@ -254,7 +256,7 @@ def _key(record: Record) -> tuple[str, str]:
     return (record.entry.student, record.entry.exercise)
 
 
-def table(changes: Sequence[Change]) -> Iterator[str]:
+def table(changes: Sequence[GradeChange]) -> Iterator[str]:
     """The table for a terminal, line by line."""
     header = [name for name in HEADER if name != "name"]
     rows = [header, *([cell for name, cell in zip(HEADER, one.row, strict=True) if name != "name"] for one in changes)]

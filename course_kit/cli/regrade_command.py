@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
-    from course_kit.classroom.regrade import Change, Regrade
+    from course_kit.classroom.regrade import GradeChange, Regrade
 
 
 def add_to(verbs: Any) -> None:
@@ -75,7 +75,7 @@ def _run(options: argparse.Namespace) -> int:
         return _worries(regrade)
 
 
-def _is_wanted(changes: Sequence[Change], options: argparse.Namespace) -> bool:
+def _is_wanted(changes: Sequence[GradeChange], options: argparse.Namespace) -> bool:
     """Show what would change, and ask."""
     from course_kit.classroom.regrade import TABLE, table
     from course_kit.text.sanitize import printable
