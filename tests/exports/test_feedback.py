@@ -6,14 +6,12 @@ import ast
 import json
 import re
 import zipfile
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import nbformat
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.adjustments import Adjustment
 from course_kit.classroom.exports import feedback
 from course_kit.classroom.records import Record, Records
 from course_kit.grading.render.html import render_page
@@ -131,16 +129,3 @@ def test_a_zip_is_the_same_for_the_same_results(tmp_path: Path) -> None:
     before = path.read_bytes()
     exports.write_all(gradebook, tmp_path)
     assert path.read_bytes() == before
-
-
-def test_what_the_instructor_has_set_stands_in_the_report_and_goes_again(tmp_path: Path) -> None:
-    plain = of_moodle(4711, "Jane", bad)
-    decided = replace(plain, adjustment=Adjustment(pass_mark=6, override=8.0, comment="Well <argued>. <!-- x -->"))
-    out = written(book(decided), tmp_path)
-    page = Records(out).path(plain.entry, ".html")
-    assert "8 of 10 points: passed." in page.read_text()
-    assert "Well &lt;argued&gt;. &lt;!-- x --&gt;" in page.read_text()
-    zipped = contents(out / feedback.MOODLE.format(SERVICE.id))
-    assert "8 of 10 points" in next(iter(zipped.values()))
-    exports.write_all(book(plain), out)
-    assert page.read_text() == render_page(REPORT, "4711")
