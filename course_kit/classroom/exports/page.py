@@ -43,6 +43,7 @@ _SECTIONS = {  # of the page, in its order: template and title; what has nothing
 _LAYOUTS = {
     "canvas": "Canvas",
     "moodle": "Moodle",
+    "gradescope": "Gradescope",
     "nbgrader": "nbgrader",
     "github": "GitHub Classroom",
     "folders": "a folder for each student",
