@@ -57,14 +57,9 @@ def test_the_starter_makes_nobody_alike(tmp_path: Path) -> None:
 
 
 def test_the_work_of_a_group_is_not_alike(tmp_path: Path) -> None:
-    class_ = class_of(
-        tmp_path, ann=ORIGINAL, bob=ORIGINAL, cid=disguised(ORIGINAL), dan=disguised(ORIGINAL) + "\n# mine"
-    )
-    team = {"ann": "red", "bob": "red", "cid": "red", "dan": "red"}
-    of_teams = [
-        replace(record, entry=replace(record.entry, platform={"group": team[record.entry.student]}))
-        for record in class_
-    ]
+    copied = disguised(ORIGINAL)
+    class_ = class_of(tmp_path, ann=ORIGINAL, bob=ORIGINAL, cid=copied, dan=f"{copied}\n# mine")
+    of_teams = [replace(record, entry=replace(record.entry, platform={"group": "red"})) for record in class_]
     found = lookalikes.find(book(*of_teams, root=tmp_path))
     assert (found.identical, found.pairs) == ((), ())
     alone = lookalikes.find(book(*class_, root=tmp_path))
