@@ -1,11 +1,11 @@
-"""Which of a student's files is the submission: by what is in them, then by when they are from; and the reason in words."""
+"""Which of a student's files is the submission: by what is in them, then by when they are from; and why, in words."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.grading.reading import Glance
+from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.layouts import Unit
     from course_kit.classroom.listing import Item
     from course_kit.grading.exercise import Exercise
+    from course_kit.grading.reading import Glance
 
 NAMED, CALLED_ALIKE, BY_CONTENT, ONLY_ONE = 4, 3, 2, 1  # how sure it is that a file is for an exercise
 _AT_ONCE_S = 60.0  # files that are written by one download or one `git clone` are of one age
@@ -36,6 +37,11 @@ class File:
         """What the student called it."""
         return (self.item is self.unit.item and self.unit.file) or self.item.name
 
+    @property
+    def folder(self) -> str:
+        """The folder it lies in, among the student's own files."""
+        return self.path.rpartition("/")[0]
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -52,8 +58,8 @@ class Candidate:
     file: File
     sureness: int
     changed: float
-    glance: Glance = Glance()
-    is_starter: bool = False
+    glance: Glance
+    is_starter: bool
 
 
 @dataclass(frozen=True)
@@ -73,13 +79,13 @@ class Choice:
     worry: str
 
 
-def choose(candidates: Sequence[Candidate], exercise: Exercise, paths: Sequence[str]) -> Choice:
+def choose(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[File]) -> Choice:
     """Choose one.
 
     Args:
         candidates: at least one.
         exercise: what for.
-        paths: all files of the student.
+        files: all files of the student.
     """
     ranks = {one.file.path: _rank(one, candidates) for one in candidates}
     best, *others = sorted(candidates, key=lambda one: ranks[one.file.path], reverse=True)
@@ -94,7 +100,7 @@ def choose(candidates: Sequence[Candidate], exercise: Exercise, paths: Sequence[
     if best.is_starter:
         why = f"{why}; it is the starter, unchanged"
         worries.append("it is the starter, unchanged")
-    if beside := _imported(best, paths):
+    if beside := _imported(best, files):
         why = f"{why}; it imports {beside}, and only one file is graded"
         worries.append(f"it imports {beside}, and only one file is graded")
     return Choice(best, why, reasons, "; ".join(worries))
@@ -171,12 +177,11 @@ def _fit(one: Candidate, exercise: Exercise) -> str:
     return "the only program" if one.file.item.is_program else "the only file"
 
 
-def _imported(one: Candidate, paths: Sequence[str]) -> str:
+def _imported(one: Candidate, files: Sequence[File]) -> str:
     """A module beside the file that it imports; the sandbox has one file alone."""
-    folder = one.file.path.rpartition("/")[0]
     beside = {
-        path[len(folder) :].lstrip("/").removesuffix(".py"): path.rpartition("/")[2]
-        for path in paths
-        if path.startswith(folder) and path != one.file.path and path.endswith(".py")
+        file.called.removesuffix(".py"): file.called
+        for file in files
+        if file.path != one.file.path and file.folder == one.file.folder and file.called.endswith(".py")
     }
-    return ", ".join(sorted(beside[name] for name in one.glance.imports & beside.keys()))
+    return ", ".join(sorted(one_line(beside[name]) for name in one.glance.imports & beside.keys()))

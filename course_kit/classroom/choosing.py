@@ -70,7 +70,7 @@ class Chooser:
             found = list(self._candidates(files, exercise))
             if not found:
                 continue
-            choice = candidates.choose(found, exercise, [file.path for file in files])
+            choice = candidates.choose(found, exercise, files)
             best = choice.best.file
             if best.problem:
                 lost.append(f"{one_line(best.path)}: {best.problem}")

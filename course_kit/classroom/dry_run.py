@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.classroom import intake, table
-from course_kit.classroom.run import WORKSPACE, require_folders_apart
+from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart
 from course_kit.grading.reading import ReadingStoppedError
 
 if TYPE_CHECKING:

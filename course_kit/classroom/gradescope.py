@@ -22,8 +22,7 @@ METADATA = "submission_metadata.yml"
 _LARGEST = 256 * 1024**2  # bytes
 _LONGEST = 1000  # characters of a line that counts
 _SUBMISSION = re.compile(r"['\"]?(submission_\d{1,18})['\"]?:\s*\Z", re.ASCII)
-_SUBMITTERS = re.compile(r"( {1,8}):submitters:\s*\Z", re.ASCII)
-_CREATED = re.compile(r" {1,8}:created_at: *(.+)\Z", re.ASCII)
+_KEY = re.compile(r"( {1,8}):(submitters|created_at|\w+): *(.*)\Z", re.ASCII)
 _FIELD = re.compile(r"\s*(- +)?:(name|sid|email): *(.*)\Z", re.ASCII)
 
 
@@ -58,21 +57,21 @@ def read(path: Path) -> dict[str, _Submission]:
     """
     found: dict[str, _Submission] = defaultdict(lambda: _Submission([]))
     here: _Submission | None = None
-    indent = None  # of the line `:submitters:` while its list is read
+    indent = ""  # of a submission's own keys; whatever a program printed is further in
+    in_list = False
     with path.open(encoding="utf-8", errors="replace") as file:
         for line in _lines(file.read(_LARGEST)):
             if match := _SUBMISSION.match(line):
-                here, indent = found[match[1]], None
+                here, indent, in_list = found[match[1]], "", False
             elif here is None:
                 continue
-            elif match := _SUBMITTERS.match(line):
-                indent = len(match[1])
-            elif match := _FIELD.match(line) if indent is not None else None:
+            elif (match := _KEY.match(line)) and match[1] == (indent or match[1]):
+                indent = match[1]
+                in_list = match[2] == "submitters" and not here.submitters
+                if match[2] == "created_at":
+                    here.created = here.created or _value(match[3])
+            elif in_list and (match := _FIELD.match(line)):
                 _note(here, match)
-            elif not line.lstrip().startswith("-") and len(line) - len(line.lstrip()) <= (indent or 0):
-                indent = None
-            if indent is None and here is not None and (match := _CREATED.match(line)):
-                here.created = here.created or _value(match[1])
     return dict(found)
 
 

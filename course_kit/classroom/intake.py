@@ -52,7 +52,7 @@ class Intake:
     roster: Fit | None = None
 
 
-def collect(  # noqa: PLR0913 - what is collected, for what, and how
+def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
     source: Path | Sequence[Path],
     exercises: Sequence[Exercise],
     workspace: Path,

@@ -1,4 +1,4 @@
-"""Copies of this course in what somebody has handed in, such as a fork of it: the course's own programs are nobody's work."""
+"""Copies of this course in what somebody has handed in, such as a fork: the course's own programs are nobody's work."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ anybody else. So a layout is what most entries look like, and one that looks oth
 - **moodle** ("Download all submissions"): `Jane Doe_4711_assignsubmission_file_/answer.py`, or the same without the
   folder. The student is the participant's number, 4711, which is another one in each assignment. Work of a group has
   the group's name and number there.
-- **gradescope** ("Export Submissions"): `submission_123456/answer.py`, and a file that says whose each is (`gradescope`).
+- **gradescope** ("Export Submissions"): `submission_123456/answer.py`; a file beside it says whose (`gradescope`).
 - **nbgrader** (the `submitted` folder): `submitted/jane/assignment/answer.ipynb`. The student is `jane`.
 - **github** (`gh classroom clone student-repos`): `assignment-submissions/assignment-jane/answer.py`. The student is
   the login, `jane`; a clone in a folder of another name gives its whole name.

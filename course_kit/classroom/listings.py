@@ -51,7 +51,7 @@ class CopiedFolder(Folder):
             state = source.lstat()
             if state.st_size > LARGEST_OF_ONE:
                 return f"it is too much: at most {LARGEST_OF_ONE // 1024**2} MB are read"
-            with source.open("rb", opener=_not_through_a_link) as file:
+            with open(source, "rb", opener=_not_through_a_link) as file:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 with target.open("wb") as copy:
                     shutil.copyfileobj(file, copy)

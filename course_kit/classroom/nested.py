@@ -1,4 +1,4 @@
-"""A zip that a student has handed in: opened once, within the limits of an archive, and what goes wrong is theirs alone."""
+"""A zip that a student has handed in: opened once, within the limits of an archive; what goes wrong is theirs alone."""
 
 from __future__ import annotations
 

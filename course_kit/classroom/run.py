@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Protocol
 from course_kit.classroom import intake, submissions, table
 from course_kit.classroom.concurrency import early
 from course_kit.classroom.gradebook import Gradebook
+from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart, require_submissions
 from course_kit.classroom.records import Records
 from course_kit.environment import write_atomically
 from course_kit.grading import engine
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader, ReadingStoppedError
 from course_kit.grading.render.html import render_page
-from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,12 +36,10 @@ if TYPE_CHECKING:
     from course_kit.grading.report import Report
 
 RUN_FILE = "run.json"
-WORKSPACE = "handed_in"  # where an archive is unpacked, in the output folder
 FORMAT_VERSION = 1
 _AHEAD = 2  # tasks given to an executor for each of its slots: none idles, and few are lost
 _LISTEN_S = 0.5  # how often a wait for results looks at the clock and at who wants to stop
 _AT_ONCE = 2  # requests to stop
-_NAMED = 3  # things that are there where there is no submission
 
 
 class Watcher(Protocol):
@@ -121,7 +119,7 @@ class ClassRun:
         except ReadingStoppedError:
             raise KeyboardInterrupt from None  # nothing has begun
         table.write(self.intake, plan.out)
-        require_submissions(self.intake, plan)
+        require_submissions(self.intake, plan.sources, plan.exercises)
         run_file = json.dumps({"format_version": FORMAT_VERSION, "seed": self.seed})
         write_atomically(plan.out / RUN_FILE, f"{run_file}\n")
         self._done: list[Record] = []
@@ -271,43 +269,6 @@ def _result(submission: Handed, future: Future[Report]) -> Report:
     except Exception as problem:  # noqa: BLE001 - of a cluster, of a worker; whatever it is, it is not the student's
         why = f"The grading failed: {problem or type(problem).__name__}"
         return engine.unreadable(submission.exercise, submission.entry.source, why, status="error")
-
-
-def require_submissions(found: intake.Intake, plan: Plan) -> None:
-    """See that there is anything to grade.
-
-    Raises:
-        GradingError: there is not.
-    """
-    if found.entries:
-        return
-    seen = [*found.dropped, *found.left][:_NAMED]
-    wanted = ", ".join(exercise.id for exercise in plan.exercises)
-    raise GradingError(
-        f"{', '.join(map(str, plan.sources))} holds no submission for {wanted}, read with the layout "
-        f"'{found.layout}'. It holds: "
-        f"{'; '.join(f'{one_line(what)} ({one_line(why)})' for what, why in seen) or 'nothing'}. "
-        "Name the right exercise with --exercise, or the layout with --layout."
-    )
-
-
-def require_folders_apart(sources: Sequence[Path], out: Path) -> None:
-    """See that results are not taken for submissions, and that nothing handed in is written over.
-
-    Raises:
-        GradingError: one of the folders lies in the other, or they are the same.
-    """
-    for given in sources:
-        try:
-            source, results = given.resolve(), out.resolve()
-        except (OSError, RuntimeError):  # a loop of links, which is said when one of them is opened
-            continue
-        if source == results or source in results.parents:
-            raise GradingError(
-                f"The results would lie among the submissions in {given}. Name another folder with --out."
-            )
-        if results in source.parents and (given.is_dir() or results / WORKSPACE in source.parents):
-            raise GradingError(f"{given} lies in {out}, the folder for the results. Name another folder with --out.")
 
 
 def _seed_of_run(path: Path) -> int | None:

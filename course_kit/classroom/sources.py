@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -15,6 +14,7 @@ from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from contextlib import ExitStack
     from pathlib import Path
 
     from course_kit.classroom.arrangement import Arrangement
@@ -86,7 +86,7 @@ def _several(
         part = _opened(download, _arranged(path, download, layout), workspace / name)
         about = _exercise_of(name, exercises)
         units = [replace(unit, item=moved(unit.item, name), download=name, exercise=about) for unit in part.units]
-        parts[name] = replace(part, units=tuple(students.across_downloads(units, part.layout)))
+        parts[name] = replace(part, units=tuple(units))
     return Opened(
         root=workspace,
         listing=Several({name: part.listing for name, part in parts.items()}),
@@ -99,7 +99,7 @@ def _several(
 
 
 def _joined(units: list[Unit], parts: dict[str, Opened]) -> tuple[Unit, ...]:
-    """Entries of all downloads; those of Moodle once more together, as one name may be two students' in one of them."""
+    """Entries of all downloads, those of one layout together, so that what is one student's has one identifier."""
     return tuple(
         one
         for name in sorted({part.layout for part in parts.values()})

@@ -60,7 +60,7 @@ def across_downloads(units: Sequence[Unit], layout: str) -> list[Unit]:
             found.append(replace(unit, student=unit.name))
         else:
             student = f"{unit.name} {unit.student} of {unit.download}"
-            odd = f"'{unit.name}' has several participant numbers, so nothing tells which work in other downloads is theirs"
+            odd = f"'{unit.name}' has several participant numbers, so nothing joins them with other downloads"
             found.append(replace(unit, student=student, odd=odd))
     return found
 

@@ -137,7 +137,7 @@ def _run(options: argparse.Namespace) -> int:
 def _dry_run(plan: Plan) -> int:
     """Print the table of what would be graded."""
     from course_kit.classroom import dry_run, table
-    from course_kit.classroom.run import require_submissions
+    from course_kit.classroom.preconditions import require_submissions
     from course_kit.text.sanitize import printable
 
     with _interrupts() as stops:
@@ -145,7 +145,7 @@ def _dry_run(plan: Plan) -> int:
     print(printable(table.as_text(found)))
     intake_words.say(found, _say)
     print(plan.out / table.FILE)
-    require_submissions(found, plan)
+    require_submissions(found, plan.sources, plan.exercises)
     if found.dropped:
         _say(f"course-kit: {_left_out(found.dropped)}")
     return FAILED if found.dropped else 0

@@ -70,6 +70,14 @@ def run(source: Path, out: Path, executor: StandInForGrading, **options: Any) ->
     return ClassRun(plan, RunProgress(io.StringIO())).grade(lambda: executor)
 
 
+def test_the_size_of_a_notebook_is_that_of_its_program(tmp_path: Path) -> None:
+    cell = {"cell_type": "code", "source": "%%submission temperature_service\nright = 1\n", "outputs": ["x" * 500_000]}
+    (tmp_path / "in/ada").mkdir(parents=True)
+    (tmp_path / "in/ada/temperature_service.ipynb").write_text(json.dumps({"cells": [cell]}))
+    [record] = run(tmp_path / "in", tmp_path / "out", StandInForGrading()).records
+    assert record.size == len("right = 1\n\n")
+
+
 def results(book: Gradebook) -> dict[str, tuple[str, float, str]]:
     return {one.entry.student: (one.status, one.score, one.same_as) for one in book.records}
 
