@@ -86,9 +86,10 @@ def test_moodle_finds_each_participant_and_nobody_without_a_grade_is_in_it(tmp_p
 
 
 def test_moodle_finds_everybody_whatever_they_are_called(tmp_path: Path) -> None:
-    out = written(book(*(of_moodle(100 + place, name) for place, name in enumerate(HOSTILE))), tmp_path)
+    names = [*HOSTILE, "Jane_7_Doe_8", "../../etc/passwd", "C:\\x", "."]
+    out = written(book(*(of_moodle(100 + place, name) for place, name in enumerate(names))), tmp_path)
     files = contents(out / "exports/moodle_feedback_temperature_service.zip")
-    assert sorted(read_by_moodle(name)[0] for name in files) == [100 + place for place in range(len(HOSTILE))]
+    assert sorted(read_by_moodle(name)[0] for name in files) == [100 + place for place in range(len(names))]
     for name in files:
         assert name.count("/") == 1
         assert not name.startswith(("/", "."))
