@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _TEMPLATES = Path(__file__).with_name("templates")
-_FOR_EXERCISE = "@EXERCISE@"  # in a template: the exercise's id
+_FOR_EXERCISE, _FOR_OPTIONS = "@EXERCISE@", "@OPTIONS@"  # in a template: the exercise's id; an option or nothing
 _KIT = "ros2-course"  # the kit's folder, in a zip
 # What a bare server needs to grade; no solutions or tests. Reports name the lessons that are there.
 _PARTS = (
@@ -36,33 +36,35 @@ _EXECUTABLE, _ORDINARY = 0o100755, 0o100644
 _RUNTIME = {"runs-on": "ubuntu-24.04", "python": "3.12"}  # what a Classroom 50 assignment is set to
 
 
-def gradescope(exercise_id: str, target: Path) -> Path:
+def gradescope(exercise_id: str, target: Path, seed: int | None = None) -> Path:
     """Write the zip for "Configure Autograder" in Gradescope: `setup.sh`, `run_autograder` and the kit.
 
     Args:
         exercise_id: what the assignment is.
         target: a file that is not there yet.
+        seed: what every grading draws from; drawn for each when None.
 
     Raises:
         GradingError: there is no such exercise, the file is there already, or this is not the course's folder.
         OSError: it cannot be written.
     """
-    files = [*_scripts(exercise_id, "gradescope", "setup.sh", "run_autograder"), *_kit(prefix=f"{_KIT}/")]
+    files = [*_scripts(exercise_id, seed, "gradescope", "setup.sh", "run_autograder"), *_kit(prefix=f"{_KIT}/")]
     return _write(target, _zipped(files))
 
 
-def classroom50(exercise_id: str, target: Path) -> Path:
+def classroom50(exercise_id: str, target: Path, seed: int | None = None) -> Path:
     """Write the folder `autograders/ASSIGNMENT` of a classroom of Classroom 50: `autograder.py` and the kit beside it.
 
     Args:
         exercise_id: what the assignment is.
         target: a folder that is not there yet, or is empty.
+        seed: what every grading draws from; drawn for each when None.
 
     Raises:
         GradingError: there is no such exercise, something lies in the folder, or this is not the course's folder.
         OSError: it cannot be written.
     """
-    scripts = list(_scripts(exercise_id, "classroom50", "autograder.py"))
+    scripts = list(_scripts(exercise_id, seed, "classroom50", "autograder.py"))
     kit = _zipped(list(_kit(prefix=f"{_KIT}/")))
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise GradingError(f"{target} is there already. Name a new folder.")
@@ -73,11 +75,12 @@ def classroom50(exercise_id: str, target: Path) -> Path:
     return target
 
 
-def _scripts(exercise_id: str, platform: str, *names: str) -> Iterator[tuple[str, bytes, int]]:
+def _scripts(exercise_id: str, seed: int | None, platform: str, *names: str) -> Iterator[tuple[str, bytes, int]]:
     task = exercise.load(exercise_id)
     for name in names:
         text = (_TEMPLATES / platform / f"{name}.in").read_text(encoding="utf-8")
-        yield name, text.replace(_FOR_EXERCISE, task.id).encode(), _EXECUTABLE
+        filled_in = text.replace(_FOR_EXERCISE, task.id).replace(_FOR_OPTIONS, "" if seed is None else f"--seed={seed}")
+        yield name, filled_in.encode(), _EXECUTABLE
 
 
 def _kit(prefix: str) -> Iterator[tuple[str, bytes, int]]:

@@ -92,7 +92,7 @@ class Matcher:
 
 
 def match(
-    roster: Roster, entries: Iterable[Entry], layout: str, handed_in: Iterable[str]
+    roster: Roster, entries: Sequence[Entry], layout: str, handed_in: Iterable[str]
 ) -> tuple[tuple[Entry, ...], Fit]:
     """Give entries the names and identifiers of a class list; the entry of a group becomes one of each member.
 
@@ -120,7 +120,7 @@ def match(
             found.append(entry)
             unknown[entry.student] = why
     unknown.update(_twice(roster, people))
-    others = set(handed_in) - {entry.student for entry in found}
+    others = set(handed_in) - {entry.student for entry in entries}
     absent = tuple(
         (person.student(layout), person.name)
         for person in roster.people

@@ -46,7 +46,7 @@ _WORDS = {  # headers without accents, signs and capitals
 _NAME = frozenset(("name", "nombre", "nome", "nom", "naam", "namn", "navn", "jmeno", "nimi", "名前"))
 _MAIL = ("mail", "courriel", "correo", "メール", "邮箱", "почт")
 _ID = "id"
-_PARTICIPANT = re.compile(r"(?P<word>\D{2,40}?)\s?(?P<number>\d{1,18})")
+_PARTICIPANT = re.compile(r"(?P<word>\D{2,40})\s(?P<number>\d{1,18})")
 _MOST_LOOKED_AT = 50  # rows
 _KINDS = {word: kind for kind, words in _WORDS.items() for word in words.split("|")}
 
@@ -70,12 +70,12 @@ def guess(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     canvas = words[:1] == ["student"] and any(word.startswith("sis ") or word == "section" for word in words)
     for place, word in enumerate(words):
         cells = [row[place].strip() for row in rows[:_MOST_LOOKED_AT] if place < len(row) and row[place].strip()]
-        if word == _ID:
+        if kinds[place] != GROUP and _are_participants(cells):
+            kinds[place] = MOODLE
+        elif word == _ID:
             kinds[place] = CANVAS if canvas else LOGIN
         elif cells and all("@" in cell for cell in cells) and kinds[place] in ("", EMAIL):
             kinds[place] = EMAIL
-        elif kinds[place] != GROUP and _are_participants(cells):
-            kinds[place] = MOODLE
     for place, word in enumerate(words):
         if word in _NAME:
             kinds[place] = LAST if FIRST in kinds else FIRST if LAST in kinds else FULL

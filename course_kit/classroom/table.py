@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 FILE = "intake.csv"
 HEADER = ("student", "name", "exercise", "file", "why", "also handed in", "late", "look at it")
 _NOTHING = "nothing was handed in for it"
-_WIDEST = (28, 24, 60, 70, 60)  # columns of the text
+_WIDEST = (28, 24, 60, 90, 60)  # columns of the text
 _BETWEEN = "  "
 
 

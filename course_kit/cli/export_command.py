@@ -23,6 +23,7 @@ def add_to(verbs: Any) -> None:
     for kind, what in ((gradescope, "a new .zip file"), (classroom50, "a new folder")):
         kind.add_argument("exercise", help="the exercise's id, e.g. temperature_service")
         kind.add_argument("--to", type=Path, required=True, metavar="PATH", help=what)
+        kind.add_argument("--seed", type=int, help="the same values for everybody, as for exercise 4")
     anonymous = kinds.add_parser("anonymous", help="the reports of a class run, by pseudonyms")
     anonymous.add_argument("results", type=Path, help="the folder that `class --out` named")
     anonymous.add_argument("--to", type=Path, required=True, metavar="DIR", help="a new folder")
@@ -45,14 +46,14 @@ def run(options: argparse.Namespace) -> int:
 def _gradescope(options: argparse.Namespace) -> str:
     from course_kit.authoring import autograders
 
-    path = autograders.gradescope(options.exercise, options.to)
+    path = autograders.gradescope(options.exercise, options.to, options.seed)
     return f"{path}: upload it under Configure Autograder; choose a base image of Ubuntu 22.04 or newer."
 
 
 def _classroom50(options: argparse.Namespace) -> str:
     from course_kit.authoring import autograders
 
-    path = autograders.classroom50(options.exercise, options.to)
+    path = autograders.classroom50(options.exercise, options.to, options.seed)
     return (
         f"{path}: put what is in it into CLASSROOM/autograders/ASSIGNMENT of your classroom50 repository, but "
         "runtime.json, which is for `gh teacher assignment add --runtime`."

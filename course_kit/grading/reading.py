@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import select
 import signal
 import socket
@@ -40,7 +39,6 @@ _TOO_MUCH_MEMORY = 69  # exit status of the reader's child
 _LOOK_S = 0.1  # how often it is asked whether somebody has pressed Ctrl-C
 _GRACE_S = 15.0  # beyond its own deadline; a reader that is later than that hangs, by a fault of ours
 _END_S = 2.0
-_ENDINGS = re.compile(r"(\.(py|ipynb|txt|json))+\Z", re.IGNORECASE)
 _TRIES = 2  # a reader that another program has ended gets a successor
 
 
@@ -249,6 +247,8 @@ def _checked(answer: bytes) -> dict[str, Any]:
 
 def _program_name(name: str) -> str:
     """A name to run under, which stands in tracebacks as it is: `a b.py` for `a b.ipynb`."""
-    stem = _ENDINGS.sub("", name)
+    stem = name
+    while kind(stem):  # `a.py` of `a.py.txt`, then `a`
+        stem = stem.rpartition(".")[0]
     plain = "".join(one if one.isprintable() and one not in '"\\/' else "_" for one in stem)
     return f"{plain}.py"

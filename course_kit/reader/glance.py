@@ -40,8 +40,11 @@ def at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, Any]:
 
 def _asked_for(name: str, file: BinaryIO, program: str, wish: Mapping[str, Any]) -> bool:
     if text.kind(name) == text.NOTEBOOK:
-        return bool(program) or re.search(rf"%%submission\s+{re.escape(wish['exercise'])}\b", _all_of(file)) is not None
-    mark = rf"^class {re.escape(wish['class_name'])}\b" if wish["class_name"] else rf"^{wish['variable']}\b"
+        if program:
+            return True
+        mark = rf"%%submission\s+{re.escape(wish['exercise'])}\b"
+    else:
+        mark = rf"^class {re.escape(wish['class_name'])}\b" if wish["class_name"] else rf"^{wish['variable']}\b"
     return re.search(mark, program or _all_of(file), re.MULTILINE) is not None
 
 

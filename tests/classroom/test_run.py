@@ -38,6 +38,14 @@ def handed_in(tmp_path: Path) -> Path:
     return tmp_path / "in"
 
 
+def test_the_size_of_a_notebook_is_that_of_its_program(tmp_path: Path) -> None:
+    cell = {"cell_type": "code", "source": "%%submission temperature_service\nright = 1\n", "outputs": ["x" * 500_000]}
+    (tmp_path / "in/ada").mkdir(parents=True)
+    (tmp_path / "in/ada/temperature_service.ipynb").write_text(json.dumps({"cells": [cell]}))
+    [record] = run(tmp_path / "in", tmp_path / "out", StandInForGrading()).records
+    assert record.size == len("right = 1\n\n")
+
+
 def test_everybody_gets_a_result_and_identical_submissions_are_graded_once(handed_in: Path, tmp_path: Path) -> None:
     executor = StandInForGrading()
     book = run(handed_in, tmp_path / "out", executor)

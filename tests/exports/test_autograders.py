@@ -169,7 +169,7 @@ def test_the_zip_for_gradescope_has_its_scripts_at_the_root_and_the_kit_without_
 
 def test_the_folder_for_classroom_50_grades_with_the_kit_beside_it(tmp_path: Path) -> None:
     """Its script unpacks the kit and calls it; a stand-in for the kit tells with what."""
-    folder = autograders.classroom50(SERVICE.id, tmp_path / "temperature")
+    folder = autograders.classroom50(SERVICE.id, tmp_path / "temperature", seed=5)
     assert {path.name for path in folder.iterdir()} == {"autograder.py", "kit.zip", "runtime.json"}
     assert (folder / "kit.zip").stat().st_size < 10 * 1024**2, "its runner fetches no more"
     assert json.loads((folder / "runtime.json").read_text())["python"] == "3.12"
@@ -182,7 +182,7 @@ def test_the_folder_for_classroom_50_grades_with_the_kit_beside_it(tmp_path: Pat
     done = subprocess.run([sys.executable, folder / "autograder.py"], cwd=tmp_path, check=False, timeout=60)
     assert done.returncode == 3
     told = (tmp_path / "called").read_text().strip()
-    assert told == f"grade {SERVICE.id} . --format classroom50 --to result.json"
+    assert told == f"grade {SERVICE.id} . --seed=5 --format classroom50 --to result.json"
 
 
 @pytest.mark.parametrize("kind", ["gradescope", "classroom50"])

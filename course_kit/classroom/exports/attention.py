@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.classroom.exports.results import by_student, name_of, score
 from course_kit.classroom.exports.texts import number
@@ -19,11 +19,24 @@ if TYPE_CHECKING:
 _NOT_PASSED = ("crashed", "unreadable", "not passed")  # outcomes, what an instructor wants to see first in front
 
 
+class Label(NamedTuple):
+    """What to call a student: by name, and by identifier, too, where two have the same name.
+
+    The two stay apart, as a name may run from right to left.
+    """
+
+    name: str
+    identifier: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.identifier})" if self.identifier else self.name
+
+
 @dataclass(frozen=True)
 class Person:
     """Somebody in a list, with what there is to say and, where there is a report, its record."""
 
-    called: str
+    called: Label
     told: str = ""
     record: Record | None = None
 
@@ -47,18 +60,19 @@ class Group:
     urgent: bool = False
 
 
-def labels(book: Gradebook) -> dict[str, str]:
-    """What to call each student: by name, and by name and identifier where two have the same name."""
+def labels(book: Gradebook) -> dict[str, Label]:
+    """What to call each student; also those who handed in something that was not graded."""
     absent = dict(book.absent)
     names = {student: name_of(records, absent.get(student) or student) for student, records in by_student(book).items()}
+    names.update((student, student) for student, _ in (*book.dropped, *book.odd, *book.unknown) if student not in names)
     shared = Counter(name.casefold() for name in names.values())
     return {
-        student: f"{name} ({student})" if shared[name.casefold()] > 1 and name != student else name
+        student: Label(name, student if shared[name.casefold()] > 1 and name != student else "")
         for student, name in names.items()
     }
 
 
-def groups(book: Gradebook, called: Mapping[str, str], told: Callable[[Record], str]) -> list[Group]:
+def groups(book: Gradebook, called: Mapping[str, Label], told: Callable[[Record], str]) -> list[Group]:
     """Everybody to look at, the most urgent first; without groups nobody is in.
 
     Args:
@@ -79,7 +93,7 @@ def groups(book: Gradebook, called: Mapping[str, str], told: Callable[[Record], 
         Group(
             "dropped",
             "Handed in, but not graded",
-            [Person(called.get(student, student), reason) for student, reason in book.dropped],
+            [Person(called[student], reason) for student, reason in book.dropped],
             "Check what these students handed in.",
             urgent=True,
         ),
@@ -93,7 +107,7 @@ def groups(book: Gradebook, called: Mapping[str, str], told: Callable[[Record], 
         Group(
             "unknown",
             "Not matched with the roster",
-            [Person(called.get(student, student), reason) for student, reason in book.unknown],
+            [Person(called[student], reason) for student, reason in book.unknown],
             "Graded, but not under a name of the roster.",
             urgent=True,
         ),
@@ -107,7 +121,7 @@ def groups(book: Gradebook, called: Mapping[str, str], told: Callable[[Record], 
         Group(
             "odd",
             "Entries that do not fit the layout",
-            [Person(called.get(student, student), reason) for student, reason in book.odd],
+            [Person(called[student], reason) for student, reason in book.odd],
             "Graded, each entry as a separate student.",
         ),
         Group(
@@ -121,21 +135,21 @@ def groups(book: Gradebook, called: Mapping[str, str], told: Callable[[Record], 
     return [group for group in found if group.people]
 
 
-def _of_records(records: Iterable[Record], called: Mapping[str, str], told: Callable[[Record], str]) -> list[Person]:
+def _of_records(records: Iterable[Record], called: Mapping[str, Label], told: Callable[[Record], str]) -> list[Person]:
     return [Person(called[record.entry.student], told(record), record) for record in records]
 
 
-def _missing(book: Gradebook, called: Mapping[str, str], titles: Mapping[str, str]) -> Iterator[Person]:
+def _missing(book: Gradebook, called: Mapping[str, Label], titles: Mapping[str, str]) -> Iterator[Person]:
     """Each student once, with everything that is missing."""
     missing: dict[str, list[str]] = {}
     for student, exercise in book.missing:
         missing.setdefault(student, []).append(titles.get(exercise, exercise))
     for student, what in missing.items():
         told = "everything" if len(what) == len(titles) > 1 else ", ".join(what)
-        yield Person(called.get(student, student), told)
+        yield Person(called[student], told)
 
 
-def _failed(book: Gradebook, called: Mapping[str, str], titles: Mapping[str, str]) -> Iterator[Group]:
+def _failed(book: Gradebook, called: Mapping[str, Label], titles: Mapping[str, str]) -> Iterator[Group]:
     """Who did not pass, by exercise: those whose program could not run at all in front, then by points."""
     for exercise in book.exercises:
         records = [record for record in book.of(exercise.id) if outcome(record) in _NOT_PASSED]

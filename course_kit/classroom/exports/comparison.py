@@ -18,6 +18,7 @@ from course_kit.text.templates import render
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from course_kit.classroom.exports.attention import Label
     from course_kit.classroom.exports.lookalikes import Pair
     from course_kit.classroom.gradebook import Gradebook
     from course_kit.classroom.records import Record
@@ -48,7 +49,7 @@ def link(place: int) -> str:
     return f"{FOLDER}/{place + 1}.html"
 
 
-def pages(book: Gradebook, pairs: Sequence[Pair], called: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+def pages(book: Gradebook, pairs: Sequence[Pair], called: Mapping[str, Label]) -> Iterator[tuple[str, str]]:
     """Path and text of a page for each pair, as far as `MOST_PAIRS` and while the submissions are at hand.
 
     Args:
@@ -64,7 +65,7 @@ def pages(book: Gradebook, pairs: Sequence[Pair], called: Mapping[str, str]) -> 
             sides = [_lines(book, book.root, one, reader) for one in (pair.first, pair.second)]
             rows = list(compare(*(lines[:_MOST_LINES] for lines in sides)))
             cut = any(len(lines) > _MOST_LINES for lines in sides)
-            names = [called[one.entry.student] for one in (pair.first, pair.second)]
+            names = [str(called[one.entry.student]) for one in (pair.first, pair.second)]
             yield link(place), str(render(template, pair=pair, rows=rows, names=names, most=_MOST_LINES if cut else 0))
 
 
