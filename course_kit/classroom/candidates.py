@@ -108,12 +108,12 @@ def choose(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[
 
 Rank = tuple[bool, bool, tuple[int, ...], bool, int, str]
 _WON = (
-    "it differs from the starter, unlike the others",
-    "it holds what the exercise asks for, unlike the others",
-    "it was uploaded last",
-    "it is the newest",
-    "of files of one age it fits best",
-    "of equal files the last one by its name",
+    "the only one of {} files that differs from the starter",
+    "of {} files the one that holds what the exercise asks for",
+    "the last upload of {} files",
+    "the newest of {} files",
+    "of {} files of one age the best named",
+    "the last by its name of {} files that nothing else tells apart",
 )
 _LOST = (
     "the starter, unchanged",
@@ -155,7 +155,7 @@ def _differ(one: Candidate, other: Candidate) -> bool:
 
 
 def _won(place: int, among: int) -> str:
-    return f"of {among} files {_WON[place]}"
+    return _WON[place].format(among)
 
 
 def _lost(one: Candidate, best: Candidate, place: int) -> str:
