@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from course_kit.classroom.records import Record
@@ -28,6 +29,7 @@ class Gradebook:
         root: the folder the entries' sources are relative to; None where they are not at hand.
         odd: student and reason of those whose entry does not fit the layout.
         dropped: student and reason of those who handed in something of which nothing could be graded, or not all.
+        names: of those who are on the roster and have handed in nothing, by student.
     """
 
     exercises: tuple[Exercise, ...]
@@ -40,6 +42,7 @@ class Gradebook:
     root: Path | None = None
     odd: tuple[tuple[str, str], ...] = ()
     dropped: tuple[tuple[str, str], ...] = ()
+    names: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def students(self) -> list[str]:

@@ -256,6 +256,7 @@ class ClassRun:
             root=self.intake.root,
             odd=self.intake.odd,
             dropped=self.intake.dropped,
+            names=dict(self.intake.roster.absent) if self.intake.roster else {},
         )
 
 
