@@ -97,6 +97,8 @@ def choose(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[
         by_name = _first_difference(ranks, best, others[0]) == len(_WON) - 1
         if by_name and _differ(best, others[0]):
             worries.append(f"nothing but its name tells it from {others[0].file.path}")
+    if not best.file.item.is_program:
+        worries.append("it is neither a .py nor an .ipynb file")
     if best.is_starter:
         why = f"{why}; it is the starter, unchanged"
         worries.append("it is the starter, unchanged")
