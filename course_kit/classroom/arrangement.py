@@ -66,7 +66,7 @@ def arrange(download: Download, layout: str) -> Arrangement:
             left.append((item.path, f"its name does not follow the layout '{found}'"))
         else:
             units.append(unit)
-    return Arrangement(found, tuple(units), tuple(left), next(iter(is_metadata), None))
+    return Arrangement(found, tuple(layouts.of_groups(units)), tuple(left), next(iter(is_metadata), None))
 
 
 def _read_all(

@@ -97,6 +97,8 @@ def choose(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[
         by_name = _first_difference(ranks, best, others[0]) == len(_WON) - 1
         if by_name and _differ(best, others[0]):
             worries.append(f"nothing but its name tells it from {others[0].file.path}")
+    if not best.file.item.is_program:
+        worries.append("it is neither a .py nor an .ipynb file")
     if best.is_starter:
         why = f"{why}; it is the starter, unchanged"
         worries.append("it is the starter, unchanged")
@@ -108,12 +110,12 @@ def choose(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[
 
 Rank = tuple[bool, bool, tuple[int, ...], bool, int, str]
 _WON = (
-    "it differs from the starter, unlike the others",
-    "it holds what the exercise asks for, unlike the others",
-    "it was uploaded last",
-    "it is the newest",
-    "of files of one age it fits best",
-    "of equal files the last one by its name",
+    "the only one of {} files that differs from the starter",
+    "of {} files the one that holds what the exercise asks for",
+    "the last upload of {} files",
+    "the newest of {} files",
+    "of {} files of one age the best named",
+    "the last by its name of {} files that nothing else tells apart",
 )
 _LOST = (
     "the starter, unchanged",
@@ -155,7 +157,7 @@ def _differ(one: Candidate, other: Candidate) -> bool:
 
 
 def _won(place: int, among: int) -> str:
-    return f"of {among} files {_WON[place]}"
+    return _WON[place].format(among)
 
 
 def _lost(one: Candidate, best: Candidate, place: int) -> str:

@@ -7,10 +7,11 @@ What counts of a submission stands in its record, and nowhere else: `score`, `pa
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from course_kit.classroom.records import Record
@@ -48,6 +49,11 @@ class Gradebook:
     dropped: tuple[tuple[str, str], ...] = ()
     absent: tuple[tuple[str, str], ...] = ()
     unknown: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def names(self) -> dict[str, str]:
+        """The names of those who are on the roster and have handed in nothing, by student."""
+        return dict(self.absent)
 
     @property
     def students(self) -> list[str]:

@@ -21,7 +21,7 @@ anybody else. So a layout is what most entries look like, and one that looks oth
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.listing import FILE, FOLDER, Item
@@ -190,6 +190,16 @@ def read(layout: str, item: Item, slug: str = "") -> Unit | None:
         the unit; None where the entry's name does not follow the layout.
     """
     return _READERS[layout](item, slug)
+
+
+def of_groups(units: Sequence[Unit]) -> Sequence[Unit]:
+    """Entries of a download; where one of Moodle's has no number, groups have handed in, and numbers are groups'."""
+    if not any("group" in unit.platform for unit in units):
+        return units
+    return [
+        replace(unit, platform={"group": unit.name}) if "moodle_participant" in unit.platform else unit
+        for unit in units
+    ]
 
 
 def read_stray(layout: str, item: Item) -> Unit | None:

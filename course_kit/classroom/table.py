@@ -23,7 +23,7 @@ _BETWEEN = "  "
 
 
 @dataclass(frozen=True)
-class Row:
+class IntakeRow:
     """One file, or the lack of one; without a student it is a file that nobody's submission is.
 
     Attributes:
@@ -47,13 +47,13 @@ class Row:
     worry: str = ""
 
 
-def rows(found: Intake) -> list[Row]:
+def rows(found: Intake) -> list[IntakeRow]:
     """The rows: students in order, then what belongs to no submission."""
     names = {entry.student: entry.name for entry in found.entries}
     dropped = dict(found.dropped)
     absent = dict(found.roster.absent) if found.roster else {}
     table = [
-        Row(
+        IntakeRow(
             entry.student,
             entry.name,
             entry.exercise,
@@ -66,13 +66,13 @@ def rows(found: Intake) -> list[Row]:
         for entry in found.entries
     ]
     table += [
-        Row(student, names.get(student, ""), exercise, why=dropped.get(student, _NOTHING), worry="not graded")
+        IntakeRow(student, names.get(student, ""), exercise, why=dropped.get(student, _NOTHING), worry="not graded")
         for student, exercise in found.missing
         if student not in absent
     ]
-    table += [Row(student, name, why="not handed in") for student, name in absent.items()]
+    table += [IntakeRow(student, name, why="not handed in") for student, name in absent.items()]
     table.sort(key=lambda row: (row.student, row.exercise))
-    return table + [Row(file=one_line(path), why=one_line(reason)) for path, reason in found.left]
+    return table + [IntakeRow(file=one_line(path), why=one_line(reason)) for path, reason in found.left]
 
 
 def write(found: Intake, out: Path) -> Path:
@@ -96,7 +96,7 @@ def as_text(found: Intake) -> str:
     return "\n".join(_lines([header, *body]))
 
 
-def _who(row: Row) -> str:
+def _who(row: IntakeRow) -> str:
     return f"{row.student} ({row.name})" if row.name and row.name != row.student else row.student
 
 

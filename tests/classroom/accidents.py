@@ -17,7 +17,7 @@ AS_NAMED = "named as the starter is"
 CALLED = "the exercise's name is in its name"
 HOLDS = "it holds TemperatureService"
 ALONE = "the only program"
-DIFFERS = "of 2 files it differs from the starter, unlike the others"
+DIFFERS = "the only one of 2 files that differs from the starter"
 UNCHANGED = "the starter, unchanged"
 
 
@@ -148,7 +148,7 @@ def accidents(number: int) -> list[Accident]:
         Accident(
             {"temperature_service_old.py": own, "temperature_service_final.py": program(-number)},
             "temperature_service_final.py",
-            f"of 2 files {{newest}}; {CALLED}",
+            f"{{newest}} of 2 files; {CALLED}",
             {"temperature_service_old.py": used("{older}")},
             fresh=("temperature_service_final.py",),
         ),

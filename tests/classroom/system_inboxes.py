@@ -105,7 +105,7 @@ class Maker:
         chosen = self._below(paths, accident.chosen)
         is_canvas = self._system == "canvas"
         words = {
-            "newest": "it was uploaded last" if is_canvas else "it is the newest",
+            "newest": "the last upload" if is_canvas else "the newest",
             "older": "an earlier upload" if is_canvas else "older",
             "chosen": chosen,
         }

@@ -12,6 +12,8 @@ import pytest
 from course_kit.classroom import intake
 from course_kit.grading import GradingError, exercise
 
+from .accidents import with_the_kit
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
@@ -124,8 +126,23 @@ def test_work_of_moodles_default_group_is_no_participants(tmp_path: Path) -> Non
     found = intake.collect(pack(tmp_path / "a.zip", group), (SERVICE,), tmp_path / "workspace")
     assert {entry.student: entry.platform for entry in found.entries} == {
         "Default group": {"group": "Default group"},
-        "77": {"moodle_participant": "77"},
+        "77": {"group": "Team A"},
     }
+
+
+def test_a_repository_with_the_whole_course_in_it_is_its_exercises_alone(tmp_path: Path) -> None:
+    fork = with_the_kit(1)
+    for login in NAMES:
+        for name, content in fork.items():
+            path = tmp_path / f"in/week-submissions/week-{login}" / name.removeprefix("course/")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+    found = intake.collect(tmp_path / "in", (SERVICE,), tmp_path / "workspace")
+    assert handed_in(found) == {
+        login: {SERVICE.id: f"week-submissions/week-{login}/exercises/{SERVICE.id}/{SERVICE_PY}"} for login in NAMES
+    }
+    parts = [path for path, why in found.left if why == "a part of the course kit"]
+    assert len(parts) == 5 * len(NAMES)
 
 
 WRAPPED = {

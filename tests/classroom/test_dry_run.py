@@ -66,7 +66,7 @@ def test_it_shows_what_would_be_graded_and_grades_nothing(handed_in: Path) -> No
         "ned (Ned N)",
     ]
     assert f"ann/{SERVICE.notebook} " in lines[1]
-    assert "of 2 files it differs from the starter, unlike the others;" in lines[1]
+    assert "the only one of 2 files that differs from the starter;" in lines[1]
     assert (
         "Look at the choice of file in intake.csv: cem, temperature_service (it is the starter, unchanged)."
         in done.stderr

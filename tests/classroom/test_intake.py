@@ -115,6 +115,7 @@ def test_with_several_exercises_each_file_goes_to_its_own_by_name_or_by_content(
 def test_a_single_file_of_a_wrong_kind_is_still_a_submission_that_gets_a_report(tmp_path: Path) -> None:
     found = collect(lay_out(tmp_path / "in", {"jane/essay.pdf": "%PDF", "joe/temperature_service.py": ""}))
     assert [entry.source for entry in found.entries] == ["jane/essay.pdf", "joe/temperature_service.py"]
+    assert [entry.worry for entry in found.entries] == ["it is neither a .py nor an .ipynb file", ""]
 
 
 def test_of_two_equally_named_the_newer_one_counts(tmp_path: Path) -> None:

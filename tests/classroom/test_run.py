@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom import exports
+from course_kit.classroom import exports, roster
 from course_kit.classroom.progress import RunProgress
 from course_kit.classroom.records import Entry, Record, Records, safe_name
 from course_kit.classroom.run import ClassRun, Plan
@@ -44,6 +44,15 @@ def test_the_size_of_a_notebook_is_that_of_its_program(tmp_path: Path) -> None:
     (tmp_path / "in/ada/temperature_service.ipynb").write_text(json.dumps({"cells": [cell]}))
     [record] = run(tmp_path / "in", tmp_path / "out", StandInForGrading()).records
     assert record.size == len("right = 1\n\n")
+
+
+def test_who_is_absent_is_in_the_grades_by_name(handed_in: Path, tmp_path: Path) -> None:
+    (tmp_path / "list.csv").write_text("login,name\nada,Ada L\nned,Ned N\n")
+    book = run(handed_in, tmp_path / "out", StandInForGrading(), roster=roster.read(tmp_path / "list.csv"))
+    table = dict(exports.files(book))
+    assert "ned,Ned N,,10,missing" in table["grades.csv"]
+    assert "ada,Ada L,10,10,passed" in table["grades.csv"]
+    assert (tmp_path / "out/intake.csv").is_file()
 
 
 def test_everybody_gets_a_result_and_identical_submissions_are_graded_once(handed_in: Path, tmp_path: Path) -> None:

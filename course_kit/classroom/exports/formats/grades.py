@@ -32,7 +32,7 @@ def _rows(book: Gradebook) -> Iterator[list[str | float | None]]:
     yield [*header, "total", "total max"]
     full = sum(exercise.points for exercise in book.exercises)
     for student, records in by_student(book).items():
-        row: list[str | float | None] = [student, name_of(records)]
+        row: list[str | float | None] = [student, name_of(records, book.names.get(student, ""))]
         for exercise in book.exercises:
             row += _cells(records.get(exercise.id), exercise.points)
         yield [*row, total(records), full]
