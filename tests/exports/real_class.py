@@ -68,11 +68,8 @@ def write_a_report(out: Path) -> Path:
 def _book(root: Path) -> Gradebook:
     chance = random.Random(3)  # noqa: S311 - an example
     students = [f"{number:06}" for number in range(STUDENTS - 8)]
-    records = [
-        _one(chance, student, of, name=f"{chance.choice(FIRST)} {chance.choice(LAST)}")
-        for student in students
-        for of in (SERVICE, ROBOT)
-    ]
+    names = {student: f"{chance.choice(FIRST)} {chance.choice(LAST)}" for student in students}
+    records = [_one(chance, student, of, name=names[student]) for student in students for of in (SERVICE, ROBOT)]
     records += class_of(root, ann=ORIGINAL, bob=disguised(ORIGINAL), cid=ORIGINAL + "# the same")
     records += [books.good("x" * 200, name="Maximiliane-" * 20), books.not_graded("900", name="Jane Doe")]
     absent = tuple((f"absent{number}", f"{FIRST[number]} {LAST[number]}") for number in range(3))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _NOT_PASSED = ("crashed", "unreadable", "not passed")  # outcomes, what an instructor wants to see first in front
 
 
-class Label(NamedTuple):
+class StudentLabel(NamedTuple):
     """What to call a student: by name, and by identifier, too, where two have the same name.
 
     The two stay apart, as a name may run from right to left.
@@ -33,16 +33,16 @@ class Label(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Person:
+class ListedStudent:
     """Somebody in a list, with what there is to say and, where there is a report, its record."""
 
-    called: Label
+    called: StudentLabel
     told: str = ""
     record: Record | None = None
 
 
 @dataclass(frozen=True)
-class Group:
+class AttentionGroup:
     """People who need the same kind of attention.
 
     Attributes:
@@ -55,24 +55,24 @@ class Group:
 
     id: str
     title: str
-    people: Sequence[Person]
+    people: Sequence[ListedStudent]
     advice: str = ""
     urgent: bool = False
 
 
-def labels(book: Gradebook) -> dict[str, Label]:
+def labels(book: Gradebook) -> dict[str, StudentLabel]:
     """What to call each student; also those who handed in something that was not graded."""
     absent = dict(book.absent)
     names = {student: name_of(records, absent.get(student) or student) for student, records in by_student(book).items()}
     names.update((student, student) for student, _ in (*book.dropped, *book.odd, *book.unknown) if student not in names)
     shared = Counter(name.casefold() for name in names.values())
     return {
-        student: Label(name, student if shared[name.casefold()] > 1 and name != student else "")
+        student: StudentLabel(name, student if shared[name.casefold()] > 1 and name != student else "")
         for student, name in names.items()
     }
 
 
-def groups(book: Gradebook, called: Mapping[str, Label], told: Callable[[Record], str]) -> list[Group]:
+def groups(book: Gradebook, called: Mapping[str, StudentLabel], told: Callable[[Record], str]) -> list[AttentionGroup]:
     """Everybody to look at, the most urgent first; without groups nobody is in.
 
     Args:
@@ -82,7 +82,7 @@ def groups(book: Gradebook, called: Mapping[str, Label], told: Callable[[Record]
     """
     titles = {exercise.id: exercise.title for exercise in book.exercises}
     found = [
-        Group(
+        AttentionGroup(
             "failed",
             "Could not be graded: an error of the grader",
             _of_records(book.not_graded, called, lambda one: f"{titles[one.entry.exercise]}: {told(one)}"),
@@ -90,41 +90,41 @@ def groups(book: Gradebook, called: Mapping[str, Label], told: Callable[[Record]
             "Run the same command again with --resume.",
             urgent=True,
         ),
-        Group(
+        AttentionGroup(
             "dropped",
             "Handed in, but not graded",
-            [Person(called[student], reason) for student, reason in book.dropped],
+            [ListedStudent(called[student], reason) for student, reason in book.dropped],
             "Check what these students handed in.",
             urgent=True,
         ),
-        Group(
+        AttentionGroup(
             "doubtful",
             "Graded, but look at which file was chosen",
             _of_records([one for one in book.records if one.entry.worry], called, _doubt),
             "All choices, with their reasons, are in intake.csv.",
             urgent=True,
         ),
-        Group(
+        AttentionGroup(
             "unknown",
             "Not matched with the roster",
-            [Person(called[student], reason) for student, reason in book.unknown],
+            [ListedStudent(called[student], reason) for student, reason in book.unknown],
             "Graded, but not under a name of the roster.",
             urgent=True,
         ),
-        Group("missing", "Missing submissions", list(_missing(book, called, titles))),
+        AttentionGroup("missing", "Missing submissions", list(_missing(book, called, titles))),
         *_failed(book, called, titles),
-        Group(
+        AttentionGroup(
             "chosen",
             "One file was chosen among several",
             _of_records([one for one in book.records if one.entry.others], called, _choice),
         ),
-        Group(
+        AttentionGroup(
             "odd",
             "Entries that do not fit the layout",
-            [Person(called[student], reason) for student, reason in book.odd],
+            [ListedStudent(called[student], reason) for student, reason in book.odd],
             "Graded, each entry as a separate student.",
         ),
-        Group(
+        AttentionGroup(
             "late",
             "Handed in late",
             _of_records(
@@ -135,27 +135,29 @@ def groups(book: Gradebook, called: Mapping[str, Label], told: Callable[[Record]
     return [group for group in found if group.people]
 
 
-def _of_records(records: Iterable[Record], called: Mapping[str, Label], told: Callable[[Record], str]) -> list[Person]:
-    return [Person(called[record.entry.student], told(record), record) for record in records]
+def _of_records(
+    records: Iterable[Record], called: Mapping[str, StudentLabel], told: Callable[[Record], str]
+) -> list[ListedStudent]:
+    return [ListedStudent(called[record.entry.student], told(record), record) for record in records]
 
 
-def _missing(book: Gradebook, called: Mapping[str, Label], titles: Mapping[str, str]) -> Iterator[Person]:
+def _missing(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[ListedStudent]:
     """Each student once, with everything that is missing."""
     missing: dict[str, list[str]] = {}
     for student, exercise in book.missing:
         missing.setdefault(student, []).append(titles.get(exercise, exercise))
     for student, what in missing.items():
         told = "everything" if len(what) == len(titles) > 1 else ", ".join(what)
-        yield Person(called[student], told)
+        yield ListedStudent(called[student], told)
 
 
-def _failed(book: Gradebook, called: Mapping[str, Label], titles: Mapping[str, str]) -> Iterator[Group]:
+def _failed(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[AttentionGroup]:
     """Who did not pass, by exercise: those whose program could not run at all in front, then by points."""
     for exercise in book.exercises:
         records = [record for record in book.of(exercise.id) if outcome(record) in _NOT_PASSED]
         records.sort(key=lambda one: (_NOT_PASSED.index(outcome(one)), score(one) or 0.0))
         people = _of_records(records, called, _how_it_went)
-        yield Group(f"not-passed-{exercise.id}", f"{titles[exercise.id]}: did not pass", people)
+        yield AttentionGroup(f"not-passed-{exercise.id}", f"{titles[exercise.id]}: did not pass", people)
 
 
 def _how_it_went(record: Record) -> str:

@@ -27,7 +27,7 @@ Result = tuple[str, str]
 
 
 @dataclass(frozen=True)
-class Change:
+class ResultChange:
     """One submission's result that is not what it was.
 
     Attributes:
@@ -47,7 +47,7 @@ class Change:
     new_file: bool = False
 
 
-def since_last_run(book: Gradebook, out: Path) -> list[Change]:
+def since_last_run(book: Gradebook, out: Path) -> list[ResultChange]:
     """Compare with what `remember` has left; nothing where there was no run before.
 
     Args:
@@ -83,13 +83,13 @@ def _in_words(record: Record) -> str:
     return "grader's error" if points is None else f"{number(points)}, {outcome(record)}"
 
 
-def _change(key: Key, before: Result | None, now: Result | None) -> Change | None:
+def _change(key: Key, before: Result | None, now: Result | None) -> ResultChange | None:
     if before is None or now is None:
         found = now or before or ("", "")
-        return Change(*key, NEW, now=found[0]) if before is None else Change(*key, GONE, before=found[0])
+        return ResultChange(*key, NEW, now=found[0]) if before is None else ResultChange(*key, GONE, before=found[0])
     if before == now:
         return None
-    return Change(*key, CHANGED, before[0], now[0], new_file=before[1] != now[1])
+    return ResultChange(*key, CHANGED, before[0], now[0], new_file=before[1] != now[1])
 
 
 def _read(path: Path) -> Mapping[Key, Result] | None:

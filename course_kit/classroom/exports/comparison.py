@@ -18,7 +18,7 @@ from course_kit.text.templates import render
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from course_kit.classroom.exports.attention import Label
+    from course_kit.classroom.exports.attention import StudentLabel
     from course_kit.classroom.exports.lookalikes import Pair
     from course_kit.classroom.gradebook import Gradebook
     from course_kit.classroom.records import Record
@@ -30,7 +30,7 @@ _TEMPLATES = Path(__file__).with_name("templates")
 
 
 @dataclass(frozen=True)
-class Row:
+class LinePair:
     """Two lines beside each other, with their numbers; a number is 0 where one side has no line.
 
     Attributes:
@@ -49,7 +49,7 @@ def link(place: int) -> str:
     return f"{FOLDER}/{place + 1}.html"
 
 
-def pages(book: Gradebook, pairs: Sequence[Pair], called: Mapping[str, Label]) -> Iterator[tuple[str, str]]:
+def pages(book: Gradebook, pairs: Sequence[Pair], called: Mapping[str, StudentLabel]) -> Iterator[tuple[str, str]]:
     """Path and text of a page for each pair, as far as `MOST_PAIRS` and while the submissions are at hand.
 
     Args:
@@ -69,7 +69,7 @@ def pages(book: Gradebook, pairs: Sequence[Pair], called: Mapping[str, Label]) -
             yield link(place), str(render(template, pair=pair, rows=rows, names=names, most=_MOST_LINES if cut else 0))
 
 
-def compare(first: Sequence[str], second: Sequence[str]) -> Iterator[Row]:
+def compare(first: Sequence[str], second: Sequence[str]) -> Iterator[LinePair]:
     """Rows for two programs; lines of the same shape stand beside each other, the others between them."""
     at = at_other = 0
     for one, other in [*_pairs(first, second), (len(first), len(second))]:
@@ -91,8 +91,8 @@ def _pairs(first: Sequence[str], second: Sequence[str]) -> Iterator[tuple[int, i
             yield ours[start + step][0], theirs[other + step][0]
 
 
-def _row(first: Sequence[str], one: int | None, second: Sequence[str], other: int | None, *, same: bool) -> Row:
-    return Row(
+def _row(first: Sequence[str], one: int | None, second: Sequence[str], other: int | None, *, same: bool) -> LinePair:
+    return LinePair(
         0 if one is None else one + 1,
         "" if one is None else first[one],
         0 if other is None else other + 1,

@@ -22,7 +22,7 @@ from course_kit.text.templates import render as fill_in
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from course_kit.classroom.exports.changes import Change
+    from course_kit.classroom.exports.changes import ResultChange
     from course_kit.classroom.gradebook import Gradebook
     from course_kit.classroom.records import Record
     from course_kit.grading.exercise import Exercise
@@ -72,7 +72,7 @@ class HeatMap:
     having: dict[str, list[Record]]
 
 
-def render(book: Gradebook, alike: lookalikes.LookAlikes | None = None, changes: Sequence[Change] = ()) -> str:
+def render(book: Gradebook, alike: lookalikes.LookAlikes | None = None, changes: Sequence[ResultChange] = ()) -> str:
     """The page of a class run.
 
     Args:
@@ -91,7 +91,7 @@ def report_link(record: Record) -> str:
     return quote(f"{STUDENTS}/{safe_name(record.entry.student)}/{record.entry.exercise}.html")
 
 
-def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Sequence[Change]) -> dict[str, Any]:
+def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Sequence[ResultChange]) -> dict[str, Any]:
     """What the templates name: the class, what was found out about it, and the functions that put it into words."""
     timed = [record for record in book.records if not record.same_as and record.report["duration_s"]]
     called = attention.labels(book)

@@ -19,7 +19,7 @@ _PLACE = re.compile(r"\b(?:cell \d{1,6}, )?line \d{1,6}\b")
 
 
 @dataclass(frozen=True)
-class Line:
+class ProgramLine:
     """One line of a program.
 
     Attributes:
@@ -35,7 +35,7 @@ class Line:
     checks: tuple[str, ...] = ()
 
 
-def lines(report: Report, program: Submission) -> Sequence[Line]:
+def lines(report: Report, program: Submission) -> Sequence[ProgramLine]:
     """The program's lines, up to `MOST_LINES`; those that a failed check names are marked with its title."""
     named: dict[str, list[str]] = {}
     for title, text in _told(report):
@@ -44,7 +44,7 @@ def lines(report: Report, program: Submission) -> Sequence[Line]:
     found = []
     for number, text in enumerate(program.source.rstrip("\n").split("\n")[:MOST_LINES], start=1):
         place = program.where(number)
-        found.append(Line(number, place, text[:LONGEST], tuple(named.get(place, ()))))
+        found.append(ProgramLine(number, place, text[:LONGEST], tuple(named.get(place, ()))))
     return found
 
 
