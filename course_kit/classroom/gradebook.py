@@ -7,11 +7,10 @@ What counts of a submission stands in its record, and nowhere else: `score`, `pa
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
     from pathlib import Path
 
     from course_kit.classroom.records import Record
