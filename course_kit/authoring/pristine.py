@@ -1,6 +1,7 @@
 """Renews the pristine starters that `course-kit reset` puts back: `python -m course_kit.authoring.pristine`.
 
-Run it after a change to the starter or the notebook of an exercise; a test says when it was forgotten.
+Run it after a change to the starter or the notebook of an exercise; a test says when it was forgotten. It renews the
+list of all starters ever given out, too (`shipped_starters`).
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.authoring import shipped_starters
 from course_kit.grading import exercise
 from course_kit.learner import workspace
 
@@ -33,7 +35,7 @@ def main() -> int:
     """Renew those of the package."""
     for path in renew(workspace.STARTERS):
         print(path.relative_to(environment.PACKAGE))
-    return 0
+    return shipped_starters.main()
 
 
 if __name__ == "__main__":

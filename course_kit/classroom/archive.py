@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 MOST = 1_000_000  # members; each costs half a kilobyte of memory
-LARGEST = 2 * 1024**3  # bytes unpacked; 30,000 submissions of 64 kB
+LARGEST = 16 * 1024**3  # bytes unpacked; 3,000 notebooks of 5 MB, most of it pictures
 LARGEST_OF_ONE = 64 * 1024**2  # of these from one student
 MOST_OF_ONE = 1000  # files unpacked of one student
 DEEPEST = 40  # parts of a path
@@ -47,12 +47,13 @@ _BROKEN = (zipfile.BadZipFile, EOFError, ValueError, OverflowError, NotImplement
 class Archive:
     """A zip as a `Listing`: what is fetched lies below the workspace afterwards."""
 
-    def __init__(self, path: Path, workspace: Path) -> None:
+    def __init__(self, path: Path, workspace: Path | None) -> None:
         """Read the names in a zip.
 
         Args:
             path: the zip.
-            workspace: where to unpack; emptied if an earlier run has unpacked there.
+            workspace: where to unpack; emptied if an earlier run has unpacked there. None where only the names are
+                of interest.
 
         Raises:
             GradingError: it is no zip that can be read, it is too large, or the workspace holds something else.
@@ -60,6 +61,7 @@ class Archive:
         """
         self._path = path
         self._workspace = workspace
+        self._had: dict[str, str] = {}  # what was unpacked already, and the problem if it could not be
         self._left = LARGEST
         self.left: list[tuple[str, str]] = []  # path and reason of members that are in no folder's list
         self.lost: list[tuple[str, str]] = []  # of these, what may be somebody's only file
@@ -77,7 +79,8 @@ class Archive:
         self._file.names_are_read()
         try:
             self._take_in()
-            _empty(workspace)
+            if workspace is not None:
+                make_empty(workspace)
         except BaseException:
             self.close()
             raise
@@ -107,10 +110,11 @@ class Archive:
             GradingError: all students together have more than an archive may hold.
             OSError: the disk is full, or broken.
         """
+        asked = [item for item in items if not item.problem]
+        problems = {item.path: self._had[item.path] for item in asked if self._had.get(item.path)}
         wanted = sorted(
-            (item for item in items if not item.problem), key=lambda item: self._members[item.path].file_size
+            (item for item in asked if item.path not in self._had), key=lambda item: self._members[item.path].file_size
         )
-        problems = {}
         size = 0
         for place, item in enumerate(wanted):
             member = self._members[item.path]
@@ -126,22 +130,25 @@ class Archive:
                 raise GradingError(
                     f"The programs in {self._path.name} are larger than {LARGEST // 1024**2} MB together. Split it."
                 )
-            if problem := self._unpack(member, self._workspace / item.path):
-                problems[item.path] = problem
+            self._had[item.path] = self._unpack(member, item.path)
+            if self._had[item.path]:
+                problems[item.path] = self._had[item.path]
         return problems
 
     def _take_in(self) -> None:
         members = self._zip.infolist()
         if len(members) > MOST:
             raise GradingError(f"{self._path.name} holds {len(members)} files, and the limit is {MOST}. Split it.")
+        separator = _separator(members)
         for member in members:
-            parts = [part for part in member.filename.split("/") if part not in ("", ".")]
+            name = member.filename.replace(separator, "/")
+            parts = [part for part in name.split("/") if part not in ("", ".")]
             path = "/".join(parts)
-            if member.filename.startswith("/") or ".." in parts:
+            if name.startswith("/") or ".." in parts:
                 self._lose(member.filename, "its name leads outside the archive")
             elif len(parts) > DEEPEST:
                 self._add_file(Item(path, FILE, f"it lies in more than {DEEPEST} folders within folders"), parts[0])
-            elif member.filename.endswith("/"):
+            elif name.endswith("/"):
                 self._add_folder(path)
             elif parts:
                 if path in self._members:
@@ -171,8 +178,11 @@ class Archive:
         self.left.append((path, reason))
         self.lost.append((path, reason))
 
-    def _unpack(self, member: zipfile.ZipInfo, target: Path) -> str:
+    def _unpack(self, member: zipfile.ZipInfo, path: str) -> str:
         """Write one member; the reason if that was not possible, and then nothing of it is left."""
+        if self._workspace is None:
+            return "only the names in it were read"
+        target = self._workspace / path
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
             with self._zip.open(member) as source, target.open("xb") as file:
@@ -192,6 +202,14 @@ class Archive:
             return f"it cannot be unpacked: {getattr(problem, 'strerror', None) or problem}"
         _set_time(target, member)
         return ""
+
+
+def _separator(members: list[zipfile.ZipInfo]) -> str:
+    """What stands between folders: a backslash where no name has a slash, as some programs for Windows write it.
+
+    Elsewhere a backslash is a letter of a name.
+    """
+    return "/" if any("/" in member.filename for member in members) else "\\"
 
 
 def _kind(member: zipfile.ZipInfo) -> str:
@@ -221,8 +239,13 @@ def _set_time(target: Path, member: zipfile.ZipInfo) -> None:
         os.utime(target, (moment, moment))
 
 
-def _empty(workspace: Path) -> None:
-    """Make the folder, or empty the one of an earlier run; a file beside it marks it, as any name may be in it."""
+def make_empty(workspace: Path) -> None:
+    """Make the folder, or empty the one of an earlier run; a file beside it marks it, as any name may be in it.
+
+    Raises:
+        GradingError: something else is in it.
+        OSError: it cannot be made.
+    """
     mark = workspace.with_name(f".{workspace.name}_is_unpacked")
     if not mark.exists() and workspace.exists() and any(workspace.iterdir()):
         raise GradingError(

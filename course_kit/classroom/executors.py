@@ -6,6 +6,7 @@ An executor has `slots`, takes a `Task` by `submit` and returns a future of its 
 
 from __future__ import annotations
 
+import logging
 import os
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -24,6 +25,7 @@ _WORKERS_PER_CORE = 2  # a grading waits for answers about as long as it compute
 _MORE_WHEN_IDLE = 3  # times as many, while submissions that are silent hold workers and leave processors idle
 _PLUGIN = "course-kit"
 _CONNECT_S = 10
+_CLOSE_S = 5
 _RETRIES = 3  # a task whose machine died is done again elsewhere, so often
 
 
@@ -37,8 +39,19 @@ class Executor(Protocol):
     def submit(self, task: Task) -> Future[Report]:
         """Have a task done some time."""
 
+    def require_reachable(self) -> None:
+        """See that tasks can still come back.
+
+        Raises:
+            SchedulerLostError: they cannot.
+        """
+
     def close(self) -> None:
         """Stop; what is under way is given up."""
+
+
+class SchedulerLostError(GradingError):
+    """The scheduler of a cluster has ended, or cannot be reached any more, while submissions were graded."""
 
 
 class Local:
@@ -59,6 +72,9 @@ class Local:
     def submit(self, task: Task) -> Future[Report]:
         """See `Executor`."""
         return self._turns.submit(task)
+
+    def require_reachable(self) -> None:
+        """See `Executor`; workers of this machine that end are replaced."""
 
     def close(self) -> None:
         """See `Executor`."""
@@ -82,10 +98,12 @@ class Cluster:
             raise GradingError(
                 'Grading on a cluster needs Dask. Install it with: .venv/bin/python -m pip install -e ".[cluster]"'
             ) from problem
+        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what it says with tracebacks, we say
         try:
             self._client = distributed.Client(address, timeout=_CONNECT_S, set_as_default=False)
         except (OSError, ValueError, TypeError) as problem:
             raise GradingError(f"There is no Dask scheduler at {address}: {problem}.") from problem
+        self._address = address
         self.slots = sum(self._client.nthreads().values())
         if not self.slots:
             self._client.close()
@@ -95,13 +113,19 @@ class Cluster:
 
     def submit(self, task: Task) -> Future[Report]:
         """See `Executor`."""
+        self.require_reachable()
         future: Future[Report] = self._futures.submit(grade_on_cluster, task)
         return future
+
+    def require_reachable(self) -> None:
+        """See `Executor`; a scheduler that comes back knows nothing of what was under way."""
+        if self._client.status != "running":
+            raise SchedulerLostError(f"The Dask scheduler at {self._address} has ended or cannot be reached any more.")
 
     def close(self) -> None:
         """See `Executor`."""
         self._futures.shutdown(wait=False)  # cancels what has not come back
-        self._client.close()
+        self._client.close(timeout=_CLOSE_S)
 
 
 def grade_on_cluster(task: Task) -> Report:

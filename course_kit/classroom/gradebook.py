@@ -1,4 +1,8 @@
-"""A class's results as a whole: what exports and the class page are made from."""
+"""A class's results as a whole: what exports and the class page are made from.
+
+What counts of a submission stands in its record, and nowhere else: `score`, `passed`, `has_grade`, `is_late` and
+`remarks` are those after lateness, penalty and the instructor's override; `graded_score` is that of the checks.
+"""
 
 from __future__ import annotations
 
@@ -28,6 +32,8 @@ class Gradebook:
         root: the folder the entries' sources are relative to; None where they are not at hand.
         odd: student and reason of those whose entry does not fit the layout.
         dropped: student and reason of those who handed in something of which nothing could be graded, or not all.
+        absent: identifier and name of those on the roster who handed in nothing; they are among `missing`, too.
+        unknown: student and reason of those who do not match the roster.
     """
 
     exercises: tuple[Exercise, ...]
@@ -40,6 +46,13 @@ class Gradebook:
     root: Path | None = None
     odd: tuple[tuple[str, str], ...] = ()
     dropped: tuple[tuple[str, str], ...] = ()
+    absent: tuple[tuple[str, str], ...] = ()
+    unknown: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def names(self) -> dict[str, str]:
+        """The names of those who are on the roster and have handed in nothing, by student."""
+        return dict(self.absent)
 
     @property
     def students(self) -> list[str]:
@@ -47,14 +60,14 @@ class Gradebook:
         return sorted({record.entry.student for record in self.records} | {student for student, _ in self.missing})
 
     def graded(self, exercise_id: str | None = None) -> list[Record]:
-        """The records that hold a grade, of one exercise or of all: not those where the grader itself failed."""
+        """The records that hold a grade, of one exercise or of all; see `Record.has_grade`."""
         of = self.records if exercise_id is None else self.of(exercise_id)
-        return [record for record in of if record.status != "error"]
+        return [record for record in of if record.has_grade]
 
     @property
     def not_graded(self) -> list[Record]:
         """The records of submissions that have to be graded again, as the grader itself failed."""
-        return [record for record in self.records if record.status == "error"]
+        return [record for record in self.records if not record.has_grade]
 
     def of(self, exercise_id: str) -> list[Record]:
         """The records of one exercise, by student."""
@@ -67,6 +80,6 @@ class Gradebook:
 
 def outcome(record: Record) -> str:
     """A record in a word or two: passed, not passed, crashed, unreadable or error."""
-    if record.status == "graded" or record.report["passed"]:
-        return "passed" if record.report["passed"] else "not passed"
+    if record.status == "graded" or record.passed or record.adjustment.override is not None:
+        return "passed" if record.passed else "not passed"
     return record.status

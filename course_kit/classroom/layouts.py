@@ -3,9 +3,14 @@
 Platforms and instructors name these entries; what is inside of one is named by its student, and tells nothing about
 anybody else. So a layout is what most entries look like, and one that looks otherwise is a student of its own.
 
-- **canvas** ("Download Submissions"): `doejane_LATE_12345_67890_answer.py`. The student is Canvas's user number, 12345.
+- **canvas** ("Download Submissions"): `doejane_LATE_12345_67890_answer.py`, as Canvas's `content_zipper.rb` writes it:
+  the name, whether it is late, Canvas's numbers of the user and of the uploaded file, and the student's name for the
+  file. The student is the user number, 12345. Anonymous work is `anon_a1B2c_67890_answer.py`, or `LATE_anon_...`; of a
+  group there is one user, and the group's name.
 - **moodle** ("Download all submissions"): `Jane Doe_4711_assignsubmission_file_/answer.py`, or the same without the
-  folder. The student is the participant's number, 4711.
+  folder. The student is the participant's number, 4711, which is another one in each assignment. Work of a group has
+  the group's name and number there.
+- **gradescope** ("Export Submissions"): `submission_123456/answer.py`; a file beside it says whose (`gradescope`).
 - **nbgrader** (the `submitted` folder): `submitted/jane/assignment/answer.ipynb`. The student is `jane`.
 - **github** (`gh classroom clone student-repos`): `assignment-submissions/assignment-jane/answer.py`. The student is
   the login, `jane`; a clone in a folder of another name gives its whole name.
@@ -16,21 +21,31 @@ anybody else. So a layout is what most entries look like, and one that looks oth
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.listing import FILE, FOLDER, Item
+from course_kit.reader.text import NOTEBOOK, PROGRAM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-LAYOUTS = ("canvas", "moodle", "nbgrader", "github", "folders", "files")
+LAYOUTS = ("canvas", "moodle", "gradescope", "nbgrader", "github", "folders", "files")
 CLONES = "-submissions"  # how the folder of all repositories of an assignment ends
 _CANVAS = re.compile(
-    r"(?P<name>.+?)_(?P<late>LATE_)?(?P<user>\d{1,18})_(?P<submission>\d{1,18})_(?P<file>.+)", re.DOTALL | re.ASCII
+    r"(?P<name>.+?)_(?P<late>LATE_)?(?P<user>\d{1,18})_(?P<upload>\d{1,18})_(?P<file>.+)", re.DOTALL | re.ASCII
 )
-_CANVAS_ATTEMPT = re.compile(r"-(\d{1,9})(?=\.\w+\Z)", re.ASCII)
-_MOODLE = re.compile(r"_(?P<number>\d{1,18})_assignsubmission_(?:file|onlinetext)", re.ASCII)
+_CANVAS_ANONYMOUS = re.compile(
+    r"(?P<late>LATE_)?(?P<user>anon_[a-zA-Z0-9]{5,20})_(?P<later>LATE_)?(?P<upload>\d{1,18})_(?P<file>.+)",
+    re.DOTALL | re.ASCII,
+)
+_CANVAS_TYPED = re.compile(r"(?P<name>.+?)_(?P<late>LATE_)?(?P<user>\d{1,18})_(?P<file>(?:text|link)\.html)", re.ASCII)
+# Canvas numbers files of one name in front of their endings, and takes a UUID for the eighth.
+_CANVAS_AGAIN = re.compile(
+    r"-(?:(?P<number>\d{1,9})|[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12})(?=(?:\.[A-Za-z][A-Za-z0-9]*)+\Z)", re.ASCII
+)
+_MOODLE = re.compile(r"_(?:(?P<number>\d{1,18})_)?assignsubmission_(?:file|onlinetext)", re.ASCII)
+_GRADESCOPE = re.compile(r"submission_(?P<number>\d{1,18})", re.ASCII)
 _MOST_NUMBERS = 3  # in a sentence
 _ARCHIVES = (".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".7z", ".rar")
 
@@ -45,10 +60,12 @@ class Unit:
         name: their own name, where it can be told.
         file: what they called it, of a file whose name the platform has lengthened.
         late: marked as late by the platform.
-        attempt: of several under one name, the higher number is the newer one.
+        attempt: how often it was uploaded again; of several under one name, the higher one is the newer one.
         platform: identifiers for the way back, see `Entry.platform`.
         has_assignments: whether the folders in it are one for each assignment.
         odd: how it does not fit the layout; empty when it does.
+        download: the name of the download it is in, where there are several.
+        exercise: the id of the exercise that this download is of; empty where nothing says so.
     """
 
     item: Item
@@ -56,29 +73,35 @@ class Unit:
     name: str = ""
     file: str = ""
     late: bool = False
-    attempt: int = 0
+    attempt: tuple[int, ...] = ()
     platform: dict[str, str] = field(default_factory=dict)
     has_assignments: bool = False
     odd: str = ""
+    download: str = ""
+    exercise: str = ""
 
 
 def read_canvas(item: Item, _: str = "") -> Unit | None:
     """An entry of Canvas's archive.
 
-    The first two numbers are Canvas's; what comes after them is the student's name for the file.
+    The first two numbers are Canvas's; what comes after them is the student's name for the file. Of several files of a
+    student the one with the higher number was uploaded later.
     """
-    match = _CANVAS.fullmatch(item.name)
+    match = _CANVAS_ANONYMOUS.fullmatch(item.name) or _CANVAS.fullmatch(item.name) or _CANVAS_TYPED.fullmatch(item.name)
     if match is None:
         return None
-    attempt = _CANVAS_ATTEMPT.search(match["file"])
+    found = match.groupdict()
+    again = _CANVAS_AGAIN.search(match["file"])
+    upload = found.get("upload") or "0"
+    user = match["user"]
     return Unit(
         item,
-        student=match["user"],
-        name=match["name"],
-        file=_CANVAS_ATTEMPT.sub("", match["file"]),
-        late=bool(match["late"]),
-        attempt=int(attempt[1]) if attempt else 0,
-        platform={"canvas_user": match["user"], "canvas_submission": match["submission"]},
+        student=user,
+        name=found.get("name") or "",
+        file=_CANVAS_AGAIN.sub("", match["file"]),
+        late=bool(match["late"] or found.get("later")),
+        attempt=(int(upload), int(again["number"] or 0) if again else 0),
+        platform={"canvas_user": user, "canvas_submission": upload} if "name" in found else {},
     )
 
 
@@ -94,13 +117,23 @@ def read_moodle(item: Item, _: str = "") -> Unit | None:
     mark = found[0]
     rest = item.name[mark.end() :]
     if len(found) > 1:
-        numbers = " or ".join(one["number"] for one in found[:_MOST_NUMBERS])
+        numbers = " or ".join(one["number"] or "of no number" for one in found[:_MOST_NUMBERS])
         return Unit(item, item.name, odd=f"its name can also be read as that of participant {numbers}")
     if item.kind == FOLDER and rest not in ("", "_"):
         return None
     number = mark["number"]
     name, file = item.name[: mark.start()], rest.removeprefix("_")
+    if number is None:  # whoever is in no group, where groups hand in
+        return Unit(item, name, name, file, platform={"group": name})
     return Unit(item, number, name, file, platform={"moodle_participant": number})
+
+
+def read_gradescope(item: Item, _: str = "") -> Unit | None:
+    """A submission of Gradescope's export; whose it is stands in the file beside it."""
+    match = _GRADESCOPE.fullmatch(item.name)
+    if match is None or item.kind != FOLDER:
+        return None
+    return Unit(item, item.name, platform={"gradescope_submission": match["number"]})
 
 
 def read_nbgrader(item: Item, _: str = "") -> Unit | None:
@@ -128,13 +161,16 @@ def read_files(item: Item, _: str = "") -> Unit | None:
 
 
 def _stem(item: Item) -> str:
-    stem, _, _ending = item.name.rpartition(".")
+    stem, _, ending = item.name.rpartition(".")
+    if item.is_program and f".{ending.lower()}" not in (PROGRAM, NOTEBOOK):  # jane.py.txt
+        stem = stem.rpartition(".")[0] or stem
     return stem or item.name
 
 
 _READERS: dict[str, Callable[[Item, str], Unit | None]] = {
     "canvas": read_canvas,
     "moodle": read_moodle,
+    "gradescope": read_gradescope,
     "nbgrader": read_nbgrader,
     "github": read_github,
     "folders": read_folders,
@@ -154,6 +190,16 @@ def read(layout: str, item: Item, slug: str = "") -> Unit | None:
         the unit; None where the entry's name does not follow the layout.
     """
     return _READERS[layout](item, slug)
+
+
+def of_groups(units: Sequence[Unit]) -> Sequence[Unit]:
+    """Entries of a download; where one of Moodle's has no number, groups have handed in, and numbers are groups'."""
+    if not any("group" in unit.platform for unit in units):
+        return units
+    return [
+        replace(unit, platform={"group": unit.name}) if "moodle_participant" in unit.platform else unit
+        for unit in units
+    ]
 
 
 def read_stray(layout: str, item: Item) -> Unit | None:

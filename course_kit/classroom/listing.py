@@ -8,11 +8,13 @@ from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+from course_kit.reader.text import kind as kind_of_program
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-PROGRAMS = (".py", ".ipynb")
+ZIP = ".zip"
 FOLDER, FILE, LINK, OTHER = "folder", "file", "link", "other"
 MOST = 20_000  # files and folders of one student that are looked at
 DEEPEST = 30  # folders within folders
@@ -50,7 +52,12 @@ class Item:
     @property
     def is_program(self) -> bool:
         """Whether it is named as a submission is."""
-        return self.kind != FOLDER and self.name.endswith(PROGRAMS)
+        return self.kind != FOLDER and bool(kind_of_program(self.name))
+
+    @property
+    def is_zip(self) -> bool:
+        """Whether it is named as a zip archive is."""
+        return self.kind == FILE and self.name.lower().endswith(ZIP)
 
 
 class Listing(Protocol):

@@ -9,18 +9,20 @@ import hashlib
 import json
 import re
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
+from course_kit.classroom.adjustments import Adjustment, sentences
 from course_kit.environment import write_atomically
 from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Collection, Iterable, Iterator
     from pathlib import Path
 
 FORMAT_VERSION = 1
 STUDENTS = "students"  # folder in the output folder: students/<student>/<exercise>.json and .html
+SUPERSEDED = "superseded"  # beside it, results that no longer count: superseded/<student>/<exercise>.<number>.json
 _UNSAFE = re.compile(r"[^\w.@+-]+")
 _LONGEST_NAME = 120  # bytes; a file system takes 255
 _LONGEST_PLAIN = 80  # characters
@@ -41,7 +43,11 @@ class Entry:
         source: path in the folder or archive that was handed over, with forward slashes.
         name: the person's name where the layout tells it.
         late: whether the platform marked it as late.
-        platform: what else the layout tells: `canvas_user`, `canvas_submission`, `moodle_participant`, `login`.
+        platform: what else the layout or the roster tells: `canvas_user`, `canvas_submission`, `moodle_participant`,
+            `login`, `sid`, `email`, `group`, `submitted_at`.
+        why: why this file was chosen.
+        others: what else of theirs might have been, and why it was not.
+        worry: why somebody should look at the choice; empty when there is no doubt.
     """
 
     student: str
@@ -50,22 +56,27 @@ class Entry:
     name: str = ""
     late: bool = False
     platform: dict[str, str] = field(default_factory=dict)
+    why: str = ""
+    others: list[str] = field(default_factory=list)
+    worry: str = ""
 
 
 @dataclass(frozen=True)
 class Record:
-    """The result of one submission.
+    """The result of one submission, and what the instructor has made of it; only the result is stored.
 
     Attributes:
         entry: what was handed in.
         digest: SHA-256 of the submission's bytes, hexadecimal; empty where they could not be read.
-        size: of the submission, in bytes.
+        size: of the submission's program, in bytes; of its file where it has none that can be read.
         seed: what the checks drew from.
         report: the report as `Report.to_mapping` gives it.
         title: the exercise's title.
         isolation: what kept the submission apart from the machine, in one line.
         wall_s: how long the grading took, in seconds.
         same_as: the student whose identical submission was graded in its place; empty when this one was graded.
+        versions: of what graded it: `kit`, `exercise` and `grader`; empty in records of earlier kits.
+        adjustment: lateness, penalty, override and comment; a gradebook adds it.
     """
 
     entry: Entry
@@ -77,11 +88,39 @@ class Record:
     isolation: str = ""
     wall_s: float = 0.0
     same_as: str = ""
+    versions: dict[str, str] = field(default_factory=dict)
+    adjustment: Adjustment = field(default_factory=Adjustment)
+
+    @property
+    def graded_score(self) -> float:
+        """What the checks gave."""
+        return float(self.report["score"])
 
     @property
     def score(self) -> float:
-        """Points reached."""
-        return float(self.report["score"])
+        """The points that count: those of the checks less the penalty, or what the instructor has set."""
+        return self.adjustment.score(self.graded_score)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the points that count reach the pass mark."""
+        mark = self.adjustment.pass_mark
+        return bool(self.report["passed"]) if mark is None else self.has_grade and self.score >= mark
+
+    @property
+    def has_grade(self) -> bool:
+        """Whether there is a grade: not where the grader itself failed, unless the instructor has set one."""
+        return self.status != "error" or self.adjustment.override is not None
+
+    @property
+    def is_late(self) -> bool:
+        """Whether it counts as late; without a due date the platform's mark says so."""
+        return self.adjustment.late or (self.adjustment.due is None and self.entry.late)
+
+    @property
+    def remarks(self) -> list[str]:
+        """What the student is told of lateness, penalty, override and comment, a sentence each."""
+        return list(sentences(self.adjustment, None if self.status == "error" else self.graded_score))
 
     @property
     def max_score(self) -> float:
@@ -101,7 +140,9 @@ class Record:
 
     def to_json(self) -> str:
         """The record as one JSON document."""
-        return encodable(json.dumps({"format_version": FORMAT_VERSION, **asdict(self)}, indent=1, ensure_ascii=False))
+        stored = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "adjustment"}
+        stored["entry"] = vars(self.entry)
+        return encodable(json.dumps({"format_version": FORMAT_VERSION, **stored}, indent=1, ensure_ascii=False))
 
     @classmethod
     def from_json(cls, text: str) -> Record:
@@ -124,6 +165,7 @@ class Records:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder / STUDENTS
+        self._superseded = folder / SUPERSEDED
 
     def path(self, entry: Entry, suffix: str = ".json") -> Path:
         """Where a submission's record or report (`.html`) stands."""
@@ -132,24 +174,79 @@ class Records:
     def keep(self, record: Record, page: str | None = None) -> None:
         """Write a record and its report page; the page first, so that a record that is there is complete.
 
+        A grade that stood there is kept under `superseded`.
+
         Raises:
             OSError: the disk is full, or the folder cannot be written.
         """
         if page is not None:
+            before = self.find(record.entry)
+            if before is not None and before.status != "error":
+                self._copy_superseded(self.path(record.entry))
             write_atomically(self.path(record.entry, ".html"), page)
         write_atomically(self.path(record.entry), record.to_json() + "\n")
 
     def find(self, entry: Entry) -> Record | None:
         """The record of a submission if there is one that can be read."""
-        try:
-            return Record.from_json(self.path(entry).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            return None
+        return _read(self.path(entry))
+
+    def without(self, entries: Iterable[Entry], exercises: Collection[str]) -> list[Path]:
+        """Where results stand that belong to none of these submissions.
+
+        Args:
+            entries: the submissions there are.
+            exercises: ids; results of others are left alone.
+        """
+        here = {self.path(entry) for entry in entries}
+        found = sorted(self.folder.glob("*/*.json"))
+        return [path for path in found if path not in here and path.stem in exercises]
+
+    def supersede(self, path: Path) -> Record | None:
+        """Move a result, and its page, to `superseded`; returns it if it can be read.
+
+        Raises:
+            OSError: it could not be moved.
+        """
+        record = _read(path)
+        self._copy_superseded(path)
+        path.unlink(missing_ok=True)  # first: whatever comes between, a page without a record counts for nothing
+        path.with_suffix(".html").unlink(missing_ok=True)
+        with suppress(OSError):  # there are results for other exercises
+            path.parent.rmdir()
+        return record
+
+    def remove_pages_alone(self) -> None:
+        """Take away pages whose record was never written, as the run was killed between the two."""
+        for page in self.folder.glob("*/*.html"):
+            if not page.with_suffix(".json").exists():
+                page.unlink(missing_ok=True)
+                with suppress(OSError):
+                    page.parent.rmdir()
+
+    def _copy_superseded(self, path: Path) -> None:
+        """Copy a result; once, should a run have ended between copying it and whatever takes its place."""
+        content = path.read_bytes()
+        folder = self._superseded / path.parent.name
+        number = 1
+        while (copy := folder / f"{path.stem}.{number}.json").exists():
+            if copy.read_bytes() == content:
+                return
+            number += 1
+        with suppress(FileNotFoundError):
+            write_atomically(copy.with_suffix(".html"), path.with_suffix(".html").read_bytes())
+        write_atomically(copy, content)
 
     def __iter__(self) -> Iterator[Record]:
         for path in sorted(self.folder.glob("*/*.json")):
-            with suppress(OSError, ValueError):
-                yield Record.from_json(path.read_text(encoding="utf-8"))
+            if (record := _read(path)) is not None:
+                yield record
+
+
+def _read(path: Path) -> Record | None:
+    try:
+        return Record.from_json(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
 
 
 def safe_name(student: str) -> str:

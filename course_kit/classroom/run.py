@@ -1,62 +1,43 @@
 """Grades a class: each distinct submission once, every result written the moment it is there.
 
 Whatever stops a run (Ctrl-C, a crash, a power cut, a full disk) costs at most what was under way; the next run with
-`resume` takes the records that are there and goes on.
+`resume` looks at what is handed in now: it keeps the results of what is the same, grades what is new or has changed,
+and moves the results of what is gone to `superseded`.
 """
 
 from __future__ import annotations
 
 import json
 import secrets
-from concurrent.futures import FIRST_COMPLETED, wait
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from course_kit.classroom import intake, submissions
+from course_kit.classroom import instructor, intake, roster, submissions, table
 from course_kit.classroom.concurrency import early
 from course_kit.classroom.gradebook import Gradebook
+from course_kit.classroom.grading_loop import GradingLoop
+from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart, require_submissions
 from course_kit.classroom.records import Records
-from course_kit.environment import write_atomically
-from course_kit.grading import engine
+from course_kit.environment import remove_half_written, write_atomically
+from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader, ReadingStoppedError
-from course_kit.grading.render.html import render_page
-from course_kit.text.sanitize import one_line
+from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-    from concurrent.futures import Future
-    from pathlib import Path
+    from collections.abc import Callable
 
     from course_kit.classroom.executors import Executor
+    from course_kit.classroom.grading_loop import Watcher
     from course_kit.classroom.records import Entry, Record
+    from course_kit.classroom.roster import Roster
+    from course_kit.classroom.seeds import Seeds
     from course_kit.classroom.submissions import Handed
     from course_kit.grading.exercise import Exercise
-    from course_kit.grading.report import Report
 
 RUN_FILE = "run.json"
-WORKSPACE = "handed_in"  # where an archive is unpacked, in the output folder
 FORMAT_VERSION = 1
-_AHEAD = 2  # tasks given to an executor for each of its slots: none idles, and few are lost
-_LISTEN_S = 0.5  # how often a wait for results looks at the clock and at who wants to stop
-_AT_ONCE = 2  # requests to stop
-_NAMED = 3  # things that are there where there is no submission
-
-
-class Watcher(Protocol):
-    """Told how a run goes."""
-
-    def begin(self, total: int, ready: Sequence[Record]) -> None:
-        """So many submissions, and the results that are there already."""
-
-    def done(self, record: Record) -> None:
-        """One more has its result."""
-
-    def tick(self) -> None:
-        """Some time has passed."""
-
-    def stopping(self, under_way: int) -> None:
-        """Ctrl-C: nothing new is begun, so many are finished."""
 
 
 @dataclass(frozen=True)
@@ -65,10 +46,12 @@ class Plan:
 
     Attributes:
         source: a folder or a zip.
+        more: further ones of the same class.
+        roster: who is in the class.
         out: the folder for all results.
         exercises: what was set.
         seed: what all checks draw from; drawn once for the run when None.
-        seeds: other seeds for some students, as for exercise 4.
+        seeds: a seed for each student, as for exercise 4.
         layout: a layout's name, or "auto".
         resume: go on where an earlier run into the same folder has ended.
     """
@@ -77,9 +60,16 @@ class Plan:
     out: Path
     exercises: tuple[Exercise, ...]
     seed: int | None = None
-    seeds: Mapping[str, int] = field(default_factory=dict)
+    seeds: Seeds | None = None
     layout: str = "auto"
     resume: bool = False
+    more: tuple[Path, ...] = ()
+    roster: Roster | None = None
+
+    @property
+    def sources(self) -> tuple[Path, ...]:
+        """All folders and zips."""
+        return (self.source, *self.more)
 
 
 class ClassRun:
@@ -95,45 +85,61 @@ class ClassRun:
 
         Raises:
             GradingError: there is nothing to grade, one of the folders lies in the other, or the output folder holds
-                results and `resume` was not asked, or results of an exercise that is not in the plan.
+                results and `resume` was not asked, or results of an exercise that is not in the plan; the instructor's
+                files or seeds have mistakes.
             OSError: the output folder cannot be written.
         """
         self._plan = plan
         self._watcher = watcher
         self._stops = stops
         self._records = Records(plan.out)
-        _require_folders_apart(plan)
+        require_folders_apart(plan.sources, plan.out)
         self.seed = self._choose_seed()
+        self._instructions = instructor.read(plan.out, plan.exercises)
         try:
-            self.intake = intake.collect(plan.source, plan.exercises, plan.out / WORKSPACE, plan.layout, self._stopped)
+            self.intake = intake.collect(
+                plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, self._stopped, plan.roster
+            )
         except ReadingStoppedError:
             raise KeyboardInterrupt from None  # nothing has begun
-        self._require_submissions()
-        run_file = json.dumps({"format_version": FORMAT_VERSION, "seed": self.seed})
-        write_atomically(plan.out / RUN_FILE, f"{run_file}\n")
-        self._done: list[Record] = []
-        # One student's program must not read another's, nor the results.
-        self._hidden = tuple(str(folder.resolve()) for folder in (plan.source, plan.out))
+        table.write(self.intake, plan.out)
+        require_submissions(self.intake, plan.sources, plan.exercises)
+        self._require_everybody_known()
+        self._note_run()
+        self._loop = GradingLoop(self._records, watcher, stops, hidden_folders(plan))
+        self._kept: list[Record] = []
+        self.gone: list[str] = []
 
     def grade(self, start: Callable[[], Executor]) -> Gradebook:
-        """Grade what has no result yet.
+        """Grade what has no result yet, or has changed.
 
         Args:
             start: makes the executor; called only when there is something to do.
 
         Raises:
             OSError: a result could not be written, as on a full disk; those before it are safe.
+            GradingError: the executor can no longer be reached; the same.
         """
+        self._take_away_what_is_gone()
         # It gets ready while the submissions are read.
         executor = start() if any(self._records.find(entry) is None for entry in self.intake.entries) else None
         try:
             if groups := self._take_stock():
                 executor = executor or start()
-                self._work_through(groups, executor)
+                self._loop.run(groups, executor)
         finally:
             if executor is not None:
                 executor.close()
-        return self._gradebook()
+        return self._gradebook([*self._kept, *self._loop.done])
+
+    def as_it_is(self) -> Gradebook:
+        """The results there are, of what is handed in; nothing is graded."""
+        found = (self._records.find(entry) for entry in self.intake.entries)
+        return self._gradebook([record for record in found if record is not None])
+
+    def adjusted(self, record: Record) -> Record:
+        """A result with its lateness, penalty, override and comment."""
+        return self._instructions.adjusted(record, self._plan.exercises, self.intake.root)
 
     def _stopped(self) -> bool:
         return self._stops() > 0
@@ -154,23 +160,43 @@ class ClassRun:
 
     def _require_all_exercises(self) -> None:
         """See that no result of an earlier run would be missing from the grades."""
-        named = {exercise.id for exercise in self._plan.exercises}
+        named = {one.id for one in self._plan.exercises}
         if left_out := sorted({record.entry.exercise for record in self._records} - named):
             raise GradingError(
                 f"{self._plan.out} also holds results of {', '.join(left_out)}; they would be missing from the grades. "
                 f"Add {' '.join(f'--exercise {one}' for one in left_out)}, or name another folder."
             )
 
-    def _require_submissions(self) -> None:
-        if self.intake.entries:
-            return
-        seen = [*self.intake.dropped, *self.intake.left][:_NAMED]
-        wanted = ", ".join(exercise.id for exercise in self._plan.exercises)
-        raise GradingError(
-            f"{self._plan.source} holds no submission for {wanted}, read with the layout '{self.intake.layout}'. "
-            f"It holds: {'; '.join(f'{one_line(what)} ({one_line(why)})' for what, why in seen) or 'nothing'}. "
-            "Name the right exercise with --exercise, or the layout with --layout."
-        )
+    def _require_everybody_known(self) -> None:
+        """See that what the instructor has written is about this class, before hours go into grading it."""
+        handed_in = {entry.student for entry in self.intake.entries}
+        absent = self.intake.roster.absent if self.intake.roster else ()
+        students = handed_in | {student for student, _ in (*self.intake.missing, *self.intake.dropped, *absent)}
+        self._instructions.require_known(students)
+        if self._plan.seeds is not None:
+            names = {name for _, name in absent}
+            self._plan.seeds.require_for(self.intake.entries, students | names)
+
+    def _note_run(self) -> None:
+        listed = self._plan.roster.path if self._plan.roster else None
+        noted = {
+            "format_version": FORMAT_VERSION,
+            "seed": self.seed,
+            "sources": [str(source.resolve()) for source in self._plan.sources],
+            "roster": str(listed.resolve()) if listed else None,
+            "layout": self._plan.layout,
+            "exercises": [one.id for one in self._plan.exercises],
+        }
+        write_atomically(self._plan.out / RUN_FILE, f"{encodable(json.dumps(noted))}\n")
+
+    def _take_away_what_is_gone(self) -> None:
+        """Results of submissions that are not in the inbox any more count no longer; nor does what a crash has left."""
+        remove_half_written(self._plan.out, besides=[WORKSPACE])
+        self._records.remove_pages_alone()
+        for path in self._records.without(self.intake.entries, [one.id for one in self._plan.exercises]):
+            record = self._records.supersede(path)
+            whose = record.entry.student if record else path.parent.name
+            self.gone.append(f"{whose}, {path.stem}")
 
     def _take_stock(self) -> list[list[Handed]]:
         """Read all submissions; returns those without a result, identical ones together.
@@ -184,108 +210,72 @@ class ClassRun:
                     known = self._records.find(entry)
                     one = self._read(entry, reader, known)
                     if known is not None and one.has_result(known):
-                        self._done.append(known)
+                        self._keep(one.kept_record(known), known)
                     else:
                         groups.setdefault(one.key, []).append(one)
         except ReadingStoppedError:
             groups = {}
-        self._watcher.begin(len(self.intake.entries), self._done)
+        self._watcher.begin(len(self.intake.entries), self._kept)
         return early(groups.values(), lambda group: group[0].may_last)
 
+    def _keep(self, record: Record, known: Record) -> None:
+        here = {entry.student for entry in self.intake.entries}
+        if record.same_as and record.same_as not in here:
+            record = replace(record, same_as="")
+        if record != known:
+            self._records.keep(record)
+        self._kept.append(record)
+
     def _read(self, entry: Entry, reader: Reader, known: Record | None) -> Handed:
-        exercise = next(one for one in self._plan.exercises if one.id == entry.exercise)
-        usual = self.seed if exercise.seed is None else exercise.seed
-        seed = self._plan.seeds.get(entry.student, usual)
-        return submissions.read(entry, self.intake.root, exercise, seed, reader, known=known)
+        task = next(one for one in self._plan.exercises if one.id == entry.exercise)
+        usual = self.seed if task.seed is None else task.seed
+        own = self._plan.seeds.of(entry) if self._plan.seeds else None
+        seed = usual if own is None else own
+        return submissions.read(entry, self.intake.root, task, seed, reader, known=known)
 
-    def _work_through(self, groups: list[list[Handed]], executor: Executor) -> None:
-        waiting = iter(groups)
-        under_way: dict[Future[Report], list[Handed]] = {}
-        stopping = False
-        while self._stops() < _AT_ONCE:
-            if self._stops() and not stopping:
-                stopping = True
-                for future in [future for future in under_way if future.cancel()]:
-                    del under_way[future]
-                self._watcher.stopping(len(under_way))
-            if not stopping:
-                self._fill(executor, waiting, under_way)
-            if not under_way:
-                return
-            finished, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
-            for future in [one for one in under_way if one in finished]:  # in the order they were given out
-                group = under_way.pop(future)
-                self._keep(group, _result(group[0], future))
-            self._watcher.tick()
-
-    def _fill(
-        self,
-        executor: Executor,
-        waiting: Iterator[list[Handed]],
-        under_way: dict[Future[Report], list[Handed]],
-    ) -> None:
-        """Give the executor enough to do."""
-        while len(under_way) < _AHEAD * executor.slots:
-            group = next(waiting, None)
-            if group is None:
-                return
-            task = group[0].task(self._hidden)
-            if task is None:
-                self._keep(group, group[0].unreadable())
-            else:
-                under_way[executor.submit(task)] = group
-
-    def _keep(self, group: list[Handed], report: Report) -> None:
-        """Write the result of a submission and of those identical to it."""
-        first, *twins = group
-        record = first.record(report)
-        for one in (record, *(twin.same_record(record) for twin in twins)):
-            self._records.keep(one, render_page(report, one.entry.name or one.entry.student))
-            self._done.append(one)
-            self._watcher.done(one)
-
-    def _gradebook(self) -> Gradebook:
-        return Gradebook(
+    def _gradebook(self, done: list[Record]) -> Gradebook:
+        fit = self.intake.roster
+        book = Gradebook(
             exercises=self._plan.exercises,
-            records=tuple(sorted(self._done, key=lambda one: (one.entry.student, one.entry.exercise))),
+            records=tuple(sorted(done, key=lambda one: (one.entry.student, one.entry.exercise))),
             missing=self.intake.missing,
             left=self.intake.left,
             layout=self.intake.layout,
             seed=self.seed,
-            complete=len(self._done) == len(self.intake.entries),
+            complete=len(done) == len(self.intake.entries),
             root=self.intake.root,
             odd=self.intake.odd,
             dropped=self.intake.dropped,
+            absent=fit.absent if fit else (),
+            unknown=fit.unknown if fit else (),
         )
+        return self._instructions.apply(book)
 
 
-def _result(submission: Handed, future: Future[Report]) -> Report:
-    """The report; where grading itself has failed one that says so, as nothing may end the grading of the others."""
-    try:
-        return future.result()
-    except Exception as problem:  # noqa: BLE001 - of a cluster, of a worker; whatever it is, it is not the student's
-        why = f"The grading failed: {problem or type(problem).__name__}"
-        return engine.unreadable(submission.exercise, submission.entry.source, why, status="error")
+def hidden_folders(plan: Plan) -> tuple[str, ...]:
+    """What no submission may see: one student's program must not read another's, nor the results."""
+    return tuple(str(folder.resolve()) for folder in (*plan.sources, plan.out))
 
 
-def _require_folders_apart(plan: Plan) -> None:
-    """See that results are not taken for submissions, and that nothing handed in is written over.
+def plan_of(out: Path) -> Plan:
+    """The plan of the run that has written into a folder, to go on with; see `ClassRun._note_run`.
 
     Raises:
-        GradingError: one of the two folders lies in the other, or they are the same.
+        GradingError: there was none, or its exercises are not here any more.
     """
     try:
-        source, out = plan.source.resolve(), plan.out.resolve()
-    except (OSError, RuntimeError):  # a loop of links, which is said when one of them is opened
-        return
-    if source == out or source in out.parents:
+        noted = json.loads((out / RUN_FILE).read_text(encoding="utf-8"))
+        source, *more = (Path(one) for one in noted["sources"])
+        layout, ids = str(noted["layout"]), [str(one) for one in noted["exercises"]]
+        listed = Path(noted["roster"]) if noted["roster"] else None
+    except (OSError, ValueError, KeyError, TypeError):
         raise GradingError(
-            f"The results would lie among the submissions in {plan.source}. Name another folder with --out."
-        )
-    if out in source.parents and (plan.source.is_dir() or out / WORKSPACE in source.parents):
-        raise GradingError(
-            f"{plan.source} lies in {plan.out}, the folder for the results. Name another folder with --out."
-        )
+            f"{out} does not hold the results of a class run, or of one by an earlier version of the course kit. Name "
+            "the folder that you gave as --out; with an earlier version run course-kit class with --resume once."
+        ) from None
+    exercises = tuple(exercise.load(one) for one in ids)
+    everybody = roster.read(listed) if listed else None
+    return Plan(source, out, exercises, layout=layout, resume=True, more=tuple(more), roster=everybody)
 
 
 def _seed_of_run(path: Path) -> int | None:

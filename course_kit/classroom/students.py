@@ -41,6 +41,30 @@ def by_name(units: Iterable[Unit], exercises: Sequence[str]) -> dict[str, list[U
     return {names[key]: own[key] for key in sorted(own, key=names.__getitem__)}
 
 
+def across_downloads(units: Sequence[Unit], layout: str) -> list[Unit]:
+    """Entries of several assignments of one class, so that what is one student's has one identifier.
+
+    Moodle's number of a participant is another one in each assignment, so there the full name joins. Where one name has
+    two numbers in an assignment (anonymous submissions, two students of one name) it joins nothing.
+    """
+    if layout != "moodle":
+        return list(units)
+    numbers: dict[str, dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
+    for unit in units:
+        numbers[unit.name][unit.download].add(unit.student)
+    found = []
+    for unit in units:
+        if unit.odd:
+            found.append(unit)
+        elif all(len(of_one) == 1 for of_one in numbers[unit.name].values()):
+            found.append(replace(unit, student=unit.name))
+        else:
+            student = f"{unit.name} {unit.student} of {unit.download}"
+            odd = f"'{unit.name}' has several participant numbers, so nothing joins them with other downloads"
+            found.append(replace(unit, student=student, odd=odd))
+    return found
+
+
 def _key(unit: Unit) -> Key:
     return (f"{unit.item.kind == FOLDER} {unit.name}" if unit.odd else "", unit.student)
 
@@ -64,7 +88,7 @@ def _without_doubtful(units: list[Unit]) -> list[Unit]:
             names[unit.student].add(unit.name)
     found = []
     for unit in units:
-        doubtful = not unit.odd and len(names[unit.student]) > 1
+        doubtful = not unit.odd and len(names[unit.student]) > 1 and "email" not in unit.platform
         odd = f"the number {unit.student} also belongs to another name"
         found.append(replace(unit, student=f"{unit.student} {unit.name}", platform={}, odd=odd) if doubtful else unit)
     return found

@@ -30,7 +30,7 @@ class Handed:
         exercise: what it is for.
         seed: what its checks draw from.
         digest: SHA-256 of kind and bytes; empty when it could not be read.
-        size: in bytes.
+        size: of its program in bytes, not of a notebook's outputs.
         text: its text; None when there is none, and `problem` says why.
         problem: why it cannot be graded.
         status: of the report of one that cannot be graded: "unreadable", or "error" where that is not its own fault.
@@ -82,12 +82,16 @@ class Handed:
         return replace(other, entry=self.entry, report=report, same_as=other.entry.student)
 
     def has_result(self, record: Record | None) -> bool:
-        """Whether a record is of this submission as it is now; an error of the grader is worth another try."""
-        return (
-            record is not None
-            and (record.digest, record.seed, record.entry.source) == (self.digest, self.seed, self.entry.source)
-            and record.status != "error"
-        )
+        """Whether a record is of this submission as it is now, wherever it lies; a grader's error gets another try."""
+        if record is None or record.status == "error" or (record.digest, record.seed) != (self.digest, self.seed):
+            return False
+        return bool(self.digest) or record.entry.source == self.entry.source
+
+    def kept_record(self, record: Record) -> Record:
+        """The result it has, as of what was handed in now: it may have got a name, a time or another place."""
+        if record.entry == self.entry:
+            return record
+        return replace(record, entry=self.entry, report={**record.report, "submission": self.entry.source})
 
 
 def read(  # noqa: PLR0913 - what a submission is read for
@@ -110,7 +114,10 @@ def read(  # noqa: PLR0913 - what a submission is read for
     try:
         with Copy(path) as copy:
             one = Handed(entry, exercise, seed, copy.digest, copy.size)
-            return one if one.has_result(known) else replace(one, text=reader.read(copy, exercise))
+            if one.has_result(known):
+                return one
+            text = reader.read(copy, exercise)
+            return replace(one, text=text, size=len(text.source.encode(errors="replace")))
     except UnreadableError as problem:
         return Handed(entry, exercise, seed, problem=str(problem), size=_size(path))
     except GradingError as problem:

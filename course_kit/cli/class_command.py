@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import signal
+import shlex
 import sys
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from course_kit import environment
+from course_kit.cli import intake_words
+from course_kit.cli.class_words import FAILED, INTERRUPTED, command_to_continue, interrupts, many, say, some, told
+
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Sequence
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.run import Plan
+    from course_kit.classroom.seeds import Seeds
     from course_kit.grading.exercise import Exercise
-
-FAILED, INTERRUPTED = 2, 130
-_MOST_NAMED = 20  # students in a sentence; the class page has them all
 
 
 def add_to(verbs: Any) -> None:
@@ -30,15 +31,37 @@ def add_to(verbs: Any) -> None:
         "handed in has its grade; 2 when it could not be done, no submission was found, a student was dropped or a "
         "submission could not be graded through no fault of its student; 130 when it was stopped.",
     )
-    parser.add_argument("submissions", type=Path, help="a folder or zip, as your learning platform gives it")
+    parser.add_argument(
+        "submissions",
+        type=Path,
+        nargs="+",
+        help="a folder or zip, as your learning platform gives it; several, or a folder of zips, of one class",
+    )
     parser.add_argument(
         "--exercise", action="append", required=True, metavar="ID", help="an exercise that was set; give it repeatedly"
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="the folder for all results")
     parser.add_argument("--resume", action="store_true", help="continue an earlier run into DIR")
-    parser.add_argument("--layout", default="auto", help="canvas, moodle, nbgrader, github, folders or files")
+    parser.add_argument(
+        "--dry-run", action="store_true", help="show which file would be graded for whom and why, and grade nothing"
+    )
+    parser.add_argument(
+        "--roster",
+        type=Path,
+        metavar="CSV",
+        help="the class list, as Canvas, Moodle or nbgrader export it, or any other",
+    )
+    parser.add_argument(
+        "--layout", default="auto", help="canvas, moodle, gradescope, nbgrader, github, folders or files"
+    )
     parser.add_argument("--seed", type=int, help="draw the same random values as an earlier run")
     parser.add_argument("--seeds", type=Path, metavar="CSV", help="two columns, student and seed, as for exercise 4")
+    add_where(parser)
+    parser.set_defaults(run=run)
+
+
+def add_where(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say where submissions are graded."""
     parser.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
@@ -48,7 +71,6 @@ def add_to(verbs: Any) -> None:
         help="number of gradings at the same time on this machine, more while they only wait",
     )
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://10.0.0.1:8786")
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -58,73 +80,102 @@ def run(options: argparse.Namespace) -> int:
         0 when everything handed in has its grade; 2 when it could not be done, no submission was found, a student was
         dropped or the grader itself failed for a submission; 130 when it was stopped.
     """
-    from course_kit.grading import GradingError
-
-    try:
-        return _run(options)
-    except GradingError as problem:
-        _say(f"course-kit: {problem}")
-    except OSError as problem:
-        where = f" ({problem.filename})" if problem.filename else ""
-        _say(
-            f"\ncourse-kit: a result could not be written: {problem.strerror or problem}{where}. The results before it "
-            "are safe. Fix this, then run the same command with --resume."
-        )
-    return FAILED
+    return told(_run, options)
 
 
-def _say(text: str) -> None:
-    """Tell a person something in which names of strangers may stand."""
-    from course_kit.text.sanitize import printable
+def require_machine(options: argparse.Namespace, exercises: Iterable[Exercise]) -> None:
+    """See that this machine can give submissions what their exercises promise.
 
-    print(printable(text), file=sys.stderr)
+    Raises:
+        GradingError: it cannot, and they would be graded here; or it does not isolate them, and has to.
+    """
+    from course_kit.grading import isolation_status, needs
+
+    if not options.scheduler:
+        for one in exercises:
+            needs.require(one.limits)
+    if options.require_isolation:
+        isolation_status().require()
 
 
 def _run(options: argparse.Namespace) -> int:
+    from course_kit.classroom import roster, run_lock, seeds
+    from course_kit.classroom.preconditions import require_folders_apart
     from course_kit.classroom.progress import RunProgress
+    from course_kit.classroom.records import SUPERSEDED
     from course_kit.classroom.run import ClassRun, Plan
-    from course_kit.grading import GradingError, exercise, isolation_status, needs
+    from course_kit.grading import GradingError, exercise
 
     chosen = {one: exercise.load(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
         raise GradingError(f"{options.out} is a file. --out has to name a folder for the results.")
-    if not options.scheduler:
-        for one in chosen.values():
-            needs.require(one.limits)
-    if options.require_isolation:
-        isolation_status().require()
+    if not options.dry_run:
+        require_machine(options, chosen.values())
     plan = Plan(
-        source=options.submissions,
+        source=options.submissions[0],
+        more=tuple(options.submissions[1:]),
+        roster=roster.read(options.roster) if options.roster else None,
         out=options.out,
         exercises=tuple(sorted(chosen.values(), key=lambda one: one.order)),
         seed=options.seed,
-        seeds=_read_seeds(options.seeds) if options.seeds else {},
+        seeds=seeds.read(options.seeds) if options.seeds else None,
         layout=options.layout,
         resume=options.resume,
     )
+    if options.dry_run:
+        return _dry_run(plan)
+    require_folders_apart(plan.sources, plan.out)
     tally = RunProgress(sys.stderr)
-    with _interrupts() as stops:
-        grading = ClassRun(plan, tally, stops)
-        book = grading.grade(lambda: _executor(options, [one.grader for one in chosen.values()]))
-    tally.end()
-    for one in chosen.values():
-        if practised := _practised(book, one, plan.seeds):
-            _say(
-                f"course-kit: {one.id}: {_many(practised, 'submission')} graded with the practice questions (seed "
-                f"{one.seed}), whose answers every student has. For a grade that counts, give each a seed: --seeds."
+    with run_lock.hold(plan.out):
+        with interrupts() as stops:
+            grading = ClassRun(plan, tally, stops)
+            book = grading.grade(lambda: executor(options, [one.grader for one in chosen.values()]))
+        tally.end()
+        intake_words.say(grading.intake, say)
+        if grading.gone:
+            say(
+                f"{many(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}, as the submission is not there any "
+                f"more: {some(grading.gone, '; ')}."
             )
-    return _finish(book, options.out)
+        for one in chosen.values():
+            if practised := _practised(book, one, plan.seeds):
+                say(
+                    f"course-kit: {one.id}: {many(practised, 'submission')} graded with the practice questions (seed "
+                    f"{one.seed}), whose answers every student has. For a grade that counts, give each a seed: --seeds."
+                )
+        return _finish(book, options)
 
 
-def _practised(book: Gradebook, task: Exercise, seeds: Mapping[str, int]) -> list[str]:
+def _practised(book: Gradebook, task: Exercise, seeds: Seeds | None) -> list[str]:
     """Whose submissions of an exercise were graded with what everybody practises with."""
-    graded = [record.entry.student for record in book.records if record.entry.exercise == task.id]
-    return [] if task.seed is None else [one for one in graded if seeds.get(one, task.seed) == task.seed]
+    graded = [record.entry for record in book.records if record.entry.exercise == task.id]
+    if task.seed is None:
+        return []
+    return [one.student for one in graded if (None if seeds is None else seeds.of(one)) in (None, task.seed)]
 
 
-def _finish(book: Gradebook, out: Path) -> int:
+def _dry_run(plan: Plan) -> int:
+    """Print the table of what would be graded."""
+    from course_kit.classroom import dry_run, table
+    from course_kit.classroom.preconditions import require_submissions
+    from course_kit.text.sanitize import printable
+
+    with interrupts() as stops:
+        found = dry_run.look(plan, lambda: stops() > 0)
+    print(printable(table.as_text(found)))
+    intake_words.say(found, say)
+    print(plan.out / table.FILE)
+    require_submissions(found, plan.sources, plan.exercises)
+    if found.dropped:
+        say(f"course-kit: {_left_out(found.dropped)}")
+    return FAILED if found.dropped else 0
+
+
+def _finish(book: Gradebook, options: argparse.Namespace) -> int:
     from course_kit.classroom import exports
     from course_kit.grading import advice_for_root
+
+    out = options.out
 
     if advice := advice_for_root():
         print(f"course-kit: {advice}", file=sys.stderr)
@@ -135,43 +186,58 @@ def _finish(book: Gradebook, out: Path) -> int:
             if len(book.left) == 1
             else f"{len(book.left)} files were not recognised as submissions; they are"
         )
-        _say(f"{what} listed in {page.name}.")
+        say(f"{what} listed in {page.name}.")
     if book.odd:
         odd = [f"{student} ({reason})" for student, reason in book.odd]
-        _say(f"Graded as separate students, because their names do not fit the layout '{book.layout}': {_some(odd)}.")
+        say(f"Graded as separate students, because their names do not fit the layout '{book.layout}': {some(odd)}.")
     print(page)
+    for notice in _notices(book, out):
+        say(notice)
     worries = list(_worries(book))
     for worry in worries:
-        _say(f"course-kit: {worry}")
+        say(f"course-kit: {worry}")
     if not book.complete:
-        _say("course-kit: stopped. Run the same command with --resume to continue.")
+        say(f"course-kit: stopped. To continue, run:\n  {command_to_continue(options)}")
         return INTERRUPTED
     return FAILED if worries else 0
+
+
+def _notices(book: Gradebook, out: Path) -> Iterator[str]:
+    """What the instructor may want to look at, a sentence each."""
+    from course_kit.classroom import instructor, regrade
+
+    yield from instructor.warnings(book)
+    if others := regrade.graded_otherwise(book):
+        counts = ", ".join(f"{count} of {exercise}" for exercise, count in others.items())
+        yield (
+            f"Graded by another version of the kit, the exercise or its grader than the one of now: {counts}. "
+            f"To see what it would change, run:\n  {environment.command()} regrade {shlex.quote(str(out))}"
+        )
 
 
 def _worries(book: Gradebook) -> Iterator[str]:
     """What is missing from the grades, a sentence each."""
     if book.dropped:
-        reasons = [f"{student} ({reason})" for student, reason in book.dropped]
-        yield f"{_many(reasons, 'student')} handed in something that was not graded: {_some(reasons)}."
+        yield _left_out(book.dropped)
     if failed := book.not_graded:
         whose = [f"{record.entry.student}, {record.entry.exercise}" for record in failed]
         yield (
-            f"{_many(whose, 'submission')} could not be graded, through no fault of the student: {_some(whose, '; ')}. "
+            f"{many(whose, 'submission')} could not be graded, through no fault of the student: {some(whose, '; ')}. "
             "Run the same command with --resume."
         )
 
 
-def _many(of_what: list[str], name: str) -> str:
-    return f"{len(of_what)} {name}{'s' * (len(of_what) != 1)}"
+def _left_out(dropped: Sequence[tuple[str, str]]) -> str:
+    reasons = [f"{student} ({reason})" for student, reason in dropped]
+    return f"{many(reasons, 'student')} handed in something that was not graded: {some(reasons)}."
 
 
-def _some(parts: list[str], between: str = ", ") -> str:
-    more = len(parts) - _MOST_NAMED
-    return between.join(parts[:_MOST_NAMED]) + (f"{between}and {more} more" if more > 0 else "")
+def executor(options: argparse.Namespace, graders: list[str]) -> Executor:
+    """Where submissions are graded, as the options say.
 
-
-def _executor(options: argparse.Namespace, graders: list[str]) -> Executor:
+    Raises:
+        GradingError: the scheduler they name is not there.
+    """
     from course_kit.classroom import executors, exports
 
     del exports  # needed at the end: imported now it costs no time, the workers start
@@ -179,39 +245,6 @@ def _executor(options: argparse.Namespace, graders: list[str]) -> Executor:
     if options.scheduler:
         return executors.Cluster(options.scheduler)
     return executors.Local(options.workers, graders)
-
-
-def _read_seeds(path: Path) -> dict[str, int]:
-    """Students' own seeds.
-
-    Raises:
-        GradingError: the file is missing or holds something else.
-    """
-    from course_kit.grading import GradingError
-    from course_kit.text.sanitize import one_line
-
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = [row for row in csv.reader(file) if row]
-        body = rows[1:] if rows and not rows[0][-1].strip().lstrip("-").isdigit() else rows
-        return {one_line(student): int(seed) for student, seed in body}
-    except OSError as problem:
-        raise GradingError(f"{path} could not be read: {problem.strerror}.") from problem
-    except (ValueError, csv.Error) as problem:
-        raise GradingError(
-            f"{path} is not a list of students and seeds (two columns in each line): {problem}."
-        ) from problem
-
-
-@contextmanager
-def _interrupts() -> Iterator[Callable[[], int]]:
-    """Count Ctrl-C instead of being cut off by it in the middle of a result."""
-    pressed: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, _frame: pressed.append(number))
-    try:
-        yield lambda: len(pressed)
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _positive(text: str) -> int:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import class_command, streams
+from course_kit.cli import autograde, class_command, export_command, regrade_command, seeds_command, streams
 from course_kit.integrations import otter
 
 if TYPE_CHECKING:
@@ -35,7 +35,13 @@ def build_parser() -> argparse.ArgumentParser:
     grade = verbs.add_parser("grade", help="grade a solution of an exercise", epilog=_ON_LIMITS)
     grade.add_argument("exercise", help="the exercise's id, e.g. temperature_service")
     grade.add_argument("path", nargs="?", help="your .py or .ipynb file")
-    grade.add_argument("--format", choices=("text", "json"), default="text")
+    grade.add_argument(
+        "--format",
+        choices=("text", "json", *autograde.FORMATS),
+        default="text",
+        help="gradescope and classroom50 are for autograders: PATH may be a folder, and exit code 0 means graded",
+    )
+    grade.add_argument("--to", type=Path, metavar="FILE", help="write an autograder's result to FILE, not to stdout")
     grade.add_argument("--seed", type=int, help="draw the same random values again")
     grade.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     running = grade.add_mutually_exclusive_group()
@@ -54,6 +60,9 @@ def build_parser() -> argparse.ArgumentParser:
     release.set_defaults(run=_release)
 
     class_command.add_to(verbs)
+    regrade_command.add_to(verbs)
+    seeds_command.add_to(verbs)
+    export_command.add_to(verbs)
     otter.add_to(verbs)
 
     present = verbs.add_parser(
@@ -118,10 +127,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         streams.read_names_as_utf_8()
     parser = build_parser()
+    arguments = regrade_command.spelled_out(sys.argv[1:] if arguments is None else arguments)
     options, others = parser.parse_known_args(arguments)
     if others and "others" not in options:
         parser.error(f"unrecognized arguments: {' '.join(others)}")
     options.others = others
+    options.arguments = list(arguments)
     streams.speak_to_any_terminal()
     try:
         code = int(options.run(options))
@@ -182,6 +193,9 @@ def _grade(options: argparse.Namespace) -> int:
     from course_kit.learner import progress
 
     try:
+        if options.format in autograde.FORMATS:
+            return autograde.run(options)
+        autograde.require_no_target(options)
         report = grading.grade(
             options.exercise,
             options.path,

@@ -15,7 +15,7 @@ from course_kit.environment import middleware
 from course_kit.environment.container import sign_of_container
 from course_kit.environment.domains import Lease, NoDomainError, exclusive_domain, share
 from course_kit.environment.errors import DomainError, SettingsError
-from course_kit.environment.files import write_atomically, write_new
+from course_kit.environment.files import remove_half_written, write_atomically, write_new
 from course_kit.environment.interrupts import heed_interrupts
 from course_kit.environment.paths import (
     PACKAGE,
@@ -53,6 +53,7 @@ __all__ = [
     "middleware",
     "own_run_dir",
     "put_scripts_first",
+    "remove_half_written",
     "run_dir",
     "scripts_folder",
     "sign_of_container",

@@ -12,6 +12,7 @@ import signal
 import socket
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -22,6 +23,7 @@ from course_kit.process.child import INTO_STDOUT, Child
 from course_kit.process.closing import Closing
 from course_kit.process.output import LastWords
 from course_kit.reader import limits, packets
+from course_kit.reader.text import NOTEBOOK, kind
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,6 +43,21 @@ _TRIES = 2  # a reader that another program has ended gets a successor
 
 class ReadingStoppedError(Exception):
     """Somebody has asked to stop."""
+
+
+@dataclass(frozen=True)
+class Glance:
+    """What a file that may be a submission looks like.
+
+    Attributes:
+        asked_for: whether it holds what the exercise asks for.
+        identity: of its program; equal for programs that differ in comments and blanks alone, empty when there is none.
+        imports: names of modules that it imports.
+    """
+
+    asked_for: bool = False
+    identity: str = ""
+    imports: frozenset[str] = frozenset()
 
 
 class Reader(Closing):
@@ -80,9 +97,10 @@ class Reader(Closing):
             literal=told["literal"],
         )
 
-    def mentions(self, copy: Copy, exercise: Exercise) -> bool:
-        """Whether a file holds what an exercise asks for, broken or not; errors as those of `read`."""
-        return bool(self._ask("mentions", copy, exercise)["found"])
+    def glance(self, copy: Copy, exercise: Exercise) -> Glance:
+        """What a file looks like, broken or not; errors as those of `read`."""
+        told = self._ask("glance", copy, exercise)
+        return Glance(bool(told["found"]), str(told["identity"]), frozenset(map(str, told["imports"])))
 
     def fingerprints(self, copy: Copy, exercise: Exercise) -> frozenset[int]:
         """The fingerprints of a submission, see `course_kit.reader.fingerprints`; errors as those of `read`."""
@@ -172,7 +190,7 @@ class Reader(Closing):
         status, cpu_s = int(ended["status"]), float(ended["cpu_s"])
         ended_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
         used_up = cpu_s >= limits.CPU_S - 1
-        advice = "Clear its outputs and hand" if copy.name.endswith(".ipynb") else "Hand"
+        advice = "Clear its outputs and hand" if kind(copy.name) == NOTEBOOK else "Hand"
         advice += " in a shorter, simpler program."
         if ended_by == signal.SIGXCPU or (ended_by and used_up):
             raise UnreadableError(
@@ -226,6 +244,8 @@ def _facts(told: Record) -> Facts:
 
 def _program_name(name: str) -> str:
     """A name to run under, which stands in tracebacks as it is: `a b.py` for `a b.ipynb`."""
-    stem = name.removesuffix(".ipynb").removesuffix(".py")
+    stem = name
+    while kind(stem):  # `a.py` of `a.py.txt`, then `a`
+        stem = stem.rpartition(".")[0]
     plain = "".join(one if one.isprintable() and one not in '"\\/' else "_" for one in stem)
     return f"{plain}.py"

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
 from course_kit.process.closing import Closing
+from course_kit.reader.text import NOTEBOOK, PROGRAM, kind
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 _MB = 1 << 20
 LARGEST = _MB  # bytes of a program
 LARGEST_NOTEBOOK = 64 * _MB  # bytes of a notebook's file, most of them outputs
-_LARGEST = {".py": LARGEST, ".ipynb": LARGEST_NOTEBOOK}
+_LARGEST = {PROGRAM: LARGEST, NOTEBOOK: LARGEST_NOTEBOOK}
 _BLOCK = _MB
 _OF_THE_MACHINE = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO)
 
@@ -144,12 +145,13 @@ class Copy(Closing):
         self._file.close()
 
     def _fill(self, path: Path, *, whole: bool) -> str:
-        digest = hashlib.sha256(path.suffix.encode(errors="surrogateescape") + b"\0")
+        ending = kind(path.name)
+        digest = hashlib.sha256(ending.encode() + b"\0")
         source = _open(path)
         try:
-            if path.suffix not in _LARGEST:
+            if not ending:
                 raise UnreadableError(f"{path.name} is neither a .py nor an .ipynb file. Hand in one of these.")
-            most = _LARGEST[path.suffix]
+            most = _LARGEST[ending]
             while block := _read(source, min(_BLOCK, most + 1 - self.size), path):
                 self.size += len(block)
                 if self.size > most:
@@ -213,7 +215,7 @@ def _not_read(path: Path, problem: Exception) -> UnreadableError | GradingError:
 
 
 def _too_large(path: Path) -> str:
-    if path.suffix == ".py":
+    if kind(path.name) == PROGRAM:
         return f"{path.name} is larger than {LARGEST // 1024} kB. Hand in only the program."
     return f"{path.name} is larger than {LARGEST_NOTEBOOK // _MB} MB. Clear its outputs and save it again."
 

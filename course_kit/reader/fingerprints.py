@@ -6,6 +6,7 @@ Renaming, comments, blank lines and moved functions change few of them. Of each 
 
 from __future__ import annotations
 
+import hashlib
 import keyword
 import re
 import zlib
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 RUN = 14  # tokens: a line or two
 WINDOW = 8
 _MOST_TOKENS = 50_000
+_IDENTITY = 32  # hexadecimal digits
 _BASE = 1_000_003
 _DROPPED = pow(_BASE, RUN, 1 << 64)  # the weight of the token that leaves a run
 _64_BITS = (1 << 64) - 1
@@ -64,6 +66,17 @@ def fingerprints(source: str) -> frozenset[int]:
     runs = list(_runs([_number_of(token) for token in _tokens(source)]))
     windows = range(max(len(runs) - WINDOW + 1, min(len(runs), 1)))
     return frozenset(min(runs[place : place + WINDOW]) for place in windows)
+
+
+def shape(line: str) -> tuple[str, ...]:
+    """A line of a program without its names, values and layout; empty for one that is blank or a comment."""
+    return tuple(_tokens(line))
+
+
+def identity(source: str) -> str:
+    """A hash of a program, equal for programs that differ in comments, docstrings, blanks and line ends alone."""
+    tokens = (match.group() for match in _TOKEN.finditer(source) if match.lastgroup != "skipped")
+    return hashlib.sha256("\n".join(tokens).encode("utf-8", errors="replace")).hexdigest()[:_IDENTITY]
 
 
 def _runs(tokens: list[int]) -> Iterator[int]:

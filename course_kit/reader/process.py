@@ -14,7 +14,7 @@ import socket
 import sys
 import traceback
 
-from course_kit.reader import fingerprints, limits, packets, text
+from course_kit.reader import fingerprints, glance, limits, packets, text
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 TOO_MUCH_MEMORY, FAILED = 69, 70  # exit statuses of a child; the second is a mistake of ours
 _WORK: dict[str, Callable[[str, BinaryIO, Any], dict[str, object]]] = {
     "read": text.read,
-    "mentions": text.mentions,
+    "glance": glance.at,
     "fingerprints": fingerprints.of_submission,
 }
 

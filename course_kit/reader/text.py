@@ -5,20 +5,32 @@ from __future__ import annotations
 import json
 import re
 
-from course_kit.reader import literals, python
+from course_kit.reader import exported, literals, python
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
     from typing import BinaryIO
 
     from course_kit.reader.packets import Wish
 
 LARGEST = 1 << 20  # bytes of a program
-NOTEBOOK = ".ipynb"
+PROGRAM, NOTEBOOK = ".py", ".ipynb"
+_ADDED = (".txt", ".json")  # to a name, by a browser, a mail program or an editor that does not know the ending
 _MAGIC = re.compile(r"%%submission[^\S\n]+(?P<exercise>\S+)[^\S\n]*\Z")
 _NO_NOTEBOOK = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
 _FEW, _LONGEST_NAME = 10, 40  # of other exercises that are named
+
+
+def kind(name: str) -> str:
+    """What a file is by its name, PROGRAM or NOTEBOOK, and nothing when it is neither.
+
+    `.PY`, `.py.txt` and `.ipynb.json` count, too: that is what Windows and browsers make of a name.
+    """
+    plain = name.lower()
+    for added in _ADDED:
+        plain = plain.removesuffix(added)
+    return next((ending for ending in (PROGRAM, NOTEBOOK) if plain.endswith(ending)), "")
 
 
 class UnreadableTextError(ValueError):
@@ -53,24 +65,6 @@ def read(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
     }
 
 
-def mentions(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
-    """Whether a file holds what an exercise asks for; it may be broken otherwise.
-
-    Args:
-        name: the file's name.
-        file: the file.
-        wish: the `exercise`, and the `class_name` or the `variable` that it asks for.
-
-    Returns:
-        `found`, yes or no.
-    """
-    if name.endswith(NOTEBOOK):
-        mark = rf"%%submission\s+{re.escape(wish['exercise'])}\b"
-    else:
-        mark = rf"^class {re.escape(wish['class_name'])}\b" if wish["class_name"] else rf"^{wish['variable']}\b"
-    return {"found": re.search(mark, file.read().decode("utf-8", errors="replace"), re.MULTILINE) is not None}
-
-
 def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[int, int]]]:
     """The program, and of a notebook for each cell it was joined from the cell's number and how many lines it gave.
 
@@ -84,12 +78,14 @@ def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[i
     """
     text = _decoded(name, file)
     places: list[tuple[int, int]] = []
-    if name.endswith(NOTEBOOK):
-        source, places = _joined(name, text, exercise)
+    if kind(name) == NOTEBOOK:
+        source, places = _joined(name, _code_cells(name, text), exercise)
     else:
         source = _plain_lines(text)
         if not source.strip():
             raise UnreadableTextError(f"{name} is empty.")
+        if cells := exported.cells(source):
+            source, places = _joined(name, cells, exercise)
     if "\0" in source:
         raise UnreadableTextError(f"{name} is not Python: it contains null bytes.")
     return source, places
@@ -104,13 +100,14 @@ def _decoded(name: str, file: BinaryIO) -> str:
         ) from None
 
 
-def _joined(name: str, text: str, exercise: str) -> tuple[str, list[tuple[int, int]]]:
+def _joined(name: str, cells: Iterable[tuple[int, str]], exercise: str) -> tuple[str, list[tuple[int, int]]]:
     lines: list[str] = []
     places: list[tuple[int, int]] = []
     others: set[str] = set()
-    for number, cell in _code_cells(name, text):
-        first, *rest = _plain_lines(cell).split("\n")
-        if not (match := _MAGIC.match(first)):
+    for number, cell in cells:
+        rest = _plain_lines(cell).split("\n")
+        first = _first_statement(rest)
+        if not (match := _MAGIC.match(rest.pop(first))):
             continue
         if match["exercise"] != exercise:
             others.add(match["exercise"])
@@ -132,6 +129,11 @@ def _joined(name: str, text: str, exercise: str) -> tuple[str, list[tuple[int, i
     if size > LARGEST:
         raise UnreadableTextError(f"{name} holds more than {LARGEST // 1024} kB of code. Hand in only the program.")
     return source, places
+
+
+def _first_statement(lines: list[str]) -> int:
+    """The place of the first line that is neither blank nor a comment; of the first one where there is none."""
+    return next((place for place, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), 0)
 
 
 def _found(others: set[str]) -> str:

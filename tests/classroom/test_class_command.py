@@ -187,10 +187,10 @@ def test_a_cluster_does_the_same_and_loses_nothing_with_a_machine(handed_in: Pat
     with ExitStack() as cluster:
         scheduler = ("-m", "distributed.cli.dask_scheduler", "--port", 0, "--no-dashboard", "--host", "127.0.0.1")
         cluster.enter_context(started(*scheduler, "--scheduler-file", contact))
-        wait_until(contact.is_file)
+        wait_until(lambda: address_in(contact) is not None)
         worker = ("-m", "distributed.cli.dask_worker", "--scheduler-file", contact, "--nthreads", 1, "--no-nanny")
         first, _ = (cluster.enter_context(started(*worker, "--no-dashboard", "--name", name)) for name in "ab")
-        address = json.loads(contact.read_text())["address"]
+        address = str(address_in(contact))
         wait_until(lambda: workers_at(address) == 2)
         process = cluster.enter_context(started(*class_run(handed_in, "--scheduler", address)))
         wait_until(lambda: len(records(handed_in)) >= 1)
@@ -198,6 +198,38 @@ def test_a_cluster_does_the_same_and_loses_nothing_with_a_machine(handed_in: Pat
         said, _ = process.communicate(timeout=PATIENCE_S)
         assert process.returncode == 0, said
     finish(handed_in, "--resume")
+
+
+def test_a_scheduler_that_dies_is_said_with_the_command_that_goes_on(handed_in: Path, tmp_path: Path) -> None:
+    contact = tmp_path / "scheduler.json"
+    with ExitStack() as cluster:
+        python = ("-m", "distributed.cli.dask_scheduler", "--port", 0, "--no-dashboard", "--host", "127.0.0.1")
+        scheduler = cluster.enter_context(started(*python, "--scheduler-file", contact))
+        wait_until(lambda: address_in(contact) is not None)
+        worker = ("-m", "distributed.cli.dask_worker", "--scheduler-file", contact, "--nthreads", 1, "--no-nanny")
+        cluster.enter_context(started(*worker, "--no-dashboard"))
+        address = str(address_in(contact))
+        wait_until(lambda: workers_at(address) == 1)
+        process = cluster.enter_context(started(*class_run(handed_in, "--scheduler", address)))
+        wait_until(lambda: len(records(handed_in)) >= 1)
+        scheduler.kill()
+        said, _ = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2, said
+    assert f"course-kit: The Dask scheduler at {address} has ended or cannot be reached any more." in said
+    assert f"--scheduler {address} --resume" in said.partition("then run:\n")[2]
+    assert "Traceback" not in said
+    before = records(handed_in)
+    assert 1 <= len(before) < CLASS_SIZE
+    assert {json.loads(path.read_text())["report"]["status"] for path in before.values()} == {"graded"}
+    finish(handed_in, "--resume")
+
+
+def address_in(contact: Path) -> str | None:
+    """Where the scheduler is; None until its file is there, and whole."""
+    try:
+        return str(json.loads(contact.read_text())["address"])
+    except (OSError, ValueError):
+        return None
 
 
 def workers_at(address: str) -> int:
@@ -214,7 +246,7 @@ def workers_at(address: str) -> int:
         (["--scheduler", "tcp://127.0.0.1:9"], "no Dask scheduler at"),
         (["--layout", "blackbord"], "no layout 'blackbord'"),
         (["--seeds", "nowhere.csv"], "nowhere.csv could not be read: No such file"),
-        (["--seeds", __file__], "not a list of students and seeds"),
+        (["--seeds", __file__], "line 1: the column 'student', 'seed' is missing"),
         (["--out", __file__], "is a file. --out has to name a folder"),
     ],
 )

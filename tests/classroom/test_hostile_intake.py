@@ -564,18 +564,40 @@ def test_too_many_members_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         collect(Zip(tmp_path / "all.zip").close())
 
 
-def test_a_zip_in_a_zip_stays_closed(tmp_path: Path) -> None:
+def test_a_zip_in_a_zip_is_opened_once_and_is_one_students(tmp_path: Path) -> None:
     packed = Zip(tmp_path / "all.zip")
-    inner = Zip(tmp_path / "inner.zip").close().read_bytes()
+    inner = Zip(tmp_path / "inner.zip")
+    inner.add("work.zip", b"PK\x05\x06" + bytes(18))
+    inner.add("../../bob/temperature_service.py")
+    data = inner.close().read_bytes()
     (tmp_path / "inner.zip").unlink()
-    packed.add("mallory/work.zip", inner)
-    packed.add("dee.zip", inner)
+    packed.add("mallory/work.zip", data)
+    packed.add("dee.zip", data)
+    packed.add("eve/work.zip", b"PK\x03\x04 and then nothing")
     found = collect(packed.close())
-    assert taken(found) == {**IN_FOLDERS, "mallory": "mallory/work.zip", "dee": "dee.zip"}
-    assert collect(tmp_path / "all.zip", SERVICE, ROBOT).dropped == (
-        ("dee", "none of it belongs to these exercises"),
-        ("mallory", "none of it belongs to these exercises"),
-    )
+    result = taken(found)
+    assert result.pop("mallory").startswith("mallory/work.zip.contents/")
+    assert result.pop("dee").startswith("dee.zip.contents/")
+    assert result.pop("eve") == "eve/work.zip", "its report says that it is no program"
+    assert result == IN_FOLDERS
+    left = dict(found.left)
+    assert left["mallory/work.zip.contents/work.zip"] == "it belongs to none of these exercises"
+    assert "../../bob/temperature_service.py" in " ".join(left)
+    assert not list(tmp_path.glob("workspace/**/work.zip.contents/work.zip.contents"))
+    assert (tmp_path / "workspace/bob/temperature_service.py").read_bytes() == b"pass\n"
+
+
+def test_a_bomb_in_a_students_zip_is_theirs_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(archive, "LARGEST_OF_ONE", 10_000)
+    root = lay_out(tmp_path / "in", IN_FOLDERS.values())
+    (root / "mallory").mkdir()
+    with zipfile.ZipFile(root / "mallory/work.zip", "w", zipfile.ZIP_DEFLATED) as bomb:
+        bomb.writestr("temperature_service.py", b"0" * 500_000)
+    found = collect(root)
+    assert taken(found) == IN_FOLDERS
+    assert "it is too much" in dict(found.dropped)["mallory"]
+    assert sorted(path.name for path in root.iterdir()) == ["ann", "bob", "cem", "mallory"]
+    assert [path.name for path in (root / "mallory").iterdir()] == ["work.zip"], "nothing is unpacked in the inbox"
 
 
 @pytest.mark.parametrize("name", ["mallory\\temperature_service.py", "a%2fbob.py", "a\u2215bob.py", "a\uff0fbob.py"])

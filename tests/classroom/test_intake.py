@@ -84,7 +84,7 @@ def test_canvas_tells_who_is_late_and_the_latest_attempt_counts(tmp_path: Path) 
     assert jane.platform == {"canvas_user": "12345", "canvas_submission": "67891"}
     assert joerg.late
     left = dict(found.left)
-    assert left["doejane_12345_67890_temperature_service.py"] == f"{jane.source} was used"
+    assert left["doejane_12345_67890_temperature_service.py"] == f"{jane.source} was used: an earlier upload"
     assert left["notes.txt"] == "its name does not follow the layout 'canvas'"
 
 
@@ -115,6 +115,7 @@ def test_with_several_exercises_each_file_goes_to_its_own_by_name_or_by_content(
 def test_a_single_file_of_a_wrong_kind_is_still_a_submission_that_gets_a_report(tmp_path: Path) -> None:
     found = collect(lay_out(tmp_path / "in", {"jane/essay.pdf": "%PDF", "joe/temperature_service.py": ""}))
     assert [entry.source for entry in found.entries] == ["jane/essay.pdf", "joe/temperature_service.py"]
+    assert [entry.worry for entry in found.entries] == ["it is neither a .py nor an .ipynb file", ""]
 
 
 def test_of_two_equally_named_the_newer_one_counts(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.classroom import intake
+from course_kit.classroom import intake, known_starters
 from course_kit.grading import GradingError, exercise
 from tests.classroom.hostile_inboxes import Inbox, Maker
 
@@ -55,7 +55,8 @@ def collect(inbox: Inbox, home: Path, opened: Opened) -> intake.Intake:
     with opened.listening() as paths:
         found = intake.collect(inbox.source, (SERVICE,), home / "workspace")
     assert any(path.startswith(str(inbox.source)) for path in paths)
-    places = (inbox.source, home / "workspace", home / ".workspace_is_unpacked", os.devnull, *PYTHONS_OWN)
+    ours = (home / "workspace", home / ".workspace_is_unpacked", known_starters.FILE, os.devnull)
+    places = (inbox.source, *ours, *PYTHONS_OWN)
     for path in paths:
         assert any(belongs(os.path.realpath(path), str(place)) for place in places), f"{path} was opened"
     return found

@@ -10,50 +10,23 @@ import shutil
 from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom import exports
+from course_kit.classroom import exports, roster
 from course_kit.classroom.progress import RunProgress
 from course_kit.classroom.records import Entry, Record, Records, safe_name
 from course_kit.classroom.run import ClassRun, Plan
-from course_kit.grading import GradingError, exercise
-from course_kit.grading.report import CheckReport, Report
+from course_kit.classroom.seeds import Seeds
+from course_kit.grading import GradingError
+from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.classroom.gradebook import Gradebook
     from course_kit.grading.engine import Task
-
-SERVICE = exercise.load("temperature_service")
-CHOICE = exercise.load("pattern_choice")
-
-
-class StandInForGrading:
-    """An executor that gives full marks at once to whatever contains "right"."""
-
-    slots = 2
-
-    def __init__(self) -> None:
-        self.tasks: list[Task] = []
-        self.closed = False
-
-    def submit(self, task: Task) -> Future[Report]:
-        self.tasks.append(task)
-        done: Future[Report] = Future()
-        right = "right" in task.text.source
-        check = CheckReport("it", "It", "passed" if right else "failed", 10.0, points=10.0 if right else 0.0)
-        done.set_result(
-            Report(
-                task.exercise.id, task.exercise.title, task.shown, "graded", right, check.points, 10.0, 0.1, (check,)
-            )
-        )
-        return done
-
-    def close(self) -> None:
-        self.closed = True
+    from course_kit.grading.report import Report
 
 
 @pytest.fixture
@@ -65,13 +38,21 @@ def handed_in(tmp_path: Path) -> Path:
     return tmp_path / "in"
 
 
-def run(source: Path, out: Path, executor: StandInForGrading, **options: Any) -> Gradebook:
-    plan = Plan(source, out, options.pop("exercises", (SERVICE,)), **options)
-    return ClassRun(plan, RunProgress(io.StringIO())).grade(lambda: executor)
+def test_the_size_of_a_notebook_is_that_of_its_program(tmp_path: Path) -> None:
+    cell = {"cell_type": "code", "source": "%%submission temperature_service\nright = 1\n", "outputs": ["x" * 500_000]}
+    (tmp_path / "in/ada").mkdir(parents=True)
+    (tmp_path / "in/ada/temperature_service.ipynb").write_text(json.dumps({"cells": [cell]}))
+    [record] = run(tmp_path / "in", tmp_path / "out", StandInForGrading()).records
+    assert record.size == len("right = 1\n\n")
 
 
-def results(book: Gradebook) -> dict[str, tuple[str, float, str]]:
-    return {one.entry.student: (one.status, one.score, one.same_as) for one in book.records}
+def test_who_is_absent_is_in_the_grades_by_name(handed_in: Path, tmp_path: Path) -> None:
+    (tmp_path / "list.csv").write_text("login,name\nada,Ada L\nned,Ned N\n")
+    book = run(handed_in, tmp_path / "out", StandInForGrading(), roster=roster.read(tmp_path / "list.csv"))
+    table = dict(exports.files(book))
+    assert "ned,Ned N,,10,missing" in table["grades.csv"]
+    assert "ada,Ada L,10,10,passed" in table["grades.csv"]
+    assert (tmp_path / "out/intake.csv").is_file()
 
 
 def test_everybody_gets_a_result_and_identical_submissions_are_graded_once(handed_in: Path, tmp_path: Path) -> None:
@@ -157,12 +138,18 @@ def test_results_of_an_earlier_run_are_not_mixed_with_new_ones_by_accident(hande
 def test_checks_draw_from_the_seed_of_the_run_the_exercise_or_the_student(handed_in: Path, tmp_path: Path) -> None:
     (handed_in / "ada/pattern_choice.py").write_text("answers = {}")
     (handed_in / "bob/pattern_choice.py").write_text("answers = {}")
+    listed = {"ada": 98, "bob": 99, "cem": 1, "dee": 2, "eve": 3}
+    seeds = Seeds(tmp_path / "seeds.csv", {student: (seed, 1) for student, seed in listed.items()})
+    own = StandInForGrading()
+    run(handed_in, tmp_path / "own", own, exercises=(SERVICE, CHOICE), seed=7, seeds=seeds)
     executor = StandInForGrading()
-    run(handed_in, tmp_path / "out", executor, exercises=(SERVICE, CHOICE), seed=7, seeds={"bob": 99})
-    seeds = {(task.shown, task.seed) for task in executor.tasks}
-    assert ("ada/temperature_service.py", 7) in seeds
-    assert ("ada/pattern_choice.py", CHOICE.seed) in seeds
-    assert ("bob/pattern_choice.py", 99) in seeds  # the same bytes as ada's, and not the same questions
+    run(handed_in, tmp_path / "out", executor, exercises=(SERVICE, CHOICE), seed=7)
+    usual = {(task.shown, task.seed) for task in executor.tasks}
+    assert ("ada/temperature_service.py", 7) in usual
+    assert ("ada/pattern_choice.py", CHOICE.seed) in usual
+    drawn = {(task.shown, task.seed) for task in own.tasks}
+    assert ("ada/pattern_choice.py", 98) in drawn
+    assert ("bob/pattern_choice.py", 99) in drawn  # the same bytes as ada's, and not the same questions
 
 
 def test_a_request_to_stop_leaves_what_is_done_and_says_it_is_not_all(handed_in: Path, tmp_path: Path) -> None:

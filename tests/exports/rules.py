@@ -6,6 +6,7 @@ import base64
 import csv
 import io
 import json
+import re
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -54,6 +55,37 @@ GRADESCOPE = {
     },
 }
 
+# Rests on schemas/result-v1.schema.json of foundation50/classroom50; that no score exceeds its most is in its code.
+_POINTS = {"type": "integer", "minimum": 0}
+_SAID = {"type": "string", "minLength": 1}
+_MOMENT = {"type": "string", "pattern": r"^\d{4}-\d{2}-\d{2}T([01]\d|2[0-3]):[0-5]\d:[0-5]\dZ$"}
+CLASSROOM50: dict[str, Any] = {
+    "type": "object",
+    "additionalProperties": False,
+    "properties": {
+        "schema": {"const": "classroom50/result/v1"},
+        "assignment_type": {"enum": ["individual", "group"]},
+        "submission": {"type": "string", "pattern": "^submit/"},
+        **dict.fromkeys(("classroom", "assignment", "owner", "commit", "release", "review"), _SAID),
+        **dict.fromkeys(("datetime", "graded_at"), _MOMENT),
+        **dict.fromkeys(("score", "max-score"), _POINTS),
+        "tests": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "required": ["test-name", "passed", "score", "max-score"],
+                "properties": {
+                    "test-name": _SAID,
+                    "passed": {"type": "boolean"},
+                    "score": _POINTS,
+                    "max-score": _POINTS,
+                },
+            },
+        },
+    },
+}
+CLASSROOM50["required"] = [name for name in CLASSROOM50["properties"] if name != "graded_at"]
+
 # Rests on the source of GitHub's actions autograding-grading-reporter (which fields it reads) and
 # autograding-command-grader (which it writes).
 GITHUB = {
@@ -81,22 +113,27 @@ GITHUB = {
     },
 }
 
-# Rests on the schema junit-10.xsd of Jenkins's xUnit plugin: an element's attributes (those with ! are a must) and
-# children; and on Ant's schema for the order properties, then test cases, and one outcome for each test case.
-_OUTCOME = ({"type", "message"}, set())
-JUNIT: dict[str, tuple[set[str], set[str]]] = {
-    "testsuites": ({"name", "time", "tests", "failures", "errors"}, {"testsuite"}),
+# Rests on two schemas at once: junit-10.xsd of Jenkins's xUnit plugin and the stricter JUnit.xsd of Ant's reports. An
+# element's attributes, each of them a must, with what they look like; and its children, in this order.
+_TEXT, _COUNT, _SECONDS = r".*", r"\d{1,9}", r"\d{1,9}\.\d{3}"
+_TRIMMED = r"\S(.*\S)?"
+_OUTCOME = ({"type": _TRIMMED, "message": _TEXT}, ())
+_COUNTS = dict.fromkeys(("tests", "failures", "errors", "skipped"), _COUNT)
+JUNIT: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
+    "testsuites": ({}, ("testsuite",)),
     "testsuite": (
-        {"name!", "tests!", "failures!", "errors!", "group", "time", "skipped", "timestamp", "hostname", "id"}
-        | {"package", "file", "log", "url"},
-        {"testsuite", "properties", "testcase", "system-out", "system-err"},
+        {"name": _TRIMMED, "id": _COUNT, "package": _TRIMMED, "hostname": _TRIMMED, "time": _SECONDS, **_COUNTS}
+        | {"timestamp": r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d"},
+        ("properties", "testcase", "system-out", "system-err"),
     ),
-    "properties": (set(), {"property"}),
-    "property": ({"name!", "value!"}, set()),
-    "testcase": ({"name!", "time", "classname", "group"}, {"skipped", "error", "failure", "system-out", "system-err"}),
+    "properties": ({}, ("property",)),
+    "property": ({"name": _TRIMMED, "value": _TEXT}, ()),
+    "testcase": ({"name": _TRIMMED, "time": _SECONDS, "classname": _TRIMMED}, ("skipped", "error", "failure")),
     "failure": _OUTCOME,
     "error": _OUTCOME,
-    "skipped": _OUTCOME,
+    "skipped": ({"message": _TEXT}, ()),
+    "system-out": ({}, ()),
+    "system-err": ({}, ()),
 }
 
 
@@ -147,6 +184,15 @@ def gradescope(text: str) -> dict[str, Any]:
     return result
 
 
+def classroom50(text: str) -> dict[str, Any]:
+    result: dict[str, Any] = json.loads(text)
+    jsonschema.validate(result, CLASSROOM50)
+    assert all(one["score"] <= one["max-score"] for one in (result, *result["tests"]))
+    assert result["score"] == sum(test["score"] for test in result["tests"])
+    assert result["max-score"] == sum(test["max-score"] for test in result["tests"])
+    return result
+
+
 def github(line: str) -> tuple[dict[str, Any], float]:
     """The result and the points that the reporter would announce."""
     name, _, encoded = line.strip().partition("=")
@@ -160,23 +206,24 @@ def junit(text: str) -> ET.Element:
     root = ET.fromstring(text)  # noqa: S314 - our own
     assert root.tag == "testsuites"
     _follow(root)
-    for suite in root:
-        tags = [child.tag for child in suite]
-        assert tags == ["properties", *["testcase"] * (len(tags) - 1)]
+    for place, suite in enumerate(root):
+        assert suite.attrib["id"] == str(place)
+        assert [child.tag for child in suite][:1] == ["properties"]
+        assert [child.tag for child in suite][-2:] == ["system-out", "system-err"]
         cases = suite.findall("testcase")
         assert all(len(case) <= 1 for case in cases)
         assert int(suite.attrib["tests"]) == len(cases)
         for attribute, tag in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
             assert int(suite.attrib[attribute]) == sum(case.find(tag) is not None for case in cases)
-    for attribute in ("tests", "failures", "errors"):
-        assert int(root.attrib[attribute]) == sum(int(suite.attrib[attribute]) for suite in root)
     return root
 
 
 def _follow(element: ET.Element) -> None:
     attributes, children = JUNIT[element.tag]
-    assert {name[:-1] for name in attributes if name.endswith("!")} <= set(element.attrib)
-    assert set(element.attrib) <= {name.rstrip("!") for name in attributes}
+    assert set(element.attrib) == set(attributes)
+    for name, value in element.attrib.items():
+        assert re.fullmatch(attributes[name], value, re.DOTALL), (element.tag, name, value)
+    order = [children.index(child.tag) for child in element]
+    assert order == sorted(order)
     for child in element:
-        assert child.tag in children
         _follow(child)

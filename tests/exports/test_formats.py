@@ -42,8 +42,8 @@ def test_everything_is_written_where_it_belongs(tmp_path: Path) -> None:
     page = exports.write_all(books.hostile_book(), tmp_path)
     assert page == tmp_path / "index.html"
     found = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
-    assert found == {*written(HOSTILE_BOOK), "index.html"}
-    assert {PurePosixPath(name).parts[0] for name in found} == {"grades.csv", "exports", "index.html"}
+    assert found == {*written(HOSTILE_BOOK), "index.html", "last_run.json", "exports/.files.json"}
+    assert {PurePosixPath(name).parts[0] for name in found} == {"grades.csv", "exports", "index.html", "last_run.json"}
 
 
 def test_writing_again_leaves_the_same(tmp_path: Path) -> None:
@@ -104,7 +104,14 @@ def test_where_the_grader_failed_there_is_no_grade_in_any_export(tmp_path: Path)
     assert "exports/moodle_temperature_service.csv" in graded
     exports.write_all(book(not_graded("jane", **of_moodle)), tmp_path)  # the grade of before must not stay either
     left = {path.relative_to(tmp_path).as_posix(): path.read_text() for path in tmp_path.rglob("*") if path.is_file()}
-    assert set(left) == {"grades.csv", "exports/canvas.csv", "exports/nbgrader.csv", "index.html"}
+    assert set(left) == {
+        "grades.csv",
+        "exports/canvas.csv",
+        "exports/nbgrader.csv",
+        "exports/.files.json",
+        "index.html",
+        "last_run.json",
+    }
     assert not any("jane" in left[name] for name in left if name.startswith("exports/"))
     assert table(left["grades.csv"])[0]["temperature_service status"] == "error"
 
@@ -128,10 +135,14 @@ def test_grades_has_a_row_for_each_student() -> None:
         "temperature_service max": "10",
         "temperature_service status": "passed",
         "temperature_service late": "late",
+        "temperature_service checks": "10",
+        "temperature_service remarks": "",
         "move_robot score": "0",
         "move_robot max": "20",
         "move_robot status": "not passed",
         "move_robot late": "",
+        "move_robot checks": "0",
+        "move_robot remarks": "",
         "total": "10",
         "total max": "30",
     }

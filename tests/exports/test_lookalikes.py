@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -49,7 +50,21 @@ def test_the_starter_makes_nobody_alike(tmp_path: Path) -> None:
     assert names(lookalikes.find(book(*class_, root=tmp_path))) == []
     class_ = class_of(tmp_path, cid=starter(), dan=starter() + "\n# mine\n")
     found = lookalikes.find(book(*class_, root=tmp_path))
-    assert (found.pairs, found.compared, found.unread) == ((), 0, 2)
+    assert (found.pairs, found.compared, found.unread) == ((), 0, 0)
+    class_ = class_of(tmp_path, eve=starter(), fay=starter(), gus=ORIGINAL, hal=ORIGINAL)
+    found = lookalikes.find(book(*class_, root=tmp_path))
+    assert [[record.entry.student for record in group] for group in found.identical] == [["gus", "hal"]]
+
+
+def test_the_work_of_a_group_is_not_alike(tmp_path: Path) -> None:
+    copied = disguised(ORIGINAL)
+    class_ = class_of(tmp_path, ann=ORIGINAL, bob=ORIGINAL, cid=copied, dan=f"{copied}\n# mine")
+    of_teams = [replace(record, entry=replace(record.entry, platform={"group": "red"})) for record in class_]
+    found = lookalikes.find(book(*of_teams, root=tmp_path))
+    assert (found.identical, found.pairs) == ((), ())
+    alone = lookalikes.find(book(*class_, root=tmp_path))
+    assert alone.identical
+    assert alone.pairs
 
 
 def test_what_many_write_makes_nobody_alike(tmp_path: Path) -> None:

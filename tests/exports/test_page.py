@@ -146,7 +146,7 @@ def test_it_says_how_the_class_did() -> None:
         "1.25\u00a0s",
         "notes.txt",
         "it belongs to none of these exercises",
-        "Students who handed in only something else",
+        "Missing submissions",
         "Similarity is not proof.",
     ):
         assert part in text, part

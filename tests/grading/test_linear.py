@@ -20,7 +20,7 @@ from course_kit.graders import _limiter
 from course_kit.grading import bounds, exchange_log, output
 from course_kit.grading.diagnosis import exits, tracebacks
 from course_kit.grading.job import Job
-from course_kit.reader import fingerprints, text
+from course_kit.reader import fingerprints, glance
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -138,14 +138,14 @@ def test_no_pattern_takes_more_than_twice_as_long_for_twice_the_text(module: str
 
 
 def test_every_pattern_has_a_name_and_so_is_measured() -> None:
-    """But one, which is made of an exercise's own words: it is measured as a part of `mentions`."""
+    """But one, which is made of an exercise's own words: it is measured as a part of `glance.at`."""
     found = []
     for path in modules():
         for node in ast.walk(ast.parse(path.read_text())):
             call = ast.unparse(node.func) if isinstance(node, ast.Call) else ""
             if call.startswith("re.") and call not in ("re.compile", "re.escape"):
                 found.append(f"{path.name}: {call}")
-    assert found == ["text.py: re.search"]
+    assert found == ["glance.py: re.search"]
 
 
 JOB = Job("course_kit.graders.temperature_service", "run", "answer.py", 1, source="x = 1\n")
@@ -163,9 +163,9 @@ FUNCTIONS: dict[str, Callable[[str], object]] = {
     "printable": output.printable,
     "cut": bounds.cut,
     "step": exchange_log._cut,
-    "class in a program": lambda given: text.mentions("a.py", io.BytesIO(given.encode()), CLASS),
-    "variable in a program": lambda given: text.mentions("a.py", io.BytesIO(given.encode()), VARIABLE),
-    "cell in a notebook": lambda given: text.mentions("a.ipynb", io.BytesIO(given.encode()), CLASS),
+    "class in a program": lambda given: glance.at("a.py", io.BytesIO(given.encode()), CLASS),
+    "variable in a program": lambda given: glance.at("a.py", io.BytesIO(given.encode()), VARIABLE),
+    "cell in a notebook": lambda given: glance.at("a.ipynb", io.BytesIO(given.encode()), CLASS),
     "fingerprints": fingerprints.fingerprints,
 }
 MORE = (

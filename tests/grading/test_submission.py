@@ -102,6 +102,48 @@ def test_notebook_cells_are_joined_in_order_and_lines_are_found_again(tmp_path: 
     assert (found.where(1), found.where(2), found.where(3)) == ("cell 1, line 2", "cell 1, line 3", "cell 3, line 2")
 
 
+def test_comments_may_stand_above_the_magic_and_lines_are_found_again(tmp_path: Path) -> None:
+    path = tmp_path / "a.ipynb"
+    path.write_text(
+        notebook(f"# Jane Doe\n\n  # week 3\n%%submission {EXERCISE}\nx = 1\ny = 2", "# %%submission other")
+    )
+    found = read(path, EXERCISE)
+    assert found.source.split("\n") == ["# Jane Doe", "", "  # week 3", "x = 1", "y = 2", ""]
+    assert (found.where(4), found.where(5)) == ("cell 1, line 5", "cell 1, line 6")
+
+
+EXPORTED = f"""#!/usr/bin/env python
+# In[1]:
+get_ipython().run_line_magic('load_ext', 'course_kit')
+# In[7]:
+get_ipython().run_cell_magic('submission', '{EXERCISE}', 'x = 1\\ny = "\\\\n"\\n')
+# In[8]:
+get_ipython().run_cell_magic('time', '', 'z = 3\\n')
+"""
+
+
+def test_a_notebook_that_was_exported_as_a_script_is_its_marked_cell(tmp_path: Path) -> None:
+    path = tmp_path / "a.py"
+    path.write_text(EXPORTED)
+    found = read(path, EXERCISE)
+    assert found.source.split("\n")[:2] == ["x = 1", 'y = "\\n"']
+    assert found.where(2) == "cell 7, line 3"
+    with pytest.raises(UnreadableError, match=f"cells for: {EXERCISE}"):
+        read(path, "move_robot")
+    path.write_text("print('run_cell_magic')\n")
+    assert read(path, EXERCISE).source == "print('run_cell_magic')\n"
+
+
+@pytest.mark.parametrize("name", ["a.PY", "a.py.txt", "A.Py.TXT", "a.py.json"])
+def test_endings_that_windows_and_browsers_make(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text("x = 1\n")
+    found = read(tmp_path / name, EXERCISE)
+    assert (found.source, found.program.lower()) == ("x = 1\n", "a.py")
+    for ending in ("IPYNB", "ipynb.json", "ipynb.txt"):
+        (tmp_path / f"a.{ending}").write_text(notebook(f"%%submission {EXERCISE}\nx = 1"))
+        assert read(tmp_path / f"a.{ending}", EXERCISE).source == "x = 1\n"
+
+
 def test_syntax_fault_has_line_and_text(tmp_path: Path) -> None:
     path = tmp_path / "a.py"
     path.write_text("x = 1\nif x\n    pass\n")

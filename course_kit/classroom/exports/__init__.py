@@ -7,10 +7,19 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports import formats, page
+from course_kit.classroom.exports import (
+    attention,
+    changes,
+    comparison,
+    feedback,
+    formats,
+    lookalikes,
+    notices,
+    page,
+)
+from course_kit.classroom.exports.files_written import FilesWritten
 from course_kit.environment import write_atomically
 
 if TYPE_CHECKING:
@@ -28,27 +37,33 @@ def write_all(book: Gradebook, out: Path) -> Path:
     Raises:
         OSError: a file could not be written.
     """
-    written = set()
-    for name, text in files(book):
+    made = dict(files(book))
+    note_of_files = FilesWritten(out)
+    note_of_files.begin(made)
+    for name, text in made.items():
         # Whatever a power cut takes of these is made again from the records, so that none waits for the disk.
         write_atomically(out / name, text, durable=False)
-        written.add(name)
-    _remove_grades_that_are_gone(book, out, written)
-    write_atomically(out / PAGE, page.render(book))
+    note_of_files.end(made)  # takes away those of students and grades that are gone
+    notices.write(book, out)
+    feedback.write_all(book, out)
+    alike = lookalikes.find(book)
+    _write_comparisons(book, alike, out)
+    write_atomically(out / PAGE, page.render(book, alike, changes.since_last_run(book, out)))
+    changes.remember(book, out)
     return out / PAGE
+
+
+def _write_comparisons(book: Gradebook, alike: lookalikes.LookAlikes, out: Path) -> None:
+    """Write a page for each pair that looks alike, and take away those of an earlier run."""
+    written = set()
+    for name, text in comparison.pages(book, alike.pairs, attention.labels(book)):
+        write_atomically(out / name, text, durable=False)
+        written.add(out / name)
+    for old in set((out / comparison.FOLDER).glob("*.html")) - written:
+        old.unlink(missing_ok=True)
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
     """Path, relative to the output folder, and text of every file of every format."""
     for module in sorted(pkgutil.iter_modules(formats.__path__), key=lambda one: one.name):
         yield from importlib.import_module(f"{formats.__name__}.{module.name}").files(book)
-
-
-def _remove_grades_that_are_gone(book: Gradebook, out: Path, written: set[str]) -> None:
-    """Take away what an earlier export has written for those whose grade is gone, as the grader failed this time."""
-    if not book.not_graded:
-        return
-    stand_ins = tuple(replace(record, report={**record.report, "status": "graded"}) for record in book.records)
-    for name, _ in files(replace(book, records=stand_ins)):
-        if name not in written:
-            (out / name).unlink(missing_ok=True)

@@ -31,12 +31,13 @@ class Bar:
 
 @dataclass
 class CheckCount:
-    """How often a check came out how: by its status."""
+    """How often a check came out how: by its status, and whose it is that failed."""
 
     id: str
     title: str
     points: float
     by_status: Counter[str] = field(default_factory=Counter)
+    failed: list[Record] = field(default_factory=list)
 
     @property
     def run(self) -> int:
@@ -60,6 +61,8 @@ def checks(records: Sequence[Record]) -> list[CheckCount]:
         for check in record.report["checks"]:
             one = found.setdefault(check["id"], CheckCount(check["id"], check["title"], float(check["max_points"])))
             one.by_status[check["status"]] += 1
+            if check["status"] == "failed":
+                one.failed.append(record)
     return list(found.values())
 
 
@@ -75,6 +78,15 @@ def diagnoses_by_exercise(book: Gradebook) -> dict[str, list[int]]:
 def diagnoses_by_band(records: Sequence[Record]) -> dict[str, list[int]]:
     """For each diagnosis how many submissions of each of `BANDS` have it, the most frequent first."""
     return _table(((code, _band(record)) for record in records for code in record.diagnoses), len(BANDS))
+
+
+def having_diagnoses(records: Sequence[Record]) -> dict[str, list[Record]]:
+    """For each diagnosis the records that have it."""
+    table: dict[str, list[Record]] = {}
+    for record in records:
+        for code in record.diagnoses:
+            table.setdefault(code, []).append(record)
+    return table
 
 
 def _band(record: Record) -> int:

@@ -1,6 +1,7 @@
 """Submissions that look alike: identical ones, and those that share most of what is their own.
 
-Likeness is a reason to look, never a proof: small exercises have few good solutions.
+Likeness is a reason to look, never a proof: small exercises have few good solutions. Starters that were handed in as
+they were, and the work of a group, are alike by themselves and left out.
 """
 
 from __future__ import annotations
@@ -10,12 +11,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from course_kit.classroom import known_starters
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader
 from course_kit.grading.submission import Copy, UnreadableError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from course_kit.classroom.gradebook import Gradebook
@@ -66,8 +68,8 @@ def find(book: Gradebook) -> LookAlikes:
     for exercise in book.exercises:
         if not exercise.class_name:
             continue
-        groups = _groups(book.of(exercise.id))
-        identical += [tuple(group) for group in groups if len(group) > 1]
+        groups = _without_starters(_groups(book.of(exercise.id)), book, exercise)
+        identical += [tuple(group) for group in groups if len(group) > 1 and not _is_a_team(group)]
         alike = _alike(book, exercise, [group[0] for group in groups])
         pairs += alike.pairs
         compared += alike.compared
@@ -83,6 +85,29 @@ def _groups(records: list[Record]) -> list[list[Record]]:
     for record in records:
         groups[record.digest or record.entry.source].append(record)
     return list(groups.values())
+
+
+def _without_starters(groups: list[list[Record]], book: Gradebook, exercise: Exercise) -> list[list[Record]]:
+    """Those who have written something: a starter handed in as it was is like every other one."""
+    starters = known_starters.read().get(exercise.id, frozenset())
+    if book.root is None:
+        return groups
+    with Reader() as reader:
+        return [
+            group for group in groups if _identity(book.root / group[0].entry.source, exercise, reader) not in starters
+        ]
+
+
+def _identity(path: Path, exercise: Exercise, reader: Reader) -> str:
+    with suppress(UnreadableError, GradingError), Copy(path) as copy:
+        return reader.glance(copy, exercise).identity
+    return ""
+
+
+def _is_a_team(records: Sequence[Record]) -> bool:
+    """Whether all of these handed in together."""
+    teams = {record.entry.platform.get("group", "") for record in records}
+    return len(teams) == 1 and teams != {""}
 
 
 @dataclass(frozen=True)
@@ -106,7 +131,10 @@ def _alike(book: Gradebook, exercise: Exercise, records: list[Record]) -> _Alike
             same[prints - given].append(record)
     long_enough = {prints: group for prints, group in same.items() if len(prints) >= _FEWEST}
     pairs = [
-        Pair(first, other, 1.0, len(prints)) for prints, (first, *others) in long_enough.items() for other in others
+        Pair(first, other, 1.0, len(prints))
+        for prints, (first, *others) in long_enough.items()
+        for other in others
+        if not _is_a_team((first, other))
     ]
     own = _without_common(list(long_enough))
     kept = [(group[0], prints) for group, prints in zip(long_enough.values(), own, strict=True)]
@@ -145,5 +173,5 @@ def _similar(programs: list[tuple[Record, frozenset[int]]]) -> Iterator[Pair]:
             its_record, its_prints = programs[other]
             shared = len(prints & its_prints)
             similarity = shared / (len(prints) + len(its_prints) - shared)
-            if similarity >= THRESHOLD:
+            if similarity >= THRESHOLD and not _is_a_team((record, its_record)):
                 yield Pair(record, its_record, similarity, shared)

@@ -11,7 +11,7 @@ from statistics import mean, median
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from course_kit.classroom.exports import counts, lookalikes
+from course_kit.classroom.exports import attention, comparison, counts, lookalikes
 from course_kit.classroom.exports.results import by_student, name_of, problem, score, total
 from course_kit.classroom.exports.texts import number
 from course_kit.classroom.gradebook import outcome
@@ -22,27 +22,26 @@ from course_kit.text.templates import render as fill_in
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from course_kit.classroom.exports.changes import ResultChange
     from course_kit.classroom.gradebook import Gradebook
     from course_kit.classroom.records import Record
     from course_kit.grading.exercise import Exercise
 
 _TEMPLATES = Path(__file__).with_name("templates")
 _SECTIONS = {  # of the page, in its order: template and title; what has nothing to say is left out
-    "failed": "Could not be graded",
-    "dropped": "Handed in, but not graded",
+    "attention": "Needs your attention",
+    "students": "Students",
     "scores": "Scores",
     "checks": "Checks",
     "diagnoses": "Diagnoses",
     "alike": "Look-alikes",
     "extremes": "Slowest and largest",
-    "students": "Students",
-    "odd": "Entries that do not fit the layout",
-    "missing": "Missing submissions",
     "left": "Files that were not recognised as submissions",
 }
 _LAYOUTS = {
     "canvas": "Canvas",
     "moodle": "Moodle",
+    "gradescope": "Gradescope",
     "nbgrader": "nbgrader",
     "github": "GitHub Classroom",
     "folders": "a folder for each student",
@@ -65,16 +64,23 @@ class Figure:
 
 @dataclass(frozen=True)
 class HeatMap:
-    """How often which diagnosis came up: for each code a row of counts, one for each column."""
+    """How often which diagnosis came up: for each code a row of counts, one for each column, and whose it is."""
 
     caption: str
     columns: Sequence[str]
     rows: dict[str, list[int]]
+    having: dict[str, list[Record]]
 
 
-def render(book: Gradebook) -> str:
-    """The page of a class run."""
-    values = _values(book)
+def render(book: Gradebook, alike: lookalikes.LookAlikes | None = None, changes: Sequence[ResultChange] = ()) -> str:
+    """The page of a class run.
+
+    Args:
+        book: the class.
+        alike: its look-alikes where they have been looked for already.
+        changes: what is different from the last run.
+    """
+    values = _values(book, alike, changes)
     contents = {name: fill_in(_TEMPLATES / f"{name}.html", **values).strip() for name in _SECTIONS}
     sections = [(name, title, contents[name]) for name, title in _SECTIONS.items() if contents[name]]
     return str(fill_in(_TEMPLATES / "class_page.html", sections=sections, **values))
@@ -85,18 +91,27 @@ def report_link(record: Record) -> str:
     return quote(f"{STUDENTS}/{safe_name(record.entry.student)}/{record.entry.exercise}.html")
 
 
-def _values(book: Gradebook) -> dict[str, Any]:
+def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Sequence[ResultChange]) -> dict[str, Any]:
     """What the templates name: the class, what was found out about it, and the functions that put it into words."""
     timed = [record for record in book.records if not record.same_as and record.report["duration_s"]]
+    called = attention.labels(book)
+    if alike is None and book.records:
+        alike = lookalikes.find(book)
     return {
         "book": book,
+        "called": called,
+        "absent": dict(book.absent),
+        "groups": attention.groups(book, called, problem),
+        "changes": changes,
         "facts": list(_facts(book)),
         "layout": _LAYOUTS.get(book.layout, book.layout) or "unknown",
         "figures": [_figure(one, records) for one in book.exercises if (records := book.graded(one.id))],
         "checks": [(one, found) for one in book.exercises if (found := counts.checks(book.of(one.id)))],
         "heat_maps": [one for one in _heat_maps(book) if one.rows],
         "diagnoses": catalogue.catalogue(),
-        "alike": lookalikes.find(book) if book.records else None,
+        "alike": alike,
+        "comparable": min(len(alike.pairs), comparison.MOST_PAIRS) if alike and book.root else 0,
+        "comparison_link": comparison.link,
         "threshold": lookalikes.THRESHOLD,
         "slowest": sorted(timed, key=lambda one: -float(one.report["duration_s"]))[:_MOST_LISTED],
         "largest": sorted(book.records, key=lambda one: -one.size)[:_MOST_LISTED],
@@ -125,7 +140,7 @@ def _facts(book: Gradebook) -> Iterator[tuple[str, int]]:
 def _figure(exercise: Exercise, records: Sequence[Record]) -> Figure:
     points = [found for record in records if (found := score(record)) is not None]
     average, middle = (mean(points), median(points)) if points else (None, None)
-    passed = sum(record.report["passed"] for record in records)
+    passed = sum(record.passed for record in records)
     return Figure(exercise, counts.distribution(exercise, records), len(records), passed, average, middle)
 
 
@@ -133,10 +148,13 @@ def _heat_maps(book: Gradebook) -> Iterator[HeatMap]:
     """Over the exercises, and for each over how well its submissions did."""
     if len(book.exercises) > 1:
         titles = [exercise.title for exercise in book.exercises]
-        yield HeatMap("Submissions with a diagnosis, by exercise", titles, counts.diagnoses_by_exercise(book))
+        having = counts.having_diagnoses(book.graded())
+        yield HeatMap("Submissions with a diagnosis, by exercise", titles, counts.diagnoses_by_exercise(book), having)
     for exercise in book.exercises:
-        rows = counts.diagnoses_by_band(book.graded(exercise.id))
-        yield HeatMap(f"{exercise.title}: submissions with a diagnosis, by score", counts.BANDS, rows)
+        records = book.graded(exercise.id)
+        title = f"{exercise.title}: submissions with a diagnosis, by score"
+        having = counts.having_diagnoses(records)
+        yield HeatMap(title, counts.BANDS, counts.diagnoses_by_band(records), having)
 
 
 def _many(count: int, one: str) -> str:

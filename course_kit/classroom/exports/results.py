@@ -21,7 +21,7 @@ STATES = {
 
 def score(record: Record | None) -> float | None:
     """The points; None where the grader itself failed, for that is no zero, and where nothing was handed in."""
-    return None if record is None or record.status == "error" else record.score
+    return record.score if record is not None and record.has_grade else None
 
 
 def total(records: dict[str, Record]) -> float | None:
@@ -50,12 +50,12 @@ def platform_of(records: dict[str, Record], key: str) -> str:
 
 def headline(record: Record) -> str:
     """The result in one sentence."""
-    if record.status == "error":
+    if not record.has_grade:
         return "Not graded: the grader itself failed. Your work is not the cause, and it will be graded again."
     points = f"{number(record.score)} of {number(record.max_score)} points"
-    if record.status == "unreadable":
+    if record.status == "unreadable" and record.adjustment.override is None:
         return f"{points}: the submission could not be read."
-    return f"{points}: {'passed' if record.report['passed'] else 'not passed yet'}."
+    return f"{points}: {'passed' if record.passed else 'not passed yet'}."
 
 
 def problem(record: Record) -> str:
@@ -76,7 +76,7 @@ def explained(check: dict[str, Any]) -> str:
 
 def feedback(record: Record) -> list[str]:
     """Result and reasons, one paragraph each: for platforms that have one field for everything."""
-    paragraphs = [headline(record)]
+    paragraphs = [headline(record), *record.remarks]
     paragraphs += [text] if (text := problem(record)) else []
     for check in record.report["checks"]:
         if check["status"] != "passed":

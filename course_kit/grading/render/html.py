@@ -9,14 +9,20 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from course_kit import environment
+from course_kit.grading.render import program as program_lines
 from course_kit.grading.render.sequence import sequence_svg
 from course_kit.text.templates import render
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.report import Report
+    from course_kit.grading.submission import Submission
 
 _TEMPLATES = Path(__file__).with_name("templates")
+# Between these a page may get a notice later on. Whatever a submission says is escaped, and cannot hold one of them.
+NOTICE_BEGINS, NOTICE_ENDS = "<!-- notice -->", "<!-- end of notice -->"
 
 
 def render_html(report: Report, base: Path | None = None) -> str:
@@ -29,14 +35,41 @@ def render_html(report: Report, base: Path | None = None) -> str:
     return str(render(_TEMPLATES / "card.html", **_values(report, base or Path.cwd())))
 
 
-def render_page(report: Report, student: str) -> str:
+def render_page(report: Report, student: str, program: Submission | None = None) -> str:
     """The report for one student as an HTML document, to be opened from a folder or sent by mail.
+
+    It holds no link that leads out of it: wherever it is opened, the lessons lie somewhere else.
 
     Args:
         report: the report.
         student: whose it is, for the heading.
+        program: what was graded, to be shown with the lines that failed checks speak of; not shown when None.
     """
-    return str(render(_TEMPLATES / "page.html", student=student, **_values(report, Path.cwd())))
+    values = {
+        **_values(report, Path()),
+        "link": lambda _: "",
+        "is_page": True,
+        "student": student,
+        "program": program_lines.lines(report, program) if program else [],
+        "most_lines": program_lines.MOST_LINES,
+    }
+    return str(render(_TEMPLATES / "page.html", **values))
+
+
+def with_notice(page: str, score: str, sentences: Sequence[str]) -> str:
+    """A page of `render_page` with a notice above the report, in the place of the one before.
+
+    Args:
+        page: the page.
+        score: what counts, in a sentence.
+        sentences: why, or what else is to be said; without any there is no notice.
+    """
+    before, begins, rest = page.partition(NOTICE_BEGINS)
+    _, ends, after = rest.partition(NOTICE_ENDS)
+    if not begins or not ends:  # not a page of ours any more
+        return page
+    notice = render(_TEMPLATES / "notice.html", score=score, sentences=sentences).strip() if sentences else ""
+    return f"{before}{begins}{notice}{ends}{after}"
 
 
 def _values(report: Report, base: Path) -> dict[str, object]:
@@ -46,6 +79,7 @@ def _values(report: Report, base: Path) -> dict[str, object]:
         "first_failed": next((check for check in report.checks if check.status == "failed"), None),
         "link": partial(_link, base=base),
         "sequence_svg": sequence_svg,
+        "is_page": False,
     }
 
 

@@ -33,8 +33,8 @@ def _rows(book: Gradebook) -> Iterator[list[str | float | None]]:
     for student, records in by_student(book).items():
         if records and all(score(record) is None for record in records.values()):
             continue  # the grader itself failed, so that there is nothing to import
-        user = platform_of(records, "canvas_user") or (student if book.layout == "canvas" else "")
-        name = name_of(records, student)
+        user = platform_of(records, "canvas_user") or (student if book.layout == "canvas" and student.isdigit() else "")
+        name = name_of(records, book.names.get(student, student))
         if POINTS_ROW in name:  # a student of this name would be taken for the row of points
             name = name.replace(POINTS_ROW, POINTS_ROW.replace(" ", "\u00a0"))
         # Canvas finds the student by ID or login, which have to stand there exactly; the name is for people then.

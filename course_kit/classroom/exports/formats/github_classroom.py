@@ -37,7 +37,10 @@ def result(record: Record) -> dict[str, Any]:
     tests = [_test(check) for check in record.report["checks"]]
     if not tests:  # unreadable: the reporter shows tests, so that the reason has to be one
         tests = [{"name": "The submission can be graded", "status": "fail", "score": 0.0, "message": problem(record)}]
-    status = "pass" if record.report["passed"] else "fail"
+    if record.score != record.graded_score:  # the reporter adds up the tests, so that the difference has to be one
+        difference = record.score - record.graded_score
+        tests.append({"name": "Adjusted", "status": "pass", "score": difference, "message": " ".join(record.remarks)})
+    status = "pass" if record.passed else "fail"
     return {"version": VERSION, "status": status, "max_score": record.max_score, "tests": tests}
 
 

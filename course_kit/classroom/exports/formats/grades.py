@@ -28,11 +28,11 @@ def files(book: Gradebook) -> Iterator[tuple[str, str]]:
 def _rows(book: Gradebook) -> Iterator[list[str | float | None]]:
     header: list[str | float | None] = ["student", "name"]
     for exercise in book.exercises:
-        header += [f"{exercise.id} {column}" for column in ("score", "max", "status", "late")]
+        header += [f"{exercise.id} {column}" for column in ("score", "max", "status", "late", "checks", "remarks")]
     yield [*header, "total", "total max"]
     full = sum(exercise.points for exercise in book.exercises)
     for student, records in by_student(book).items():
-        row: list[str | float | None] = [student, name_of(records)]
+        row: list[str | float | None] = [student, name_of(records, book.names.get(student, ""))]
         for exercise in book.exercises:
             row += _cells(records.get(exercise.id), exercise.points)
         yield [*row, total(records), full]
@@ -40,5 +40,7 @@ def _rows(book: Gradebook) -> Iterator[list[str | float | None]]:
 
 def _cells(record: Record | None, points: float) -> list[str | float | None]:
     if record is None:
-        return [None, points, MISSING, None]
-    return [score(record), record.max_score, outcome(record), "late" if record.entry.late else None]
+        return [None, points, MISSING, None, None, None]
+    late = "late" if record.is_late else None
+    checks = None if record.status == "error" else record.graded_score
+    return [score(record), record.max_score, outcome(record), late, checks, " ".join(record.remarks) or None]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import timezone
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.exports.results import by_student, name_of, platform_of, score
@@ -9,6 +10,7 @@ from course_kit.classroom.exports.texts import Identifier, csv_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+    from datetime import datetime
 
     from course_kit.classroom.gradebook import Gradebook
     from course_kit.classroom.records import Record
@@ -57,18 +59,26 @@ def _assignment(book: Gradebook, records: dict[str, Record], exercise: Exercise)
 def _row(exercise: Exercise, student: str, records: dict[str, Record], assignment: str) -> Sequence[str | float | None]:
     record = records.get(exercise.id)
     points = 0.0 if record is None else score(record)
+    raw = 0.0 if record is None else record.graded_score
+    penalty = 0.0 if record is None else record.adjustment.penalty
+    due, submitted = ("", "") if record is None else (_utc(record.adjustment.due), _utc(record.adjustment.submitted))
     last, _, first = name_of(records).partition(",")  # nobody can tell which part of "Li Na" is which
     # Whatever reads the file finds a student by the identifier, which has to stand there exactly.
     return [
         assignment,
-        "",
-        "",
+        due,
+        submitted,
         Identifier(student),
         last.strip(),
         first.strip(),
         "",
-        points,
-        0.0,
+        raw,
+        penalty,
         points,
         exercise.points,
     ]
+
+
+def _utc(moment: datetime | None) -> str:
+    """As nbgrader writes it: UTC, without saying so."""
+    return "" if moment is None else f"{moment.astimezone(timezone.utc):%Y-%m-%d %H:%M:%S}"

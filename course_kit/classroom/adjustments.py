@@ -1,0 +1,94 @@
+"""What an instructor's rules and decisions make of a result: lateness and its penalty, an override, a comment.
+
+None of this is stored with the result. It is worked out again from the instructor's files for each gradebook, so that
+a rule that changes needs no grading.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from datetime import datetime
+
+_DAY_S, _HOUR_S, _MINUTE_S = 86_400, 3_600, 60
+
+
+@dataclass(frozen=True)
+class Adjustment:
+    """What is added to one result.
+
+    Attributes:
+        pass_mark: the points from which it is passed; None where nothing is adjusted.
+        submitted: when it was handed in, with its time zone; None where nobody knows.
+        due: when it was due, with its time zone and any extension; None without a due date.
+        extended: whether that is the student's own date.
+        late: whether it counts as late.
+        late_s: how long after `due` it was handed in, in seconds; 0 where the time is not known.
+        penalty: points taken for that.
+        override: the score that the instructor has set; None when the checks' one counts.
+        comment: the instructor's, for the student.
+        warning: what the instructor should look at, such as a time that is not known; empty when all is clear.
+    """
+
+    pass_mark: float | None = None
+    submitted: datetime | None = None
+    due: datetime | None = None
+    extended: bool = False
+    late: bool = False
+    late_s: float = 0.0
+    penalty: float = 0.0
+    override: float | None = None
+    comment: str = ""
+    warning: str = ""
+
+    def score(self, graded: float) -> float:
+        """The score that counts, where the checks gave `graded`."""
+        return max(0.0, graded - self.penalty) if self.override is None else self.override
+
+
+def sentences(adjustment: Adjustment, graded: float | None) -> Iterator[str]:
+    """What a student is told of it, a sentence each.
+
+    Args:
+        adjustment: what was added.
+        graded: the points of the checks; None where they gave none.
+    """
+    if adjustment.late:
+        yield _lateness(adjustment)
+    if adjustment.penalty and adjustment.override is None:
+        yield f"Late penalty: {adjustment.penalty:g} points, taken from the {graded or 0.0:g} points of the checks."
+    if adjustment.override is not None:
+        instead = "" if graded is None else f"; the checks gave {graded:g}"
+        yield f"Your instructor has set this score to {adjustment.override:g} points{instead}."
+    if adjustment.comment:
+        yield f"Comment of your instructor: {adjustment.comment}"
+
+
+def _lateness(adjustment: Adjustment) -> str:
+    if adjustment.submitted is None or adjustment.due is None:
+        return "Handed in late."
+    own = ", your own date" if adjustment.extended else ""
+    when = f"on {shown(adjustment.submitted)}, due {shown(adjustment.due)}{own}"
+    return f"Handed in {duration(adjustment.late_s)} late: {when}."
+
+
+def shown(moment: datetime) -> str:
+    """A moment for people, with its time zone: `2026-11-22 23:59 CET (UTC+01:00)`."""
+    offset = moment.strftime("%z")
+    utc = f"UTC{offset[:3]}:{offset[3:5]}" if moment.utcoffset() else "UTC"
+    name = moment.tzname() or ""
+    zone = utc if not name or name.startswith("UTC") else f"{name} ({utc})"
+    return f"{moment:%Y-%m-%d %H:%M} {zone}"
+
+
+def duration(seconds: float) -> str:
+    """A time for people in two units: `2 d 3 h`, `5 min`."""
+    minutes = max(1, round(seconds / _MINUTE_S))
+    days, rest = divmod(minutes * _MINUTE_S, _DAY_S)
+    hours, rest = divmod(rest, _HOUR_S)
+    parts = [(days, "d"), (hours, "h"), (rest // _MINUTE_S, "min")]
+    told = [f"{count} {unit}" for count, unit in parts if count]
+    return " ".join(told[:2])

@@ -1,0 +1,95 @@
+"""Grades one submission for a platform's autograder, which hands over a folder of whatever was handed in."""
+
+from __future__ import annotations
+
+import secrets
+import shutil
+import stat
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit.classroom import intake
+from course_kit.classroom.listing import FOLDER, Item, of_a_tool
+from course_kit.classroom.records import Entry, Record
+from course_kit.grading import engine, exercise
+from course_kit.grading.errors import GradingError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.report import Report
+
+_STUDENT = "submission"  # there is only one, and the platform knows who
+
+
+def grade(exercise_id: str, path: Path, *, seed: int | None = None, require_isolation: bool = False) -> Record:
+    """Grade a file, or what is found in a folder by the rules of a class's intake.
+
+    Args:
+        exercise_id: which exercise.
+        path: the file or folder.
+        seed: what the checks draw from; drawn when None.
+        require_isolation: refuse to run a submission where it would not be fully isolated.
+
+    Returns:
+        the result; one of status unreadable where the folder holds no submission of the exercise.
+
+    Raises:
+        GradingError: usage, or a fault that is not the student's: it could not be graded.
+        OSError: the folder cannot be copied.
+    """
+    task = exercise.load(exercise_id)
+    if seed is None:  # drawn here, for the result to tell it
+        seed = secrets.randbits(31) if task.seed is None else task.seed
+    if not path.is_dir():
+        report = engine.grade(task.id, path, seed=seed, require_isolation=require_isolation)
+        return _record(task, path.name, report, seed)
+    with tempfile.TemporaryDirectory(prefix="submission-") as made:
+        inbox = Path(made, "inbox")
+        _copy(path, inbox / _STUDENT)
+        found = _find(inbox, task, Path(made, "unpacked"))
+        if found is None:
+            report = engine.unreadable(task, path.name, _nothing(task))
+            return _record(task, path.name, report, seed)
+        report = engine.grade(task.id, found, seed=seed, require_isolation=require_isolation)
+        return _record(task, found.name, report, seed)
+
+
+def _record(task: Exercise, source: str, report: Report, seed: int) -> Record:
+    """The result as a class's exports take it.
+
+    Raises:
+        GradingError: the grader itself has failed, which is no grade.
+    """
+    if report.status == "error":
+        raise GradingError(f"The grader itself failed, which is no fault of the submission: {report.problem}")
+    entry = Entry("", task.id, source)
+    return Record(entry, "", 0, seed, report.to_mapping(), title=task.title, isolation=report.isolation)
+
+
+def _nothing(task: Exercise) -> str:
+    return f"There is no program for this exercise in what was handed in. Hand in {task.starter} or {task.notebook}."
+
+
+def _find(inbox: Path, task: Exercise, workspace: Path) -> Path | None:
+    """The file to grade; None where there is none."""
+    if not any((inbox / _STUDENT).iterdir()):
+        return None
+    found = intake.collect(inbox, [task], workspace, "folders")
+    return found.root / found.entries[0].source if found.entries else None
+
+
+def _copy(source: Path, target: Path) -> None:
+    """Copy what a student handed in, but for what tools have made, and pipes and the like, which are nobody's work."""
+    shutil.copytree(source, target, symlinks=True, ignore=_of_tools, copy_function=_copy_file)
+
+
+def _of_tools(folder: str, names: Iterable[str]) -> set[str]:
+    return {name for name in names if Path(folder, name).is_dir() and of_a_tool(Item(name, FOLDER))}
+
+
+def _copy_file(source: str, target: str) -> None:
+    if stat.S_ISREG(Path(source).lstat().st_mode):
+        shutil.copy2(source, target)

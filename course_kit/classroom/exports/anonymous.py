@@ -1,0 +1,95 @@
+"""Reports without names, to show to others: made anew from the results, not cut out of the named ones.
+
+What a student is called is replaced wherever it stands. The program and what it printed are left out, as anything may
+stand in them. The order is drawn anew each time, so that it tells nothing.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+from typing import TYPE_CHECKING, Any
+
+from course_kit.classroom.exports.results import by_student
+from course_kit.classroom.exports.texts import csv_text
+from course_kit.classroom.gradebook import outcome
+from course_kit.environment import write_atomically
+from course_kit.grading.errors import GradingError
+from course_kit.grading.render.html import render_page
+from course_kit.grading.report import CheckReport, Report
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Record
+
+_SHORTEST = 3  # letters of a part of a name that is looked for; shorter ones are words of their own
+_FIELDS = ("id", "title", "status", "points", "max_points", "sent", "expected", "got", "diagnosis", "message", "hint")
+
+
+def write(book: Gradebook, target: Path, chance: random.Random | None = None) -> Path:
+    """Write a page for each submission and a table of scores, all by pseudonym. No list tells who is who.
+
+    Args:
+        book: the class.
+        target: a folder that is not there yet, or is empty.
+        chance: what draws the order; the system's own when None.
+
+    Raises:
+        GradingError: something lies in the folder.
+        OSError: it cannot be written.
+    """
+    if target.exists() and (not target.is_dir() or any(target.iterdir())):
+        raise GradingError(f"{target} is there already. Name a new folder.")
+    students = list(by_student(book).items())
+    (chance or random.SystemRandom()).shuffle(students)
+    width = len(str(len(students)))
+    rows: list[list[str | float | None]] = [["student", "exercise", "score", "max", "status"]]
+    for place, (student, records) in enumerate(students, start=1):
+        pseudonym = f"student-{place:0{width}}"
+        for record in records.values():
+            path = target / pseudonym / f"{record.entry.exercise}.html"
+            write_atomically(path, render_page(_report(record, student, pseudonym), pseudonym), durable=False)
+            points = record.score if record.has_grade else None
+            rows.append([pseudonym, record.entry.exercise, points, record.max_score, outcome(record)])
+    write_atomically(target / "grades.csv", csv_text(rows, mark=True))
+    return target
+
+
+def _report(record: Record, student: str, pseudonym: str) -> Report:
+    """The report as far as it is stored, without what tells whose it is."""
+    names = _names(record, student)
+
+    def cleaned(value: Any) -> Any:
+        return names.sub(pseudonym, value) if isinstance(value, str) and names.pattern else value
+
+    report: Mapping[str, Any] = record.report
+    checks = tuple(
+        CheckReport(**{name: cleaned(check[name]) if name in _FIELDS[5:] else check[name] for name in _FIELDS})
+        for check in report["checks"]
+    )
+    problem = cleaned(report["stderr"]) if record.status in ("unreadable", "error") else ""
+    return Report(
+        exercise=record.entry.exercise,
+        title=record.title or record.entry.exercise,
+        submission=pseudonym,
+        status=record.status,
+        passed=record.passed,
+        score=record.score,
+        max_score=record.max_score,
+        duration_s=float(report["duration_s"]),
+        checks=checks,
+        problem=problem,
+    )
+
+
+def _names(record: Record, student: str) -> re.Pattern[str]:
+    """Everything by which a student may be called: identifiers, the name and its parts, the file and its folders."""
+    entry = record.entry
+    whole = {student, entry.name, entry.source, *entry.source.split("/"), *entry.platform.values()}
+    parts = {part for text in (student, entry.name) for part in re.split(r"[\W_]+", text)}
+    wanted = {one for one in whole if one} | {one for one in parts if len(one) >= _SHORTEST}
+    longest_first = sorted(wanted, key=lambda one: (-len(one), one))
+    return re.compile("|".join(rf"(?<!\w){re.escape(one)}(?!\w)" for one in longest_first), re.IGNORECASE)

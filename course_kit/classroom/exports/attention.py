@@ -1,0 +1,196 @@
+"""Whom an instructor has to look at: what stands first on the class page."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from course_kit.classroom.exports.results import by_student, name_of, score
+from course_kit.classroom.exports.texts import number
+from course_kit.classroom.gradebook import outcome
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Record
+
+_NOT_PASSED = ("crashed", "unreadable", "not passed")  # outcomes, what an instructor wants to see first in front
+
+
+class StudentLabel(NamedTuple):
+    """What to call a student: by name, and by identifier, too, where two have the same name.
+
+    The two stay apart, as a name may run from right to left.
+    """
+
+    name: str
+    identifier: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.identifier})" if self.identifier else self.name
+
+
+@dataclass(frozen=True)
+class ListedStudent:
+    """Somebody in a list, with what there is to say and, where there is a report, its record."""
+
+    called: StudentLabel
+    told: str = ""
+    record: Record | None = None
+
+
+@dataclass(frozen=True)
+class AttentionGroup:
+    """People who need the same kind of attention.
+
+    Attributes:
+        id: of the group on the page.
+        title: what they have in common.
+        people: who they are.
+        advice: what to do about it; empty where that is plain.
+        urgent: whether it is unfolded from the beginning.
+    """
+
+    id: str
+    title: str
+    people: Sequence[ListedStudent]
+    advice: str = ""
+    urgent: bool = False
+
+
+def labels(book: Gradebook) -> dict[str, StudentLabel]:
+    """What to call each student; also those who handed in something that was not graded."""
+    absent = dict(book.absent)
+    names = {student: name_of(records, absent.get(student) or student) for student, records in by_student(book).items()}
+    names.update((student, student) for student, _ in (*book.dropped, *book.odd, *book.unknown) if student not in names)
+    shared = Counter(name.casefold() for name in names.values())
+    return {
+        student: StudentLabel(name, student if shared[name.casefold()] > 1 and name != student else "")
+        for student, name in names.items()
+    }
+
+
+def groups(book: Gradebook, called: Mapping[str, StudentLabel], told: Callable[[Record], str]) -> list[AttentionGroup]:
+    """Everybody to look at, the most urgent first; without groups nobody is in.
+
+    Args:
+        book: the class.
+        called: what each student is called, see `labels`.
+        told: why a submission has no grade.
+    """
+    titles = {exercise.id: exercise.title for exercise in book.exercises}
+    found = [
+        AttentionGroup(
+            "failed",
+            "Could not be graded: an error of the grader",
+            _of_records(book.not_graded, called, lambda one: f"{titles[one.entry.exercise]}: {told(one)}"),
+            "That is the grader's fault, not the students'. They have no grade, and are in no export. "
+            "Run the same command again with --resume.",
+            urgent=True,
+        ),
+        AttentionGroup(
+            "dropped",
+            "Handed in, but not graded",
+            [ListedStudent(called[student], reason) for student, reason in book.dropped],
+            "Check what these students handed in.",
+            urgent=True,
+        ),
+        AttentionGroup(
+            "doubtful",
+            "Graded, but look at which file was chosen",
+            _of_records([one for one in book.records if one.entry.worry], called, _doubt),
+            "All choices, with their reasons, are in intake.csv.",
+            urgent=True,
+        ),
+        AttentionGroup(
+            "unknown",
+            "Not matched with the roster",
+            [ListedStudent(called[student], reason) for student, reason in book.unknown],
+            "Graded, but not under a name of the roster.",
+            urgent=True,
+        ),
+        AttentionGroup("missing", "Missing submissions", list(_missing(book, called, titles))),
+        *_failed(book, called, titles),
+        AttentionGroup(
+            "chosen",
+            "One file was chosen among several",
+            _of_records([one for one in book.records if one.entry.others], called, _choice),
+        ),
+        AttentionGroup(
+            "odd",
+            "Entries that do not fit the layout",
+            [ListedStudent(called[student], reason) for student, reason in book.odd],
+            "Graded, each entry as a separate student.",
+        ),
+        AttentionGroup(
+            "late",
+            "Handed in late",
+            _of_records(
+                [one for one in book.records if one.entry.late], called, lambda one: titles[one.entry.exercise]
+            ),
+        ),
+    ]
+    return [group for group in found if group.people]
+
+
+def _of_records(
+    records: Iterable[Record], called: Mapping[str, StudentLabel], told: Callable[[Record], str]
+) -> list[ListedStudent]:
+    return [ListedStudent(called[record.entry.student], told(record), record) for record in records]
+
+
+def _missing(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[ListedStudent]:
+    """Each student once, with everything that is missing."""
+    missing: dict[str, list[str]] = {}
+    for student, exercise in book.missing:
+        missing.setdefault(student, []).append(titles.get(exercise, exercise))
+    for student, what in missing.items():
+        told = "everything" if len(what) == len(titles) > 1 else ", ".join(what)
+        yield ListedStudent(called[student], told)
+
+
+def _failed(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[AttentionGroup]:
+    """Who did not pass, by exercise: those whose program could not run at all in front, then by points."""
+    for exercise in book.exercises:
+        records = [record for record in book.of(exercise.id) if outcome(record) in _NOT_PASSED]
+        records.sort(key=lambda one: (_NOT_PASSED.index(outcome(one)), score(one) or 0.0))
+        people = _of_records(records, called, _how_it_went)
+        yield AttentionGroup(f"not-passed-{exercise.id}", f"{titles[exercise.id]}: did not pass", people)
+
+
+def _how_it_went(record: Record) -> str:
+    state = outcome(record)
+    points = f"{number(score(record) or 0.0)} of {number(record.max_score)}"
+    return points if state == "not passed" else f"{state}, {points}"
+
+
+def _doubt(record: Record) -> str:
+    return f"{record.entry.source}: {record.entry.worry}"
+
+
+def _choice(record: Record) -> str:
+    """The file, why it, and what else there was."""
+    entry = record.entry
+    return f"{entry.source}: {entry.why}. Not: {'; '.join(entry.others)}"
+
+
+def _lateness(record: Record, titles: Mapping[str, str]) -> str:
+    penalty = f", {number(record.adjustment.penalty)} points taken" if record.adjustment.penalty else ""
+    return f"{titles[record.entry.exercise]}{penalty}"
+
+
+def _warning(record: Record) -> str:
+    return record.adjustment.warning
+
+
+def _has_a_decision(record: Record) -> bool:
+    return record.adjustment.override is not None or bool(record.adjustment.comment)
+
+
+def _decision(record: Record) -> str:
+    """The score that was set, and the comment."""
+    override = record.adjustment.override
+    score_set = "" if override is None else f"{number(record.graded_score)} became {number(override)} points"
+    return "; ".join(filter(None, (score_set, record.adjustment.comment)))

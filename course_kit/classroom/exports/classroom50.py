@@ -1,0 +1,89 @@
+"""Classroom 50: the `result.json` that an autograder there leaves in the student's checkout.
+
+Follows schemas/result-v1.schema.json of foundation50/classroom50: whole numbers only, so that points are scaled; who
+and what was graded comes from the environment of its runner, which checks and stamps it again.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from course_kit.classroom.exports.results import explained, headline, problem
+from course_kit.grading.errors import GradingError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from datetime import datetime
+
+    from course_kit.classroom.records import Record
+
+SCHEMA = "classroom50/result/v1"
+SCALE = 10  # for each point: checks are worth multiples of half a point
+_NEEDED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE_URL")
+
+
+def require_runner(variables: Mapping[str, str]) -> None:
+    """See that this runs in Classroom 50.
+
+    Raises:
+        GradingError: it does not.
+    """
+    if missing := [name for name in _NEEDED if not variables.get(name)]:
+        raise GradingError(
+            f"Classroom 50's runner sets {', '.join(_NEEDED)}; here {', '.join(missing)} "
+            f"{'is' if len(missing) == 1 else 'are'} missing. Run this in its workflow, or use --format json."
+        )
+
+
+def result(record: Record, variables: Mapping[str, str], now: datetime) -> dict[str, Any]:
+    """The result as the schema has it.
+
+    Args:
+        record: the result.
+        variables: the environment.
+        now: the time of day, in UTC.
+
+    Raises:
+        GradingError: this does not run in Classroom 50.
+    """
+    require_runner(variables)
+    tests = [_test(check) for check in record.report["checks"]] or [_could_not_be_read(record)]
+    moment = f"{now:%Y-%m-%dT%H:%M:%SZ}"
+    return {
+        "schema": SCHEMA,
+        "classroom": variables["CLASSROOM"],
+        "assignment": variables["ASSIGNMENT"],
+        "assignment_type": variables.get("ASSIGNMENT_TYPE") or "individual",
+        "owner": variables.get("OWNER") or variables.get("USERNAME") or variables.get("GITHUB_ACTOR") or "unknown",
+        "submission": variables["SUBMISSION_TAG"],
+        "commit": variables["COMMIT_URL"],
+        "release": variables["RELEASE_URL"],
+        "review": variables.get("REVIEW_URL") or variables["COMMIT_URL"],
+        "datetime": moment,  # the runner puts the commit's in its place
+        "graded_at": moment,
+        "score": sum(test["score"] for test in tests),
+        "max-score": sum(test["max-score"] for test in tests),
+        "tests": tests,
+    }
+
+
+def _test(check: dict[str, Any]) -> dict[str, Any]:
+    """One check; schema and collector keep further fields as they are."""
+    most = round(SCALE * check["max_points"])
+    return {
+        "test-name": check["title"],
+        "passed": check["status"] == "passed",
+        "score": min(most, round(SCALE * check["points"])),
+        "max-score": most,
+        "output": explained(check),
+    }
+
+
+def _could_not_be_read(record: Record) -> dict[str, Any]:
+    return {
+        "test-name": "The submission can be graded",
+        "passed": False,
+        "score": 0,
+        "max-score": round(SCALE * record.max_score),
+        "output": f"{headline(record)} {problem(record)}",
+    }

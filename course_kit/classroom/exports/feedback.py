@@ -1,0 +1,106 @@
+"""Feedback that learning platforms take back: for each exercise a zip with a report for each student.
+
+- Moodle, "Upload multiple feedback files in a zip" of an assignment: a folder for each participant, called as in its
+  download, `Jane Doe_4711_assignsubmission_file`. It finds the participant by the number in second place, so that no
+  underscore may stand in the name; what lies in the folder becomes that student's feedback file.
+- Canvas, "Re-Upload Submissions" of an assignment: files that are called exactly as in its download, as it finds
+  student and attachment by the numbers in the name. It shows the file to the student under the name of the file that
+  was handed in, so that a report for a .py file is Python (comments), and for a .ipynb file a notebook.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import zipfile
+from typing import TYPE_CHECKING
+
+from course_kit.classroom.exports.results import STATES, explained, headline, problem
+from course_kit.classroom.exports.texts import number
+from course_kit.classroom.records import Records
+from course_kit.environment import write_atomically
+from course_kit.text.sanitize import encodable, one_line, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Record
+
+    Packer = Callable[[Record, Path], tuple[str, str] | None]
+
+MOODLE, CANVAS = "exports/moodle_feedback_{}.zip", "exports/canvas_feedback_{}.zip"
+_UNFIT = re.compile(r"[^\w .,'()-]|_")  # in the name of a folder: what Moodle parts names at, and what paths are of
+_LONGEST_NAME = 80  # characters
+
+
+def write_all(book: Gradebook, out: Path) -> None:
+    """Write the zips of each platform that something came from, and take away those that are out of date.
+
+    Args:
+        book: the class.
+        out: the folder of all results, in which the reports lie.
+
+    Raises:
+        OSError: a report could not be read, or a zip not be written.
+    """
+    packers: tuple[tuple[str, Packer], ...] = ((MOODLE, _for_moodle), (CANVAS, _for_canvas))
+    for exercise in book.exercises:
+        for name, pack in packers:
+            path = out / name.format(exercise.id)
+            found = (pack(record, out) for record in book.graded(exercise.id))
+            if files := [one for one in found if one is not None]:
+                write_atomically(path, _zipped(files), durable=False)
+            else:
+                path.unlink(missing_ok=True)
+
+
+def _for_moodle(record: Record, out: Path) -> tuple[str, str] | None:
+    participant = record.entry.platform.get("moodle_participant")
+    page = Records(out).path(record.entry, ".html")
+    if not participant or not page.is_file():
+        return None
+    name = " ".join(_UNFIT.sub(" ", record.entry.name).split())[:_LONGEST_NAME].strip(" .") or "Participant"
+    folder = f"{name}_{participant}_assignsubmission_file"
+    return f"{folder}/report_{record.entry.exercise}.html", page.read_text(encoding="utf-8")
+
+
+def _for_canvas(record: Record, out: Path) -> tuple[str, str] | None:
+    del out
+    attachment = record.entry.platform.get("canvas_submission")
+    parts = record.entry.source.split("/")
+    name = next((part for part in parts if f"_{attachment}_" in part), None) if attachment else None
+    return (encodable(name), _as_program(name, list(lines(record)))) if name else None
+
+
+def _as_program(name: str, told: list[str]) -> str:
+    """A report as a file of the kind that its name promises."""
+    if name.lower().endswith(".ipynb"):
+        source = "\n".join(f"    {line}".rstrip() for line in told)  # indented, Markdown takes it as it is
+        cell = {"cell_type": "markdown", "metadata": {}, "source": source}
+        return json.dumps({"cells": [cell], "metadata": {}, "nbformat": 4, "nbformat_minor": 4}, indent=1) + "\n"
+    start = "# " if name.lower().endswith(".py") else ""
+    return "".join(f"{start}{line}".rstrip() + "\n" for line in told)
+
+
+def lines(record: Record) -> Iterator[str]:
+    """A report as lines of plain text."""
+    yield record.title or record.entry.exercise
+    yield from (one_line(text) for text in (headline(record), *record.remarks))
+    yield from printable(problem(record)).splitlines()
+    for check in record.report["checks"]:
+        yield ""
+        points = f"{number(check['points'])} of {number(check['max_points'])} points"
+        yield f"{one_line(check['title'])}: {STATES[check['status']]}, {points}"
+        yield from (f"  {line}" for line in printable(explained(check)).splitlines())
+
+
+def _zipped(files: list[tuple[str, str]]) -> bytes:
+    """A zip that is the same for the same files."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, text in files:
+            archive.writestr(zipfile.ZipInfo(name), encodable(text), zipfile.ZIP_DEFLATED)
+    return stream.getvalue()

@@ -1,0 +1,124 @@
+"""Small CSV tables that an instructor writes: every mistake in one is told with its line, all of them at once."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from course_kit.grading.errors import GradingError
+from course_kit.ros.names import did_you_mean
+from course_kit.text.sanitize import one_line
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
+
+_DELIMITERS = ",;\t"  # the second is what spreadsheets write where the comma stands within numbers
+_MOST_TOLD = 20
+
+
+@dataclass(frozen=True)
+class TableRow:
+    """One line of a table: its number in the file, and its cells by column, without blanks around them."""
+
+    line: int
+    cells: Mapping[str, str]
+
+
+@dataclass
+class Mistakes:
+    """What is wrong with a file; collected, and told together."""
+
+    path: Path
+    found: list[str] = field(default_factory=list)
+
+    def add(self, line: int, what: str) -> None:
+        """Note a mistake of one line."""
+        self.found.append(f"line {line}: {what}")
+
+    def require_none(self) -> None:
+        """Tell what was found.
+
+        Raises:
+            GradingError: there was something.
+        """
+        if not self.found:
+            return
+        more = len(self.found) - _MOST_TOLD
+        told = [*self.found[:_MOST_TOLD], *([f"and {more} more"] if more > 0 else [])]
+        raise GradingError(f"{self.path} cannot be used. Correct it, then run this again:\n  " + "\n  ".join(told))
+
+
+def read_rows(
+    path: Path, required: Sequence[str], optional: Sequence[str] = (), *, headless: bool = False
+) -> list[TableRow]:
+    """Read a table; empty lines are left out.
+
+    Args:
+        path: a CSV file in UTF-8, with commas, semicolons or tabs between the cells.
+        required: columns that have to be there.
+        optional: columns that may be there; others are left alone.
+        headless: a first line that ends with a number is no header; the columns are then the required ones.
+
+    Raises:
+        GradingError: it cannot be read, or a column is missing.
+    """
+    text = _text(path)
+    first = text.partition("\n")[0]
+    delimiter = max(_DELIMITERS, key=first.count)
+    if headless and first.strip().rpartition(delimiter)[2].strip(' "').isdecimal():
+        text = f"{delimiter.join(required)}\n{text}"
+        lines_before = 1
+    else:
+        lines_before = 0
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    mistakes = Mistakes(path)
+    rows: list[TableRow] = []
+    try:
+        header = [cell.strip().lower() for cell in next(reader, [])]
+        if missing := [column for column in required if column not in header]:
+            mistakes.add(1, f"the column {_and(missing)} is missing; it needs {_and([*required, *optional])}")
+            mistakes.require_none()
+        wanted = {column: header.index(column) for column in (*required, *optional) if column in header}
+        before = reader.line_num
+        for cells in reader:
+            if any(cell.strip() for cell in cells):
+                found = dict.fromkeys((*required, *optional), "")
+                found |= {column: cells[at].strip() for column, at in wanted.items() if at < len(cells)}
+                rows.append(TableRow(before + 1 - lines_before, found))
+            before = reader.line_num
+    except csv.Error as problem:
+        mistakes.add(reader.line_num, str(problem))
+    mistakes.require_none()
+    return rows
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_bytes().decode("utf-8-sig")
+    except OSError as problem:
+        raise GradingError(f"{path} could not be read: {problem.strerror}.") from problem
+    except UnicodeDecodeError as problem:
+        raise GradingError(f"{path} is not UTF-8. Save it as CSV in UTF-8.") from problem
+
+
+def to_number(text: str) -> float | None:
+    """A number as people write it, `7.5` or `7,5`; None when it is none.
+
+    A number with both, or without end, is none.
+    """
+    plain = text.replace(",", ".") if text.count(",") == 1 and "." not in text else text
+    if not plain.replace(".", "", 1).lstrip("+-").isdecimal():
+        return None
+    return float(plain)
+
+
+def unknown(what: str, name: str, known: Iterable[str]) -> str:
+    """`there is no student 'bo'. Did you mean 'bob'?`."""
+    return f"there is no {what} '{one_line(name)}' here.{did_you_mean(name, list(known))}"
+
+
+def _and(names: Sequence[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

@@ -1,0 +1,275 @@
+"""Grades results of a class run again, as when a fault of a grader was mended: a table first, then the change.
+
+New results lie in `regrade` beside the old ones until they are written, so that a command that was stopped, or only
+looked, has not worked in vain.
+"""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from course_kit.classroom import submissions, versions
+from course_kit.classroom.concurrency import early
+from course_kit.classroom.exports.results import score
+from course_kit.classroom.exports.texts import csv_text, number
+from course_kit.classroom.gradebook import outcome
+from course_kit.classroom.grading_loop import GradingLoop
+from course_kit.classroom.instructor_tables import unknown
+from course_kit.classroom.records import Records
+from course_kit.environment import write_atomically
+from course_kit.grading.errors import GradingError
+from course_kit.grading.reading import Reader, ReadingStoppedError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from pathlib import Path
+
+    from course_kit.classroom.executors import Executor
+    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.grading_loop import Watcher
+    from course_kit.classroom.records import Record
+    from course_kit.classroom.run import ClassRun
+    from course_kit.classroom.submissions import Handed
+
+STAGING = "regrade"
+TABLE = "regrade.csv"
+HEADER = ("student", "name", "exercise", "was", "is", "checks that changed", "remarks")
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What to grade again: results that fit each of these; an empty one fits all.
+
+    Attributes:
+        exercises: ids.
+        checks: ids; results that have one of them, however it came out.
+        students: identifiers, or names.
+    """
+
+    exercises: Sequence[str] = ()
+    checks: Sequence[str] = ()
+    students: Sequence[str] = ()
+
+    def of(self, records: Sequence[Record]) -> list[Record]:
+        """Those that fit.
+
+        Raises:
+            GradingError: there is no such exercise, check or student.
+        """
+        chosen = [record for record in records if record.entry.source]  # a score for nothing handed in stays
+        for what, wanted, names in (
+            ("exercise", self.exercises, _exercise),
+            ("check", self.checks, _checks),
+            ("student", self.students, _people),
+        ):
+            there = {name for record in records for name in names(record)}
+            if absent := next((one for one in wanted if one not in there), None):
+                raise GradingError(f"Among these results {unknown(what, absent, there)}")
+            chosen = [record for record in chosen if not wanted or names(record) & set(wanted)]
+        return chosen
+
+
+def _exercise(record: Record) -> set[str]:
+    return {record.entry.exercise}
+
+
+def _checks(record: Record) -> set[str]:
+    return {check["id"] for check in record.report["checks"]}
+
+
+def _people(record: Record) -> set[str]:
+    return {record.entry.student, record.entry.name} - {""}
+
+
+@dataclass(frozen=True)
+class GradeChange:
+    """One line of the table: a result before and after, each with its penalty and override."""
+
+    before: Record
+    after: Record
+
+    @property
+    def checks(self) -> list[str]:
+        """`robot_name: failed -> passed` for each check that came out otherwise."""
+        old, new = _statuses(self.before), _statuses(self.after)
+        return [
+            f"{one}: {old.get(one, 'absent')} -> {new.get(one, 'absent')}"
+            for one in dict.fromkeys((*old, *new))
+            if old.get(one) != new.get(one)
+        ]
+
+    @property
+    def is_one(self) -> bool:
+        """Whether anything is different."""
+        old, new = self.before, self.after
+        return bool(self.checks) or (old.graded_score, old.status) != (new.graded_score, new.status)
+
+    @property
+    def row(self) -> list[str]:
+        """Its cells, see `HEADER`."""
+        entry = self.after.entry
+        remarks = " ".join(self.after.remarks)
+        return [
+            entry.student,
+            entry.name,
+            entry.exercise,
+            _told(self.before),
+            _told(self.after),
+            "; ".join(self.checks),
+            remarks,
+        ]
+
+
+def _statuses(record: Record) -> dict[str, str]:
+    return {check["id"]: check["status"] for check in record.report["checks"]}
+
+
+def _told(record: Record) -> str:
+    points = score(record)
+    return outcome(record) if points is None else f"{number(points)} ({outcome(record)})"
+
+
+class Regrade:
+    """One regrade of a class run's results."""
+
+    def __init__(self, run: ClassRun, out: Path, selection: Selection, watcher: Watcher) -> None:
+        """See what is to be graded again.
+
+        Args:
+            run: the class run, with the inbox as it is.
+            out: its folder of results.
+            selection: what to grade again.
+            watcher: told how it goes.
+
+        Raises:
+            GradingError: there is no such result.
+        """
+        self._run = run
+        self._out = out
+        self._watcher = watcher
+        book = run.as_it_is()
+        self._exercises = {one.id: one for one in book.exercises}
+        self._chosen = selection.of(book.records)
+        self._records = Records(out)
+        self._staging = Records(out / STAGING)
+        self._new: list[Record] = []
+        self.not_at_hand: list[str] = []
+        self.complete = False
+
+    def grade(
+        self, start: Callable[[], Executor], stops: Callable[[], int], hidden: tuple[str, ...]
+    ) -> list[GradeChange]:
+        """Grade; what differs is returned and written into the table, and nothing else is written yet.
+
+        Args:
+            start: makes the executor; called only when there is something to do.
+            stops: how often somebody has asked to stop.
+            hidden: folders that no submission may see.
+
+        Raises:
+            OSError: a result could not be written.
+            GradingError: the executor can no longer be reached.
+        """
+        loop = GradingLoop(self._staging, self._watcher, stops, hidden)
+        groups = self._take_stock(stops)
+        if groups:
+            executor = start()
+            try:
+                loop.run(groups, executor)
+            finally:
+                executor.close()
+        self._new += loop.done
+        self.complete = len(self._new) + len(self.not_at_hand) == len(self._chosen)
+        changes = self._changes()
+        rows = [HEADER, *(change.row for change in changes)]
+        write_atomically(self._out / TABLE, csv_text(rows, mark=True))
+        return changes
+
+    @property
+    def failed(self) -> list[Record]:
+        """New results that are none, as the grader itself failed; the old ones stay."""
+        return [record for record in self._new if record.status == "error"]
+
+    def write(self) -> Gradebook:
+        """Let the new results take the place of the old ones, which go to `superseded`.
+
+        Raises:
+            OSError: one could not be written; the same command goes on.
+        """
+        before = {_key(record): record for record in self._chosen}
+        for record in self._new:
+            if record.status == "error":
+                continue
+            old = self._records.find(record.entry)
+            if old is None or GradeChange(before[_key(record)], record).is_one:
+                page = self._staging.path(record.entry, ".html").read_text(encoding="utf-8")
+                self._records.keep(record, page)
+            else:  # the same by other rules
+                self._records.keep(replace(old, versions=record.versions))
+        shutil.rmtree(self._staging.folder.parent, ignore_errors=True)
+        return self._run.as_it_is()
+
+    def _changes(self) -> list[GradeChange]:
+        """What differs, by student and exercise, each with what the instructor's files make of it."""
+        before = {_key(record): record for record in self._chosen}
+        pairs = []
+        for record in sorted(self._new, key=_key):
+            old = before[_key(record)]
+            if record.status != "error":
+                pairs.append(GradeChange(old, self._run.adjusted(record)))
+        return [change for change in pairs if change.is_one]
+
+    def _take_stock(self, stops: Callable[[], int]) -> list[list[Handed]]:
+        """Read what is graded again; identical ones together."""
+        groups: dict[tuple[str, str, int], list[Handed]] = {}
+        now = {one.id: versions.of(one) for one in self._exercises.values()}
+        try:
+            with Reader(lambda: stops() > 0) as reader:
+                for record in self._chosen:
+                    staged = self._staged(record, now)
+                    one = self._read(record, reader, staged)
+                    if one.digest != record.digest:  # it has changed, or cannot be had
+                        self.not_at_hand.append(f"{record.entry.student}, {record.entry.exercise}")
+                    elif staged is not None and one.has_result(staged):
+                        self._new.append(staged)
+                    else:
+                        groups.setdefault(one.key, []).append(one)
+        except ReadingStoppedError:
+            groups = {}
+        self._watcher.begin(len(self._chosen), self._new)
+        return early(groups.values(), lambda group: group[0].may_last)
+
+    def _staged(self, record: Record, now: dict[str, dict[str, str]]) -> Record | None:
+        """What an earlier regrade has found, by the rules of now."""
+        staged = self._staging.find(record.entry)
+        return staged if staged is not None and staged.versions == now[record.entry.exercise] else None
+
+    def _read(self, record: Record, reader: Reader, staged: Record | None) -> Handed:
+        task = self._exercises[record.entry.exercise]
+        seed = self._run.seed if record.seed is None else record.seed
+        return submissions.read(record.entry, self._run.intake.root, task, seed, reader, known=staged)
+
+
+def _key(record: Record) -> tuple[str, str]:
+    return (record.entry.student, record.entry.exercise)
+
+
+def table(changes: Sequence[GradeChange]) -> Iterator[str]:
+    """The table for a terminal, line by line."""
+    header = [name for name in HEADER if name != "name"]
+    rows = [header, *([cell for name, cell in zip(HEADER, one.row, strict=True) if name != "name"] for one in changes)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(header))]
+    for row in rows:
+        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+
+
+def graded_otherwise(book: Gradebook) -> dict[str, int]:
+    """How many results of each exercise were graded by another kit, exercise or grader than those of now."""
+    found = {}
+    for exercise in book.exercises:
+        now = versions.of(exercise)
+        others = [one for one in book.of(exercise.id) if one.entry.source and one.versions != now]
+        found.update({exercise.id: len(others)} if others else {})
+    return found

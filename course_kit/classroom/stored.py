@@ -1,0 +1,31 @@
+"""The gradebook of a class run that has ended, out of its output folder."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from course_kit.classroom.gradebook import Gradebook
+from course_kit.classroom.records import Records
+from course_kit.grading import exercise
+from course_kit.grading.errors import GradingError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def gradebook(out: Path) -> Gradebook:
+    """The results in a folder, without what was handed in.
+
+    Args:
+        out: the folder that a class run wrote.
+
+    Raises:
+        GradingError: there are no results in it, or they are of an exercise that is not known here.
+    """
+    records = tuple(sorted(Records(out), key=lambda one: (one.entry.student, one.entry.exercise)))
+    if not records:
+        raise GradingError(f"{out} holds no results of a class. Name the folder that --out named.")
+    found = sorted(
+        (exercise.load(one) for one in {record.entry.exercise for record in records}), key=lambda one: one.order
+    )
+    return Gradebook(tuple(found), records)

@@ -1,0 +1,47 @@
+"""What `course-kit class` says of an intake, with a roster or without."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from course_kit.classroom.intake import Intake
+    from course_kit.classroom.matching import Fit
+
+_MOST_NAMED = 20  # in a sentence; the table has them all
+
+
+def say(found: Intake, tell: Callable[[str], None]) -> None:
+    """Tell what somebody should look at.
+
+    Args:
+        found: what was found.
+        tell: prints a sentence, in which names of strangers may stand.
+    """
+    for sentence in _sentences(found):
+        tell(sentence)
+
+
+def _sentences(found: Intake) -> Iterator[str]:
+    doubtful = [f"{entry.student}, {entry.exercise} ({entry.worry})" for entry in found.entries if entry.worry]
+    if doubtful:
+        yield f"Look at the choice of file in intake.csv: {_some(doubtful)}."
+    if found.roster is not None:
+        yield from _of_roster(found.roster)
+
+
+def _of_roster(fit: Fit) -> Iterator[str]:
+    read_as = ", ".join(f"'{header}' as {kind}" for header, kind in fit.roster.read_as)
+    total = len(fit.roster.people)
+    yield f"{fit.roster.called}: read {read_as}; {fit.matched} of {total} on it handed something in."
+    if fit.absent:
+        yield f"Not handed in: {_some([name or student for student, name in fit.absent])}."
+    if fit.unknown:
+        yield f"Not matched with {fit.roster.called}: {_some([f'{who} ({why})' for who, why in fit.unknown])}."
+
+
+def _some(parts: Sequence[str]) -> str:
+    more = len(parts) - _MOST_NAMED
+    return ", ".join(parts[:_MOST_NAMED]) + (f", and {more} more" if more > 0 else "")

@@ -1,0 +1,55 @@
+"""A glance at a file that may be a submission: what it is for, whether its program is a known one, what it imports."""
+
+from __future__ import annotations
+
+import re
+
+from course_kit.reader import fingerprints, text
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import BinaryIO
+
+    from course_kit.reader.packets import Wish
+
+_MOST_IMPORTS = 50
+_IMPORT = re.compile(r"^[ \t]*(?:from|import)[ \t]+\.?(\w{1,80})", re.MULTILINE)
+
+
+def at(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
+    """Look at a file; it may be broken.
+
+    Args:
+        name: the file's name.
+        file: the file.
+        wish: the `exercise`, and the `class_name` or the `variable` that it asks for.
+
+    Returns:
+        `found`, whether it holds what the exercise asks for; `identity` of its program, see
+        `fingerprints.identity`, empty when there is none; `imports`, the modules it imports, not all of very many.
+    """
+    try:
+        source, _ = text.program(name, file, wish["exercise"])
+    except text.UnreadableTextError:
+        source = ""
+    return {
+        "found": _asked_for(name, file, source, wish),
+        "identity": fingerprints.identity(source) if source else "",
+        "imports": sorted(set(_IMPORT.findall(source)[:_MOST_IMPORTS])),
+    }
+
+
+def _asked_for(name: str, file: BinaryIO, program: str, wish: Wish) -> bool:
+    if text.kind(name) == text.NOTEBOOK:
+        if program:
+            return True
+        mark = rf"%%submission\s+{re.escape(wish['exercise'])}\b"
+    else:
+        mark = rf"^class {re.escape(wish['class_name'])}\b" if wish["class_name"] else rf"^{wish['variable']}\b"
+    return re.search(mark, program or _all_of(file), re.MULTILINE) is not None
+
+
+def _all_of(file: BinaryIO) -> str:
+    """What is in a file, as text, whatever it is."""
+    file.seek(0)
+    return file.read().decode("utf-8", errors="replace")

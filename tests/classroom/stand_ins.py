@@ -1,0 +1,58 @@
+"""A class run in which the gradings are stood in for; everything around them is real."""
+
+from __future__ import annotations
+
+import io
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any
+
+from course_kit.classroom.progress import RunProgress
+from course_kit.classroom.run import ClassRun, Plan
+from course_kit.grading import exercise
+from course_kit.grading.report import CheckReport, Report
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.grading.engine import Task
+
+SERVICE = exercise.load("temperature_service")
+CHOICE = exercise.load("pattern_choice")
+
+
+class StandInForGrading:
+    """An executor that gives full marks at once to whatever contains "right"."""
+
+    slots = 2
+
+    def __init__(self) -> None:
+        self.tasks: list[Task] = []
+        self.closed = False
+
+    def submit(self, task: Task) -> Future[Report]:
+        self.tasks.append(task)
+        done: Future[Report] = Future()
+        right = "right" in task.text.source
+        check = CheckReport("it", "It", "passed" if right else "failed", 10.0, points=10.0 if right else 0.0)
+        done.set_result(
+            Report(
+                task.exercise.id, task.exercise.title, task.shown, "graded", right, check.points, 10.0, 0.1, (check,)
+            )
+        )
+        return done
+
+    def require_reachable(self) -> None:
+        """It always is."""
+
+    def close(self) -> None:
+        self.closed = True
+
+
+def run(source: Path, out: Path, executor: StandInForGrading, **options: Any) -> Gradebook:
+    plan = Plan(source, out, options.pop("exercises", (SERVICE,)), **options)
+    return ClassRun(plan, RunProgress(io.StringIO())).grade(lambda: executor)
+
+
+def results(book: Gradebook) -> dict[str, tuple[str, float, str]]:
+    return {one.entry.student: (one.status, one.score, one.same_as) for one in book.records}

@@ -1,0 +1,363 @@
+"""Running again: the inbox as it is now, the instructor's files, and nothing that was graded is lost."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from datetime import datetime, timedelta, timezone
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from course_kit.classroom import exports
+from course_kit.classroom.records import Entry, Record
+from course_kit.classroom.submission_times import submitted
+from course_kit.grading import GradingError
+from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
+
+if TYPE_CHECKING:
+    from course_kit.classroom.gradebook import Gradebook
+
+BERLIN = 'timezone = "Europe/Berlin"\n'
+RULES = f"{BERLIN}grace_minutes = 10\npenalty_percent_per_day = 10\npenalty_at_most_percent = 50\n"
+DUE = "[due]\ntemperature_service = 2026-11-20T23:59:00\n"  # 22:59 UTC
+
+
+@pytest.fixture
+def inbox(tmp_path: Path) -> Path:
+    for student, text in {"ada": "right = 1", "bob": "wrong = 1", "cem": "right = 2"}.items():
+        hand_in(tmp_path / "in", student, text)
+    return tmp_path / "in"
+
+
+def hand_in(inbox: Path, student: str, text: str, stamp: str = "") -> None:
+    folder = inbox / student
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "temperature_service.py").write_text(text)
+    if stamp:
+        (folder / "timestamp.txt").write_text(stamp)
+
+
+def again(inbox: Path, **options: Any) -> tuple[Gradebook, list[str]]:
+    """Resume, write the exports; returns the gradebook and who was graded."""
+    executor = StandInForGrading()
+    out = inbox.parent / "out"
+    book = run(inbox, out, executor, resume=True, **options)
+    exports.write_all(book, out)
+    return book, sorted(task.shown.partition("/")[0] for task in executor.tasks)
+
+
+def files(out: Path) -> set[str]:
+    return {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
+
+
+def test_what_is_gone_counts_nowhere_and_is_kept(inbox: Path) -> None:
+    out = inbox.parent / "out"
+    again(inbox)
+    assert "exports/gradescope/bob/temperature_service/results.json" in files(out)
+    record = (out / "students/bob/temperature_service.json").read_bytes()
+    (inbox / "bob/temperature_service.py").unlink()
+    (inbox / "bob").rmdir()
+    book, graded = again(inbox)
+    assert graded == []
+    assert set(results(book)) == {"ada", "cem"}
+    assert (out / "superseded/bob/temperature_service.1.json").read_bytes() == record
+    assert (out / "superseded/bob/temperature_service.1.html").is_file()
+    assert [name for name in files(out) if "bob" in name and not name.startswith("superseded/")] == []
+    assert "bob" not in (out / "grades.csv").read_text(encoding="utf-8-sig")
+
+
+def test_what_has_changed_is_graded_again_and_the_result_of_before_is_kept(inbox: Path) -> None:
+    out = inbox.parent / "out"
+    again(inbox)
+    for number, text in enumerate(("right = 5", "wrong = 6"), start=1):
+        hand_in(inbox, "bob", text)
+        book, graded = again(inbox)
+        assert graded == ["bob"]
+        assert results(book)["bob"][1] == (10.0 if number == 1 else 0.0)
+    kept = [Record.from_json((out / f"superseded/bob/temperature_service.{n}.json").read_text()) for n in (1, 2)]
+    assert [record.score for record in kept] == [0.0, 10.0]
+
+
+def test_what_is_the_same_in_another_place_is_kept_under_its_new_name(inbox: Path) -> None:
+    again(inbox)
+    (inbox / "bob/temperature_service.py").rename(inbox / "bob/my_temperature_service.py")
+    book, graded = again(inbox)
+    assert graded == []
+    record = next(one for one in book.records if one.entry.student == "bob")
+    assert record.entry.source == record.report["submission"] == "bob/my_temperature_service.py"
+
+
+def test_a_double_of_whoever_is_gone_stands_by_itself(inbox: Path) -> None:
+    hand_in(inbox, "dan", "right = 1")
+    book, _ = again(inbox)
+    assert results(book)["dan"][2] == "ada"
+    (inbox / "ada/temperature_service.py").unlink()
+    (inbox / "ada").rmdir()
+    book, graded = again(inbox)
+    assert graded == []
+    assert results(book)["dan"] == ("graded", 10.0, "")
+
+
+def test_a_result_says_what_graded_it(inbox: Path) -> None:
+    book, _ = again(inbox)
+    for record in book.records:
+        assert set(record.versions) == {"kit", "exercise", "grader"}
+        assert all(record.versions.values())
+
+
+def test_grades_of_a_changed_inbox_equal_those_of_a_clean_run(inbox: Path) -> None:
+    again(inbox)
+    hand_in(inbox, "bob", "right = 7")
+    hand_in(inbox, "eva", "wrong = 8")
+    (inbox / "ada/temperature_service.py").unlink()
+    (inbox / "ada").rmdir()
+    resumed, _ = again(inbox)
+    clean = run(inbox, inbox.parent / "clean", StandInForGrading(), seed=resumed.seed)
+    exports.write_all(clean, inbox.parent / "clean")
+    resumed_files, clean_files = inbox.parent / "out", inbox.parent / "clean"
+    assert {one for one in files(resumed_files) if not one.startswith("superseded")} == files(clean_files)
+    for name in ("grades.csv", *(one for one in files(clean_files) if one.startswith("exports/"))):
+        assert (resumed_files / name).read_bytes() == (clean_files / name).read_bytes(), name
+
+
+def settings(inbox: Path, **texts: str) -> Path:
+    """Write the instructor's files: `class_toml`, `overrides`, `extensions`."""
+    out = inbox.parent / "out"
+    out.mkdir(exist_ok=True)
+    for name, text in texts.items():
+        (out / {"class_toml": "class.toml"}.get(name, f"{name}.csv")).write_text(text, encoding="utf-8")
+    return out
+
+
+def scores(book: Gradebook) -> dict[str, float]:
+    return {record.entry.student: record.score for record in book.records}
+
+
+def test_overrides_and_comments_survive_each_run_and_stand_in_report_and_grades(inbox: Path) -> None:
+    out = settings(
+        inbox, overrides="student,exercise,score,comment\nbob,temperature_service,7.5,Explained it <well>.\n"
+    )
+    for text in ("wrong = 1", "wrong = 2", "right = 3"):
+        hand_in(inbox, "bob", text)
+        book, _ = again(inbox)
+        assert scores(book) == {"ada": 10.0, "bob": 7.5, "cem": 10.0}
+        page = (out / "students/bob/temperature_service.html").read_text(encoding="utf-8")
+        assert page.count("has set this score to 7.5 points") == 1
+        assert "Explained it &lt;well&gt;." in page
+        assert "Explained it <well>." in (out / "grades.csv").read_text(encoding="utf-8-sig")
+    assert json.loads((out / "students/bob/temperature_service.json").read_text())["report"]["score"] == 10.0
+    (out / "overrides.csv").unlink()
+    book, graded = again(inbox)
+    assert graded == []
+    assert scores(book)["bob"] == 10.0
+    assert "has set this score" not in (out / "students/bob/temperature_service.html").read_text(encoding="utf-8")
+
+
+def test_who_handed_in_nothing_can_have_a_score(inbox: Path) -> None:
+    (inbox / "bob/pattern_choice.py").write_text("answers = {}  # right")
+    out = settings(inbox, overrides="student;exercise;score;comment\nada;pattern_choice;7,5;Oral exam\n")
+    book, _ = again(inbox, exercises=(SERVICE, CHOICE))
+    assert ("ada", CHOICE.id) not in book.missing
+    assert ("cem", CHOICE.id) in book.missing
+    assert "Oral exam" in (out / "students/ada/pattern_choice.html").read_text(encoding="utf-8")
+    assert "ada,,10,10,passed,,10,,7.5,10,not passed" in (out / "grades.csv").read_text(encoding="utf-8-sig")
+    (out / "overrides.csv").unlink()
+    again(inbox, exercises=(SERVICE, CHOICE))
+    assert not (out / "students/ada/pattern_choice.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "student,exercise,score\nbo,temperature_service,3\n",
+            "line 2: there is no student 'bo' here. Did you mean bob?",
+        ),
+        (
+            "student,exercise,score\nbob,temperature_servce,3\n",
+            "line 2: there is no exercise 'temperature_servce' here.",
+        ),
+        ("student,exercise,score\n\nbob,temperature_service,11\n", "line 3: the score '11' is no number from 0 to 10"),
+        ("student,exercise,score\nbob,temperature_service,nan\n", "line 2: the score 'nan' is no number"),
+        ("student,exercise\nbob,temperature_service\n", "line 2: it has neither a score nor a comment"),
+        ("student,score\nbob,3\n", "line 1: the column 'exercise' is missing"),
+        (
+            'student,exercise,comment\nbob,temperature_service,"two\nlines"\nbob,temperature_service,x\n',
+            "line 4: bob and temperature_service stand in line 2 already",
+        ),
+    ],
+)
+def test_a_mistake_in_the_overrides_is_told_with_its_line_before_anything_is_graded(
+    text: str, said: str, inbox: Path
+) -> None:
+    settings(inbox, overrides=text)
+    with pytest.raises(GradingError) as told:
+        again(inbox)
+    assert said in str(told.value)
+    assert "overrides.csv" in str(told.value)
+    assert not (inbox.parent / "out/students").exists()
+
+
+def test_all_mistakes_are_told_at_once(inbox: Path) -> None:
+    settings(
+        inbox, overrides="student,exercise,score\nbob,temperature_service,x\nbob,nothing,1\n,temperature_service,1\n"
+    )
+    with pytest.raises(GradingError) as told:
+        again(inbox)
+    assert [f"line {number}" in str(told.value) for number in (2, 3, 4)] == [True, True, True]
+
+
+def test_lateness_comes_from_timestamps_and_costs_what_the_rules_say(inbox: Path) -> None:
+    hand_in(inbox, "ada", "right = 1", "2026-11-20 23:08:59.123456 UTC")  # within the grace
+    hand_in(inbox, "cem", "right = 2", "2026-11-20 23:09:01 UTC")  # after it: late since the due date, one day
+    hand_in(inbox, "dan", "right = 3", "2026-11-21 23:59:01.0 CET")  # a second more than a day
+    hand_in(inbox, "eva", "right = 4", "2026-12-20 12:00:00.0 Europe/Berlin")
+    hand_in(inbox, "fay", "right = 5", "2026-11-20 20:00:00 -0800")  # 04:00 UTC on the next day
+    out = settings(inbox, class_toml=RULES + DUE)
+    book, _ = again(inbox)
+    assert scores(book) == {"ada": 10.0, "bob": 0.0, "cem": 9.0, "dan": 8.0, "eva": 5.0, "fay": 9.0}
+    late = {record.entry.student for record in book.records if record.is_late}
+    assert late == {"cem", "dan", "eva", "fay"}
+    page = (out / "students/dan/temperature_service.html").read_text(encoding="utf-8")
+    assert "What counts: 8 of 10 points" in page
+    assert "Handed in 1 d late: on 2026-11-21 23:59 CET (UTC+01:00), due 2026-11-20 23:59 CET (UTC+01:00)." in page
+    assert "Late penalty: 2 points" in page
+    assert [one.entry.student for one in book.records if one.adjustment.warning] == ["bob"]
+
+
+def test_a_timestamp_in_a_zip_counts(tmp_path: Path) -> None:
+    for student, stamp in (("ada", "2026-11-22 12:00:00.0 UTC"), ("bob", "2026-11-19 12:00:00.0 UTC")):
+        folder = tmp_path / "course/submitted" / student / "week1"
+        folder.mkdir(parents=True)
+        (folder / "temperature_service.py").write_text(f"right = '{student}'")
+        (folder / "timestamp.txt").write_text(stamp)
+    archive = Path(shutil.make_archive(str(tmp_path / "all"), "zip", tmp_path / "course"))
+    settings(archive, class_toml=RULES + DUE)
+    book, _ = again(archive)
+    assert scores(book) == {"ada": 8.0, "bob": 10.0}
+
+
+def test_a_list_of_gradescopes_tells_when(tmp_path: Path) -> None:
+    entry = Entry("ada", "temperature_service", "ada.py", platform={"submitted_at": "2026-11-20 14:59:30.5 -08:00"})
+    assert submitted(tmp_path, entry) == datetime(2026, 11, 20, 22, 59, 30, tzinfo=timezone.utc)
+
+
+def test_a_rule_that_changes_needs_no_grading(inbox: Path) -> None:
+    hand_in(inbox, "ada", "right = 1", "2026-11-21 12:00:00 UTC")
+    assert scores(again(inbox)[0])["ada"] == 10.0
+    out = settings(inbox, class_toml=RULES + DUE)
+    book, graded = again(inbox)
+    assert (scores(book)["ada"], graded) == (9.0, [])
+    settings(inbox, extensions="student,exercise,due\nada,,2026-11-21 13:00\n")
+    assert scores(again(inbox)[0])["ada"] == 10.0
+    settings(inbox, extensions="student,exercise,due\nada,temperature_service,2026-11-21 12:00\n")  # 11:00 UTC
+    assert scores(again(inbox)[0])["ada"] == 9.0
+    assert "your own date" in (out / "students/ada/temperature_service.html").read_text(encoding="utf-8")
+
+
+def test_clock_changes_are_no_hours_too_late_or_too_early(inbox: Path) -> None:
+    """In the night of 2026-10-25 an hour comes twice in Berlin."""
+    hand_in(inbox, "ada", "right = 1", "2026-10-25 01:30:00 UTC")  # 02:30 for the second time
+    hand_in(inbox, "bob", "right = 2", "2026-10-25 00:30:00 UTC")  # 02:30 for the first time
+    settings(
+        inbox, class_toml=f"{BERLIN}penalty_percent_per_day = 10\n[due]\ntemperature_service = 2026-10-25T02:45:00\n"
+    )
+    book, _ = again(inbox)
+    assert {one.entry.student: one.adjustment.late_s for one in book.records} == {"ada": 2700.0, "bob": 0.0, "cem": 0.0}
+
+
+def test_late_by_the_name_alone_counts_as_one_day_and_is_said(tmp_path: Path) -> None:
+    inbox = tmp_path / "in"
+    inbox.mkdir()
+    for name in ("doejane_LATE_1_11_temperature_service.py", "roe_2_12_temperature_service.py"):
+        (inbox / name).write_text(f"right = '{name}'")
+    settings(inbox, class_toml=RULES + DUE)
+    book, _ = again(inbox)
+    assert scores(book) == {"1": 9.0, "2": 10.0}
+    assert "one day" in book.records[0].adjustment.warning
+    settings(inbox, extensions="student,due\n1,2026-11-25 12:00+01:00\n")
+    book, _ = again(inbox)
+    assert scores(book) == {"1": 10.0, "2": 10.0}
+    assert "extended" in book.records[0].adjustment.warning
+
+
+SIGNER = """#!/bin/sh
+cat >/dev/null
+printf -- '-----BEGIN PGP SIGNATURE-----\\n\\nx\\n-----END PGP SIGNATURE-----\\n'
+printf '\\n[GNUPG:] SIG_CREATED \\n' >&2
+"""
+
+
+def git(folder: Path, *arguments: str, when: datetime | None = None) -> None:
+    stamp = {"GIT_AUTHOR_DATE": when.isoformat(), "GIT_COMMITTER_DATE": when.isoformat()} if when else {}
+    variables = {**os.environ, "GIT_CONFIG_GLOBAL": os.devnull, **stamp}
+    who = ("-c", "user.name=x", "-c", "user.email=x@example.org")
+    subprocess.run(["git", "-C", str(folder), *who, *arguments], check=True, env=variables, capture_output=True)
+
+
+def executable(path: Path, text: str) -> Path:
+    path.write_text(text)
+    path.chmod(0o755)
+    return path
+
+
+def test_a_clone_tells_when_the_file_was_committed_and_its_settings_run_nothing(inbox: Path) -> None:
+    when = datetime(2026, 11, 21, 12, tzinfo=timezone(timedelta(hours=9)))
+    clone, sprung = inbox / "ada", inbox.parent / "sprung"
+    signer = executable(inbox.parent / "signer", SIGNER)
+    trap = executable(inbox.parent / "trap", f"#!/bin/sh\ntouch '{sprung}'\n")
+    git(clone, "init", "-q")
+    git(clone, "add", "-A")
+    git(clone, "-c", f"gpg.program={signer}", "commit", "-q", "-S", "-m", "work", when=when)
+    (clone / "notes.txt").write_text("later, and of no matter")
+    git(clone, "add", "-A")
+    git(clone, "-c", f"gpg.program={signer}", "commit", "-q", "-S", "-m", "notes", when=when + timedelta(days=9))
+    git(clone, "gc", "-q")  # its objects and references packed
+    git(clone, "config", "log.showSignature", "true")
+    git(clone, "config", "gpg.program", str(trap))
+    git(clone, "log", "-1")
+    assert sprung.exists(), "the trap is none"
+    sprung.unlink()
+    settings(inbox, class_toml=RULES + DUE)
+    book, _ = again(inbox, layout="github")
+    ada = next(one for one in book.records if one.entry.student == "ada")
+    assert ada.adjustment.submitted == when
+    assert ada.score == 9.0
+    assert not sprung.exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (DUE, "nobody knows which time zone 2026-11-20 23:59:00 is meant in"),
+        ('timezone = "Europe/Berln"\n', "no timezone 'Europe/Berln'"),
+        (f"{BERLIN}{DUE}grace_minutes = 5\n", "'grace_minutes' stands below [due]"),
+        ("grace_minute = 5\n", "it has no setting 'grace_minute'. Did you mean grace_minutes?"),
+        ("grace_minutes = -5\n", "'grace_minutes' has to be a number, 0 or more"),
+        (f'{BERLIN}[due]\ntemperature_servce = "2026-11-20 23:59"\n', "no exercise 'temperature_servce' here"),
+        (f'{BERLIN}[due]\ntemperature_service = "tomorrow"\n', "'tomorrow' is no date with a time"),
+        (f"{BERLIN}[due]\ntemperature_service = 2026-11-20\n", "'2026-11-20' has no time of day"),
+        ("[due\n", "at line 1"),
+    ],
+)
+def test_a_mistake_in_the_rules_is_told_before_anything_is_graded(text: str, said: str, inbox: Path) -> None:
+    settings(inbox, class_toml=text)
+    with pytest.raises(GradingError) as told:
+        again(inbox)
+    assert said in str(told.value)
+    assert "class.toml" in str(told.value)
+
+
+def test_an_extension_for_nobody_or_without_a_zone_is_told_with_its_line(inbox: Path) -> None:
+    settings(inbox, extensions="student,exercise,due\nbo,,2026-11-25 12:00Z\n")
+    with pytest.raises(
+        GradingError, match=r"extensions\.csv[^$]*line 2: there is no student 'bo' here. Did you mean bob"
+    ):
+        again(inbox)
+    settings(inbox, extensions="student,exercise,due\nbob,,2026-11-25 12:00\n")
+    with pytest.raises(GradingError, match="line 2: due: nobody knows which time zone"):
+        again(inbox)
