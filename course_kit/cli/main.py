@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import class_command, streams
+from course_kit.cli import streams
 from course_kit.integrations import otter
 
 if TYPE_CHECKING:
@@ -49,8 +50,29 @@ def build_parser() -> argparse.ArgumentParser:
     quiz.add_argument("--seed", type=int, help="the number your instructor gave you")
     quiz.set_defaults(run=_quiz)
 
-    release = verbs.add_parser("release", help="make the student edition: the course without its answers")
+    if find_spec("course_kit.authoring") is not None:  # the student edition comes without it
+        _add_instructors_verbs(verbs)
+
+    doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
+    doctor.set_defaults(run=_doctor)
+    return parser
+
+
+def _add_instructors_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """What those do who teach with the course, or work on it."""
+    from course_kit.cli import class_command
+
+    release = verbs.add_parser(
+        "release",
+        help="make the student edition: the course without its answers",
+        epilog="Every program in it is graded, so it takes a minute or two. Exit code: 0 when it was made, 1 when a "
+        "program in it scores more than its exercise's starter, 2 when it could not be made.",
+    )
     release.add_argument("target", help="a new folder, or a file that ends in .zip")
+    release.add_argument(
+        "--without", action="append", default=[], metavar="EXERCISE", help="leave this exercise out; repeatable"
+    )
+    release.add_argument("--left-out", metavar="FILE", help="write the name of every file that is left out to FILE")
     release.set_defaults(run=_release)
 
     class_command.add_to(verbs)
@@ -63,14 +85,10 @@ def build_parser() -> argparse.ArgumentParser:
     )
     present.set_defaults(run=_present, others=[])
 
-    doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
-    doctor.set_defaults(run=_doctor)
-
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
     dev.add_argument("tool", choices=("check", "matrix", "notebooks", "otter"))
     dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
     dev.set_defaults(run=_dev)
-    return parser
 
 
 def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -167,7 +185,7 @@ def _present(options: argparse.Namespace) -> int:
 def _release(options: argparse.Namespace) -> int:
     from course_kit.authoring import release
 
-    return release.run(options.target)
+    return release.run(options.target, options.without, options.left_out)
 
 
 def _quiz(options: argparse.Namespace) -> int:
