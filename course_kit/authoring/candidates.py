@@ -37,6 +37,11 @@ class Candidate:
     file: str
     place: str
 
+    @property
+    def program(self) -> tuple[str, str]:
+        """What is graded: the same for all places in which it stands."""
+        return self.exercise, self.source.strip()
+
 
 class Wanted:
     """What a program for one exercise can be told by."""
@@ -65,8 +70,10 @@ class Wanted:
         if self.task.variable:
             yield from self._answers(text, tree)
             return
-        if f"class {self.task.class_name}" in text or ("rclpy" in text and self._names_one(tree)):
-            yield text if "import" in text else f"{self._skeleton.imports}\n\n{text}"
+        imports = _imports(tree)
+        classes = {node.name for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
+        if self.task.class_name in classes or ("rclpy" in imports and not self.names.isdisjoint(_names(tree))):
+            yield text if imports else f"{self._skeleton.imports}\n\n{text}"
         if completed := self._skeleton.completed(text, tree):
             yield completed
 
@@ -80,29 +87,34 @@ class Wanted:
                 if len(keys & self.names) >= _FEWEST_KEYS:
                     yield f"{variable} = {ast.unparse(node)}\n"
 
-    def _names_one(self, tree: ast.Module) -> bool:
-        return not self.names.isdisjoint(_names(tree))
 
-
-def find(edition: Path, wanted: Sequence[Wanted], skip: frozenset[str] = frozenset()) -> list[Candidate]:
-    """The programs in an edition that could be submissions, each once.
+def find(edition: Path, wanted: Sequence[Wanted]) -> list[Candidate]:
+    """The programs in an edition that could be submissions; one that stands in several files comes for each of them.
 
     Args:
         edition: its folder.
         wanted: what to look for.
-        skip: programs that need no grading.
     """
-    found: dict[tuple[str, str], Candidate] = {}
+    found: dict[tuple[tuple[str, str], str], Candidate] = {}
     for path in sorted(path for path in edition.rglob("*") if path.is_file()):
-        file = path.relative_to(edition).as_posix()
-        for passage in passages(path):
-            for program, tree in programs(passage, lambda text: any(one.may_stand_in(text) for one in wanted)):
-                for one in wanted:
-                    for source in one.submissions(program.text, tree):
-                        key = (one.task.id, source.strip())
-                        if source.strip() not in skip:
-                            found.setdefault(key, Candidate(one.task.id, source, file, program.place))
+        for one in _find_in(path, path.relative_to(edition).as_posix(), wanted):
+            found.setdefault((one.program, one.file), one)
     return list(found.values())
+
+
+def _find_in(path: Path, file: str, wanted: Sequence[Wanted]) -> Iterator[Candidate]:
+    for passage in passages(path):
+        for program, tree in programs(passage, lambda text: any(one.may_stand_in(text) for one in wanted)):
+            for one in wanted:
+                for source in one.submissions(program.text, tree):
+                    yield Candidate(one.task.id, source, file, program.place)
+
+
+def _imports(tree: ast.AST) -> set[str]:
+    """The packages that a program imports."""
+    modules = {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    modules |= {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    return {module.partition(".")[0] for module in modules}
 
 
 def _names(tree: ast.AST) -> set[str]:

@@ -81,10 +81,17 @@ def _readable(passage: Passage) -> Iterator[Passage]:
             begin += 1
             continue
         tries += 1
-        length = _readable_length(lines[begin:])
+        length = _readable_length(_block(lines[begin:]))
         if length:
             yield _part(passage, begin, textwrap.dedent("\n".join(lines[begin : begin + length])))
         begin += max(length, 1)
+
+
+def _block(lines: list[str]) -> list[str]:
+    """The lines from the first one on that are indented no less."""
+    indent = len(lines[0]) - len(lines[0].lstrip())
+    end = next((number for number, line in enumerate(lines) if line.strip() and line[:indent].strip()), len(lines))
+    return lines[:end]
 
 
 def _readable_length(lines: list[str]) -> int:

@@ -1,14 +1,16 @@
 """Proves that a student edition holds no answer: grades every program in it, and compares with the starters.
 
 The programs are graded side by side with the machinery of a class. A starter's own score is the measure; what scores
-more is a finding, and so is a starter that reaches the pass mark.
+more is a finding, and so is a starter that passes: then somebody has kept a solution as the pristine copy.
 """
 
 from __future__ import annotations
 
 import tempfile
 import time
+from collections import Counter
 from concurrent.futures import as_completed
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -23,7 +25,7 @@ from course_kit.grading.submission import Copy, UnreadableError
 from course_kit.grading.workers.pool import Task
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from course_kit.classroom.executors import Executor
     from course_kit.grading.exercise import Exercise
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 _DRAWS = 12  # seeds with which answers are marked: each draws other scenarios
 _SEED = 1  # of what the checks draw elsewhere; the same for all, so that scores can be compared
 _TINY = 1e-6  # points
+_TRIES = 2  # of a grading that fails by itself, as on a busy machine
 
 
 class Watcher(Protocol):
@@ -88,28 +91,42 @@ def prove(edition: Path, exercises: Sequence[str], solutions: Path, watcher: Wat
     tasks = {name: exercise.load(name, edition / "exercises") for name in exercises}
     for task in tasks.values():
         needs.require(task.limits)
-    starters = [starter for task in tasks.values() for starter in _starters(task)]
-    wanted = [Wanted(task, _starters(task)[0].source, _solution(task, solutions)) for task in tasks.values()]
-    found = candidates.find(edition, wanted, frozenset(one.source.strip() for one in starters))
-    watcher.begin(len(found))
+    starters = {name: _starters(task) for name, task in tasks.items()}
+    wanted = [Wanted(task, starters[name][0].source, _solution(task, solutions)) for name, task in tasks.items()]
+    known = {one.program for pair in starters.values() for one in pair}
+    found = [one for one in candidates.find(edition, wanted) if one.program not in known]
+    watcher.begin(len({one.program for one in found}))
     executor = Local(graders=[task.grader for task in tasks.values()])
     try:
-        scores = _grade(executor, tasks, starters, watcher=None)
-        most = {name: max(scores[one] for one in starters if one.exercise == name) for name in tasks}
-        scores |= _grade(executor, tasks, found, watcher)
-        if any(scores[one] > most[one.exercise] + _TINY for one in found):
-            again = _grade(executor, tasks, starters, watcher=None)  # a busy machine may have cost them points
-            most = {name: max(most[name], *(again[one] for one in starters if one.exercise == name)) for name in tasks}
+        findings = _compare(_Grading(executor, tasks, watcher), starters, found)
     finally:
         executor.close()
         watcher.end()
-    findings = [
-        Finding(one, scores[one], most[one.exercise], tasks[one.exercise].points)
-        for one in (*starters, *found)
-        if scores[one] > most[one.exercise] + _TINY
-        or (one in starters and scores[one] >= tasks[one.exercise].pass_mark)
-    ]
-    return EditionProof(len(found), tuple(findings), time.monotonic() - began)
+    return EditionProof(len({one.program for one in found}), tuple(findings), time.monotonic() - began)
+
+
+def _compare(grading: _Grading, starters: Mapping[str, list[Candidate]], found: Sequence[Candidate]) -> list[Finding]:
+    """The programs that score more than the starters of their exercise, and starters that do, or that pass."""
+    every_starter = [one for pair in starters.values() for one in pair]
+    of_starters = grading.scores(every_starter, counted=False)
+    of_found = grading.scores(found)
+
+    def findings() -> list[Finding]:
+        scores = {**of_found, **of_starters}
+        # The program and the notebook are the same starter: if one of them scores more, somebody has worked on it.
+        most = {name: min(of_starters[one.program] for one in pair) for name, pair in starters.items()}
+        return [
+            Finding(one, scores[one.program], most[one.exercise], grading.tasks[one.exercise].points)
+            for one in (*every_starter, *found)
+            if scores[one.program] > most[one.exercise] + _TINY
+            or (one in every_starter and scores[one.program] >= grading.tasks[one.exercise].pass_mark)
+        ]
+
+    if not findings():
+        return []
+    again = grading.scores(every_starter, counted=False)  # a busy machine may have cost them points
+    of_starters = {program: max(score, again[program]) for program, score in of_starters.items()}
+    return findings()
 
 
 def _starters(task: Exercise) -> list[Candidate]:
@@ -141,53 +158,66 @@ def _solution(task: Exercise, solutions: Path) -> str:
         return ""
 
 
-def _grade(
-    executor: Executor, tasks: dict[str, Exercise], programs: Sequence[Candidate], watcher: Watcher | None
-) -> dict[Candidate, float]:
-    """The best score of each program.
+class _Grading:
+    """Grades programs side by side."""
 
-    Raises:
-        GradingError: one could not be graded, through no fault of its own.
-    """
-    waiting = {}
-    for program, text in _submissions(tasks, programs):
-        for seed in _seeds(tasks[program.exercise]):
-            task = Task(tasks[program.exercise], text, program.file, seed)
-            waiting[executor.submit(task)] = program
-    left = dict.fromkeys(programs, 0)
-    for program in waiting.values():
-        left[program] += 1
-    scores = dict.fromkeys(programs, 0.0)
-    for future in as_completed(waiting):
-        program = waiting[future]
-        report = future.result()
-        if report.status == "error":
+    def __init__(self, executor: Executor, tasks: Mapping[str, Exercise], watcher: Watcher) -> None:
+        self.tasks = tasks
+        self._executor = executor
+        self._watcher = watcher
+
+    def scores(
+        self, programs: Sequence[Candidate], *, counted: bool = True, tries: int = _TRIES
+    ) -> dict[tuple[str, str], float]:
+        """The best score of each program; 0 for what no grader would take.
+
+        Args:
+            programs: which; one that is there twice is graded once.
+            counted: tell the watcher of each.
+            tries: how often a grading that fails by itself is begun.
+
+        Raises:
+            GradingError: a grading has failed by itself as often as that.
+        """
+        scores = {one.program: 0.0 for one in programs}
+        waiting = {
+            self._executor.submit(Task(self.tasks[one.exercise], text, one.file, seed)): one
+            for one, text in self._submissions({one.program: one for one in programs}.values())
+            for seed in _seeds(self.tasks[one.exercise])
+        }
+        left = Counter(one.program for one in waiting.values())
+        failed: dict[Candidate, str] = {}
+        for future in as_completed(waiting):
+            one, report = waiting[future], future.result()
+            if report.status == "error":
+                failed[one] = report.problem
+            scores[one.program] = max(scores[one.program], report.score)
+            left[one.program] -= 1
+            if counted and not left[one.program]:
+                self._watcher.done()
+        if failed and tries == 1:
+            one, problem = next(iter(failed.items()))
             raise GradingError(
-                f"Nothing is proven, because {program.file} ({program.place}) could not be graded as "
-                f"{program.exercise}: {report.problem} Run this again."
+                f"Nothing is proven, because {one.file} ({one.place}) could not be graded as {one.exercise}: {problem} "
+                "Run this again."
             )
-        scores[program] = max(scores[program], report.score)
-        left[program] -= 1
-        if watcher is not None and not left[program]:
-            watcher.done()
-    return scores
+        return scores | (self.scores(list(failed), counted=False, tries=tries - 1) if failed else {})
+
+    def _submissions(self, programs: Iterable[Candidate]) -> list[tuple[Candidate, Submission]]:
+        """The programs as the graders take them."""
+        found = []
+        with tempfile.TemporaryDirectory(prefix="course-kit-release-") as folder, Reader() as reader:
+            file = Path(folder) / "program.py"
+            for one in programs:
+                file.write_text(one.source, encoding="utf-8", errors="replace")
+                with suppress(UnreadableError):
+                    found.append((one, _read(reader, file, self.tasks[one.exercise])))
+        return found
 
 
-def _seeds(task: Exercise) -> Sequence[int]:
+def _seeds(task: Exercise) -> list[int]:
+    """What the checks draw from: answers are marked with several draws, as a class may get one each."""
     if not task.variable:
-        return (_SEED,)
-    return range(_DRAWS) if task.seed is None else dict.fromkeys((task.seed, *range(_DRAWS)))  # type: ignore[return-value]
-
-
-def _submissions(tasks: dict[str, Exercise], programs: Sequence[Candidate]) -> list[tuple[Candidate, Submission]]:
-    """The programs as the graders take them; those that no grader would take score nothing."""
-    found = []
-    with tempfile.TemporaryDirectory(prefix="course-kit-release-") as folder, Reader() as reader:
-        file = Path(folder) / "program.py"
-        for program in programs:
-            file.write_text(program.source, encoding="utf-8", errors="replace")
-            try:
-                found.append((program, _read(reader, file, tasks[program.exercise])))
-            except UnreadableError:
-                continue
-    return found
+        return [_SEED]
+    own = [] if task.seed is None else [task.seed]
+    return list(dict.fromkeys([*own, *range(_DRAWS)]))

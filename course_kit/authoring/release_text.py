@@ -69,7 +69,7 @@ def _lines(planned: EditionPlan, proven: EditionProof) -> Iterator[str]:
     if planned.without_starter:
         pristine = f".venv/bin/python -m course_kit.authoring.pristine {' '.join(planned.without_starter)}"
         yield (
-            f"Exercises left out, because the course keeps no copy of their starters: {_named(planned.without_starter)}. "
+            f"Exercises left out, because no copy of their starters is kept: {_named(planned.without_starter)}. "
             f"To put them in, see that exercises/ holds the starter and not its solution, then run {pristine}"
         )
     if planned.new_exercises:
