@@ -102,7 +102,7 @@ def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan
             raise AnswersFoundError(release_text.answers_found(proven))
         if _is_zip(target):
             packed = Path(workshop) / "student.zip"
-            _pack(built, packed)
+            pack(built, packed)
             packed.replace(target)
         else:
             built.replace(target)
@@ -150,8 +150,16 @@ def _leave_answers_out(target: Path, name: str) -> None:
         nbformat.write(edition_notebooks.without_answers(notebook), target)
 
 
-def _pack(folder: Path, archive: Path) -> None:
-    """Zip a folder; who may run a file stays with it."""
+def pack(folder: Path, archive: Path) -> None:
+    """Zip an edition's folder; who may run a file stays with it.
+
+    Args:
+        folder: the folder; within the zip it has the course's name.
+        archive: the new zip.
+
+    Raises:
+        OSError: it cannot be written.
+    """
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
         for path in sorted(folder.rglob("*")):
             if path.is_file():
