@@ -8,6 +8,7 @@ What is left is a course of its own: `./course lab` and `./course test` work in 
 
 from __future__ import annotations
 
+import os
 import shutil
 import stat
 import sys
@@ -49,12 +50,10 @@ def run(target: str, without: Collection[str] = (), left_out_file: str | None = 
         left_out_file: where to write the name of every file that stays out; nowhere if None.
 
     Returns:
-        0 when it was made, 1 when programs in it score more than a starter, 2 when it could not be made.
+        0 when it was made, 1 when programs in it score more than a starter, 2 when it or the list could not be made.
     """
     try:
         path, planned, proven = make(Path(target), without)
-        if left_out_file is not None:
-            environment.write_atomically(Path(left_out_file), "".join(f"{name}\n" for name in planned.left_out))
     except AnswersFoundError as problem:
         print(f"course-kit: {problem}", file=sys.stderr)
         return ANSWERS_FOUND
@@ -66,7 +65,7 @@ def run(target: str, without: Collection[str] = (), left_out_file: str | None = 
         print(f"course-kit: the student edition could not be written: {problem.strerror}{where}.", file=sys.stderr)
         return FAILED
     print(release_text.made(path, planned, proven))
-    return 0
+    return 0 if left_out_file is None else _list_left_out(planned, Path(left_out_file))
 
 
 def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan, EditionProof]:
@@ -127,6 +126,18 @@ def build(planned: EditionPlan, folder: Path) -> None:
         target.chmod(target.stat().st_mode | stat.S_IWUSR)  # a course that is read-only makes an edition that is not
         if name.startswith("notebooks/") and target.suffix == ".ipynb":
             _leave_answers_out(target, name)
+
+
+def _list_left_out(planned: EditionPlan, path: Path) -> int:
+    try:
+        environment.write_atomically(path, os.fsencode("".join(f"{name}\n" for name in planned.left_out)))
+    except OSError as problem:
+        print(
+            f"course-kit: the list of what was left out could not be written: {problem.strerror} ({path}).",
+            file=sys.stderr,
+        )
+        return FAILED
+    return 0
 
 
 def _is_zip(target: Path) -> bool:

@@ -17,6 +17,7 @@ import pytest
 
 from course_kit import environment
 from course_kit.authoring import edition_notebooks, edition_plan, release
+from course_kit.authoring.proof import EditionProof
 from course_kit.cli import main as cli
 from tests.authoring.conftest import git
 from tests.course_copy import TEMPERATURE
@@ -24,7 +25,6 @@ from tests.course_copy import TEMPERATURE
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.authoring.proof import EditionProof
     from tests.course_copy import Course
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
@@ -194,6 +194,18 @@ def test_the_command_writes_a_zip_and_a_list_of_all_that_stayed_out(clone: Cours
     names = listed.read_text().splitlines()
     assert names == sorted(names)
     assert {"exam/question.md", "course_kit/authoring/release.py"} < set(names)
+
+
+def test_a_list_that_cannot_be_written_is_said_beside_the_edition(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = (tmp_path, edition_plan.EditionPlan(), EditionProof(0, (), 0.0))
+    monkeypatch.setattr(release, "make", lambda *_arguments: made)
+    (tmp_path / "file").touch()
+    assert release.run("student", left_out_file=str(tmp_path / "file" / "list")) == 2
+    said = capsys.readouterr()
+    assert f"The student edition is in {tmp_path}." in said.out
+    assert said.err.startswith("course-kit: the list of what was left out could not be written: ")
 
 
 def test_cells_tagged_answer_are_left_out_and_the_others_numbered_anew() -> None:
