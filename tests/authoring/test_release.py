@@ -55,9 +55,9 @@ def student(edition: Edition) -> Path:
     return edition.root
 
 
-def run(student: Path, *command: str) -> subprocess.CompletedProcess[str]:
+def run(student: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", *command],
+        [sys.executable, *arguments],
         cwd=student,
         env=environment.child_environment(PYTHONPATH=str(student)),
         capture_output=True,
@@ -98,21 +98,13 @@ def test_every_module_of_it_can_be_imported(student: Path) -> None:
     modules = [name.removesuffix(".__init__") for name in modules if not name.endswith("__main__")]
     assert len(modules) > 200
     code = f"import importlib\nfor name in {modules!r}: importlib.import_module(name)"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=student,
-        env=environment.child_environment(PYTHONPATH=str(student)),
-        capture_output=True,
-        text=True,
-        timeout=100,
-        check=False,
-    )
+    done = run(student, "-c", code)
     assert done.returncode == 0, done.stderr
 
 
 def test_it_offers_no_command_of_the_instructors(student: Path) -> None:
     assert set(INSTRUCTORS_VERBS) < _verbs(cli.build_parser().format_help())
-    offered = _verbs(run(student, "course_kit", "--help").stdout)
+    offered = _verbs(run(student, "-m", "course_kit", "--help").stdout)
     assert {"lab", "grade", "doctor"} < offered
     assert not offered & set(INSTRUCTORS_VERBS)
     for root, expected in ((REPOSITORY, True), (student, False)):
@@ -132,7 +124,7 @@ def test_its_readme_is_for_students_and_what_it_names_is_there(student: Path) ->
     text = (student / "README.md").read_text()
     assert text != (REPOSITORY / "README.md").read_text()
     assert {"./course lab", "./course grade", "./course doctor"} <= set(re.findall(r"\./course \w+", text))
-    offered = _verbs(run(student, "course_kit", "--help").stdout) | {"test"}
+    offered = _verbs(run(student, "-m", "course_kit", "--help").stdout) | {"test"}
     assert set(re.findall(r"\./course (\w+)", text)) <= offered
     paths = set(re.findall(r"(?:exercises|notebooks|course_kit)/[\w./]*", text))
     assert paths
@@ -157,9 +149,9 @@ def _links(text: str) -> Iterator[str]:
 
 
 def test_its_own_tests_are_found_and_those_of_the_notebooks_pass(student: Path) -> None:
-    found = run(student, "pytest", "--collect-only", "-q", "-p", "no:cacheprovider")
+    found = run(student, "-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider")
     assert found.returncode == 0, found.stdout[-3000:]
-    passed = run(student, "pytest", "-q", "-p", "no:cacheprovider", "tests/notebooks", "tests/robot")
+    passed = run(student, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/notebooks", "tests/robot")
     assert passed.returncode == 0, passed.stdout[-3000:]
     assert "test_form" in found.stdout
     assert "test_release" not in found.stdout
@@ -167,7 +159,7 @@ def test_its_own_tests_are_found_and_those_of_the_notebooks_pass(student: Path) 
 
 def test_a_learner_is_graded_in_it(student: Path) -> None:
     starter = "exercises/temperature_service/temperature_service.py"
-    graded = run(student, "course_kit", "grade", "temperature_service", starter, "--format", "json")
+    graded = run(student, "-m", "course_kit", "grade", "temperature_service", starter, "--format", "json")
     assert json.loads(graded.stdout)["status"] == "graded", graded.stderr
     assert graded.returncode == 1
 
