@@ -43,7 +43,7 @@ class Candidate:
         return self.exercise, self.source.strip()
 
 
-class Wanted:
+class ExerciseClues:
     """What a program for one exercise can be told by."""
 
     def __init__(self, task: Exercise, starter: str, solution: str = "") -> None:
@@ -88,7 +88,7 @@ class Wanted:
                     yield f"{variable} = {ast.unparse(node)}\n"
 
 
-def find(edition: Path, wanted: Sequence[Wanted]) -> list[Candidate]:
+def find(edition: Path, wanted: Sequence[ExerciseClues]) -> list[Candidate]:
     """The programs in an edition that could be submissions; one that stands in several files comes for each of them.
 
     Args:
@@ -102,7 +102,7 @@ def find(edition: Path, wanted: Sequence[Wanted]) -> list[Candidate]:
     return list(found.values())
 
 
-def _find_in(path: Path, file: str, wanted: Sequence[Wanted]) -> Iterator[Candidate]:
+def _find_in(path: Path, file: str, wanted: Sequence[ExerciseClues]) -> Iterator[Candidate]:
     for passage in passages(path):
         for program, tree in programs(passage, lambda text: any(one.may_stand_in(text) for one in wanted)):
             for one in wanted:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from course_kit.authoring import candidates
-from course_kit.authoring.candidates import Candidate, Wanted
+from course_kit.authoring.candidates import Candidate, ExerciseClues
 from course_kit.classroom.executors import Local
 from course_kit.grading import exercise, needs
 from course_kit.grading.errors import GradingError
@@ -37,7 +37,7 @@ _TINY = 1e-6  # points
 _TRIES = 2  # of a grading that fails by itself, as on a busy machine
 
 
-class Watcher(Protocol):
+class ProofWatcher(Protocol):
     """Told how the proof goes."""
 
     def begin(self, programs: int) -> None:
@@ -51,7 +51,7 @@ class Watcher(Protocol):
 
 
 @dataclass(frozen=True)
-class Finding:
+class ProofFinding:
     """A program that an edition must not hold."""
 
     candidate: Candidate
@@ -71,11 +71,11 @@ class EditionProof:
     """
 
     programs: int
-    findings: tuple[Finding, ...]
+    findings: tuple[ProofFinding, ...]
     duration_s: float
 
 
-def prove(edition: Path, exercises: Sequence[str], solutions: Path, watcher: Watcher) -> EditionProof:
+def prove(edition: Path, exercises: Sequence[str], solutions: Path, watcher: ProofWatcher) -> EditionProof:
     """Grade every program in a student edition.
 
     Args:
@@ -92,7 +92,7 @@ def prove(edition: Path, exercises: Sequence[str], solutions: Path, watcher: Wat
     for task in tasks.values():
         needs.require(task.limits)
     starters = {name: _starters(task) for name, task in tasks.items()}
-    wanted = [Wanted(task, starters[name][0].source, _solution(task, solutions)) for name, task in tasks.items()]
+    wanted = [ExerciseClues(task, starters[name][0].source, _solution(task, solutions)) for name, task in tasks.items()]
     known = {one.program for pair in starters.values() for one in pair}
     found = [one for one in candidates.find(edition, wanted) if one.program not in known]
     watcher.begin(len({one.program for one in found}))
@@ -105,18 +105,20 @@ def prove(edition: Path, exercises: Sequence[str], solutions: Path, watcher: Wat
     return EditionProof(len({one.program for one in found}), tuple(findings), time.monotonic() - began)
 
 
-def _compare(grading: _Grading, starters: Mapping[str, list[Candidate]], found: Sequence[Candidate]) -> list[Finding]:
+def _compare(
+    grading: _Grading, starters: Mapping[str, list[Candidate]], found: Sequence[Candidate]
+) -> list[ProofFinding]:
     """The programs that score more than the starters of their exercise, and starters that do, or that pass."""
     every_starter = [one for pair in starters.values() for one in pair]
     of_starters = grading.scores(every_starter, counted=False)
     of_found = grading.scores(found)
 
-    def findings() -> list[Finding]:
+    def findings() -> list[ProofFinding]:
         scores = {**of_found, **of_starters}
         # The program and the notebook are the same starter: if one of them scores more, somebody has worked on it.
         most = {name: min(of_starters[one.program] for one in pair) for name, pair in starters.items()}
         return [
-            Finding(one, scores[one.program], most[one.exercise], grading.tasks[one.exercise].points)
+            ProofFinding(one, scores[one.program], most[one.exercise], grading.tasks[one.exercise].points)
             for one in (*every_starter, *found)
             if scores[one.program] > most[one.exercise] + _TINY
             or (one in every_starter and scores[one.program] >= grading.tasks[one.exercise].pass_mark)
@@ -161,7 +163,7 @@ def _solution(task: Exercise, solutions: Path) -> str:
 class _Grading:
     """Grades programs side by side."""
 
-    def __init__(self, executor: Executor, tasks: Mapping[str, Exercise], watcher: Watcher) -> None:
+    def __init__(self, executor: Executor, tasks: Mapping[str, Exercise], watcher: ProofWatcher) -> None:
         self.tasks = tasks
         self._executor = executor
         self._watcher = watcher

@@ -20,7 +20,7 @@ _EACH = 25  # programs from one line of progress to the next, where lines cannot
 _NAMED = 10  # files that are named; of more, their folders with counts
 
 
-class Progress:
+class ProofProgress:
     """Shows how far the proof is: one line kept up to date on a terminal, some lines elsewhere."""
 
     def __init__(self, stream: TextIO) -> None:
@@ -29,18 +29,18 @@ class Progress:
         self._done = self._total = 0
 
     def begin(self, programs: int) -> None:
-        """See `proof.Watcher`."""
+        """See `proof.ProofWatcher`."""
         self._total = programs
         self._say(f"Grading {_count(programs, 'program')} found in the edition; this takes a minute or two.", keep=True)
 
     def done(self) -> None:
-        """See `proof.Watcher`."""
+        """See `proof.ProofWatcher`."""
         self._done += 1
         if self._terminal or self._done % _EACH == 0:
             self._say(f"[{self._done:>{len(str(self._total))}}/{self._total}] graded", keep=not self._terminal)
 
     def end(self) -> None:
-        """See `proof.Watcher`."""
+        """See `proof.ProofWatcher`."""
         if self._terminal:
             self._say("", keep=False)
 

@@ -60,21 +60,9 @@ def build_parser() -> argparse.ArgumentParser:
 
 def _add_instructors_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """What those do who teach with the course, or work on it."""
-    from course_kit.cli import class_command
+    from course_kit.cli import class_command, release_command
 
-    release = verbs.add_parser(
-        "release",
-        help="make the student edition: the course without its answers",
-        epilog="Every program in it is graded, so it takes a minute or two. Exit code: 0 when it was made, 1 when a "
-        "program in it scores more than its exercise's starter, 2 when it could not be made.",
-    )
-    release.add_argument("target", help="a new folder, or a file that ends in .zip")
-    release.add_argument(
-        "--without", action="append", default=[], metavar="EXERCISE", help="leave this exercise out; repeatable"
-    )
-    release.add_argument("--left-out", metavar="FILE", help="write the name of every file that is left out to FILE")
-    release.set_defaults(run=_release)
-
+    release_command.add_to(verbs)
     class_command.add_to(verbs)
     otter.add_to(verbs)
 
@@ -180,12 +168,6 @@ def _present(options: argparse.Namespace) -> int:
     from course_kit.cli import present
 
     return present.run(options.others)
-
-
-def _release(options: argparse.Namespace) -> int:
-    from course_kit.authoring import release
-
-    return release.run(options.target, options.without, options.left_out)
 
 
 def _quiz(options: argparse.Namespace) -> int:

@@ -11,7 +11,7 @@ import nbformat
 import pytest
 
 from course_kit.authoring import candidates
-from course_kit.authoring.candidates import Wanted
+from course_kit.authoring.candidates import ExerciseClues
 from course_kit.grading import exercise
 from tests.authoring.conftest import git
 from tests.course_copy import REPOSITORY, TEMPERATURE, starter
@@ -110,11 +110,11 @@ def test_a_solution_that_was_kept_as_the_pristine_copy_is_found(
     assert not (tmp_path / "student.zip").exists()
 
 
-def wanted(exercise_id: str) -> Wanted:
+def wanted(exercise_id: str) -> ExerciseClues:
     task = exercise.load(exercise_id)
     pristine = REPOSITORY / f"course_kit/starters/{exercise_id}/{task.starter}.pristine"
     solution = REPOSITORY / "solutions" / exercise_id / f"{exercise_id}.py"
-    return Wanted(task, pristine.read_text(), solution.read_text())
+    return ExerciseClues(task, pristine.read_text(), solution.read_text())
 
 
 def found(folder: Path, exercise_id: str = TEMPERATURE) -> list[candidates.Candidate]:
