@@ -1,5 +1,6 @@
-"""Renews the pristine starters that `course-kit reset` puts back: `python -m course_kit.authoring.pristine`.
+"""Renews the pristine starters: `python -m course_kit.authoring.pristine [EXERCISE ...]`.
 
+`course-kit reset` puts them back, and `course-kit release` gives them to students, whatever stands in `exercises/`.
 Run it after a change to the starter or the notebook of an exercise; a test says when it was forgotten. It renews the
 list of all starters ever given out, too (`shipped_starters`).
 """
@@ -13,30 +14,54 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.authoring import shipped_starters
 from course_kit.grading import exercise
+from course_kit.grading.errors import GradingError
 from course_kit.learner import workspace
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
 
-def renew(target: Path, folder: Path | None = None) -> list[Path]:
-    """Copy the starters of all exercises to `target`, and return what was written; nothing else stays there."""
-    tasks = [exercise.load(name, folder) for name in exercise.ids(folder)]
+def renew(target: Path, folder: Path | None = None, chosen: Sequence[str] = ()) -> list[Path]:
+    """Copy starters of exercises to `target`.
+
+    Args:
+        target: the folder of pristine starters.
+        folder: the folder of exercises, the course's own when None.
+        chosen: ids of the exercises; all when none is named, and then nothing else stays in `target`.
+
+    Returns:
+        what was written.
+
+    Raises:
+        GradingError: there is no such exercise.
+        OSError: a file cannot be read or written.
+    """
+    tasks = [exercise.load(name, folder) for name in chosen or exercise.ids(folder)]
     files = [task.folder / name for task in tasks for name in (task.starter, task.notebook)]
     contents = {target / file.parent.name / f"{file.name}{workspace.PRISTINE}": file.read_bytes() for file in files}
-    shutil.rmtree(target, ignore_errors=True)  # only now, when all could be read
+    for old in [target / task.id for task in tasks] if chosen else [target]:
+        shutil.rmtree(old, ignore_errors=True)  # only now, when all could be read
     for path, content in contents.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
     return list(contents)
 
 
-def main() -> int:
-    """Renew those of the package."""
-    for path in renew(workspace.STARTERS):
+def main(arguments: Sequence[str]) -> int:
+    """Renew those of the package: of the exercises that are named, else of all."""
+    try:
+        written = renew(workspace.STARTERS, chosen=arguments)
+    except GradingError as problem:
+        print(f"course-kit: {problem}", file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(f"course-kit: {problem.filename} could not be copied: {problem.strerror}.", file=sys.stderr)
+        return 2
+    for path in written:
         print(path.relative_to(environment.PACKAGE))
     return shipped_starters.main()
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

@@ -1,7 +1,9 @@
 """`course-kit release`: the student edition, which is the course without its answers.
 
-Left out are the solutions, the submissions that the graders are tested with, and the cells of the demos that are
-tagged `answer`. What is left is a course of its own: `./course lab` and `./course test` work in it.
+`edition_plan` decides what goes in, by the lists in edition.toml. Of the exercises the pristine starters go in,
+whatever stands in the working tree, and of the demos all but the cells of the instructor. Then every program that is
+found in the edition is graded (`proof`), and the edition gets its name only if none scores more than a starter does.
+What is left is a course of its own: `./course lab` and `./course test` work in it.
 """
 
 from __future__ import annotations
@@ -9,74 +11,79 @@ from __future__ import annotations
 import os
 import shutil
 import stat
-import subprocess
 import sys
 import tempfile
 import zipfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import nbformat
 
 from course_kit import environment
+from course_kit.authoring import edition_notebooks, edition_plan, proof, release_text
+from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Collection
+
+    from course_kit.authoring.edition_plan import EditionPlan
+    from course_kit.authoring.proof import EditionProof
 
 NAME = "ros2-course"  # the folder inside a zip
-ANSWER = "answer"  # a cell with this tag belongs to the instructor
-# Folders with answers, or with programs that come close to one.
-LEFT_OUT = (
-    "solutions",
-    "tests/broken",
-    "tests/slips",
-    "tests/grading",
-    "tests/proof",
-    "tests/authoring",
-    "tests/dev",
-    "tests/graders",
-    ".ci",
-    ".github",
-)
-_GENERATED = {
-    ".git", ".venv", ".venvs", ".course", ".hypothesis", ".mypy_cache", ".pytest_cache", ".ruff_cache",
-    ".ipynb_checkpoints", "__pycache__", "artifacts", "build", "dist",
-}  # fmt: skip
-_GENERATED_ENDINGS = (".so", ".pyc", ".tmp", ".zip")
+ANSWERS_FOUND, FAILED = 1, 2
 
 
 class ReleaseError(RuntimeError):
     """The student edition cannot be made; the text is for the user."""
 
 
-def run(target: str) -> int:
-    """Make the student edition and say where it is; 2 if that could not be done."""
+class AnswersFoundError(ReleaseError):
+    """Programs in the edition score more than a starter; the text has a table of them."""
+
+
+def run(target: str, without: Collection[str] = (), left_out_file: str | None = None) -> int:
+    """Make the student edition and say what it is.
+
+    Args:
+        target: see `make`.
+        without: see `make`.
+        left_out_file: where to write the name of every file that stays out; nowhere if None.
+
+    Returns:
+        0 when it was made, 1 when programs in it score more than a starter, 2 when it or the list could not be made.
+    """
     try:
-        path = make(Path(target))
-    except ReleaseError as problem:
+        path, planned, proven = make(Path(target), without)
+    except AnswersFoundError as problem:
         print(f"course-kit: {problem}", file=sys.stderr)
-        return 2
+        return ANSWERS_FOUND
+    except (ReleaseError, GradingError) as problem:
+        print(f"course-kit: {problem}", file=sys.stderr)
+        return FAILED
     except OSError as problem:
         where = f" ({problem.filename})" if problem.filename else ""
         print(f"course-kit: the student edition could not be written: {problem.strerror}{where}.", file=sys.stderr)
-        return 2
-    print(f"The student edition is in {path}. It has no solutions; ./course lab and ./course test work in it.")
-    return 0
+        return FAILED
+    print(release_text.made(path, planned, proven))
+    return 0 if left_out_file is None else _list_left_out(planned, Path(left_out_file))
 
 
-def make(target: Path) -> Path:
+def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan, EditionProof]:
     """Write the student edition.
 
-    It appears under its name only when it is complete.
+    It appears under its name only when it is complete and proven.
 
     Args:
         target: a folder that does not exist yet or is empty, or a file that ends in .zip.
+        without: ids of exercises that shall not go in.
 
     Returns:
-        the target, as an absolute path.
+        the target, as an absolute path; what went in; and what was graded.
 
     Raises:
+        AnswersFoundError: a program in it scores more than its exercise's starter.
         ReleaseError: there is something in the way, or this is not the course's folder.
+        GradingError: a list or an exercise.toml has a mistake, or the programs in it cannot be graded here.
         OSError: it cannot be written.
     """
     root = environment.checkout()
@@ -84,40 +91,53 @@ def make(target: Path) -> Path:
         raise ReleaseError("A student edition is made from the course's folder. Run ./course release there.")
     target = target.absolute()
     _require_free(target)
+    planned = edition_plan.plan(root, without)
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".release-", dir=target.parent) as workshop:
         built = Path(workshop) / NAME
-        for name in contents(root):
-            _put(root / name, built / name)
+        build(planned, built)
+        proven = proof.prove(built, planned.exercises, root / "solutions", release_text.ProofProgress(sys.stderr))
+        if proven.findings:
+            raise AnswersFoundError(release_text.answers_found(proven))
         if _is_zip(target):
             packed = Path(workshop) / "student.zip"
-            _pack(built, packed)
+            pack(built, packed)
             packed.replace(target)
         else:
             built.replace(target)
-    return target
+    return target, planned, proven
 
 
-def contents(root: Path) -> list[str]:
-    """The files of the student edition, as paths relative to the course's folder, sorted."""
-    return sorted(name for name in own_files(root) if not _is_left_out(name))
+def build(planned: EditionPlan, folder: Path) -> None:
+    """Write the files of an edition.
+
+    Args:
+        planned: what goes in.
+        folder: where to.
+
+    Raises:
+        ReleaseError: a notebook cannot be read.
+        OSError: it cannot be written.
+    """
+    for name, source in planned.files.items():
+        target = folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(source, target)
+        target.chmod(target.stat().st_mode | stat.S_IWUSR)  # a course that is read-only makes an edition that is not
+        if name.startswith("notebooks/") and target.suffix == ".ipynb":
+            _leave_answers_out(target, name)
 
 
-def without_answers(notebook: Any) -> Any:
-    """A notebook without the cells tagged `answer`; the others are numbered anew."""
-    notebook.cells = [cell for cell in notebook.cells if ANSWER not in cell.metadata.get("tags", [])]
-    number_anew(notebook)
-    return notebook
-
-
-def number_anew(notebook: Any) -> None:
-    """Number the cells that have been run from 1, as a fresh kernel would; the others stay without a number."""
-    run = [cell for cell in notebook.cells if cell.cell_type == "code" and cell.execution_count is not None]
-    for number, cell in enumerate(run, start=1):
-        cell.execution_count = number
-        for output in cell.outputs:
-            if output.output_type == "execute_result":
-                output.execution_count = number
+def _list_left_out(planned: EditionPlan, path: Path) -> int:
+    try:
+        environment.write_atomically(path, os.fsencode("".join(f"{name}\n" for name in planned.left_out)))
+    except OSError as problem:
+        print(
+            f"course-kit: the list of what was left out could not be written: {problem.strerror} ({path}).",
+            file=sys.stderr,
+        )
+        return FAILED
+    return 0
 
 
 def _is_zip(target: Path) -> bool:
@@ -132,54 +152,25 @@ def _require_free(target: Path) -> None:
         raise ReleaseError(f"{target} exists and is not an empty folder. Remove it, or choose another name.")
 
 
-def own_files(root: Path, *, new: bool = False) -> Iterator[str]:
-    """What belongs to the course: what git knows, where this is a git repository; else all that nobody generated.
+def _leave_answers_out(target: Path, name: str) -> None:
+    try:
+        notebook = nbformat.read(target, as_version=4)
+    except (ValueError, KeyError, AttributeError) as problem:
+        raise ReleaseError(f"{name} is not a notebook: {problem}. Mend it, or take it away.") from problem
+    if edition_notebooks.has_answers(notebook):
+        nbformat.write(edition_notebooks.without_answers(notebook), target)
+
+
+def pack(folder: Path, archive: Path) -> None:
+    """Zip an edition's folder; who may run a file stays with it.
 
     Args:
-        root: the course's folder.
-        new: also what git has not been told of yet, and would not ignore.
+        folder: the folder; within the zip it has the course's name.
+        archive: the new zip.
+
+    Raises:
+        OSError: it cannot be written.
     """
-    also = ["--cached", "--others", "--exclude-standard"] if new else []
-    listed = (
-        subprocess.run(["git", "ls-files", "-z", *also], cwd=root, capture_output=True, check=False)
-        if _has_git(root)
-        else None
-    )
-    if listed is not None and listed.returncode == 0:
-        names = os.fsdecode(listed.stdout).split("\0")
-        yield from (name for name in names if name and (root / name).is_file())
-        return
-    for folder, folders, files in os.walk(root):
-        inner = Path(folder)
-        folders[:] = [name for name in folders if name not in _GENERATED and not _is_a_course(inner / name)]
-        for name in files:
-            if name not in _GENERATED and not name.endswith(_GENERATED_ENDINGS):  # .venv is a link
-                yield (inner / name).relative_to(root).as_posix()
-
-
-def _is_a_course(folder: Path) -> bool:
-    """Whether a folder is a course of its own, such as an edition that was made before."""
-    return (folder / "course_kit").is_dir()
-
-
-def _has_git(root: Path) -> bool:
-    return (root / ".git").exists() and shutil.which("git") is not None
-
-
-def _is_left_out(name: str) -> bool:
-    return any(name == folder or name.startswith(f"{folder}/") for folder in LEFT_OUT)
-
-
-def _put(source: Path, target: Path) -> None:
-    target.parent.mkdir(parents=True, exist_ok=True)
-    shutil.copy2(source, target)
-    target.chmod(target.stat().st_mode | stat.S_IWUSR)  # a course that is read-only makes an edition that is not
-    if source.suffix == ".ipynb" and "demos" in source.parts:
-        nbformat.write(without_answers(nbformat.read(source, as_version=4)), target)
-
-
-def _pack(folder: Path, archive: Path) -> None:
-    """Zip a folder; who may run a file stays with it."""
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
         for path in sorted(folder.rglob("*")):
             if path.is_file():

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import autograde, class_command, export_command, regrade_command, seeds_command, streams
-from course_kit.integrations import otter
+from course_kit.cli import autograde, streams
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,6 +28,7 @@ def build_parser() -> argparse.ArgumentParser:
         prog="course-kit", description="A live course on ROS 2 services, actions and parameters."
     )
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
+    for_instructors = find_spec("course_kit.authoring") is not None  # the student edition comes without it
 
     lab = verbs.add_parser("lab", help="open the course in JupyterLab", epilog="Other options go to `jupyter lab`.")
     lab.set_defaults(run=_lab, others=[])
@@ -37,7 +38,7 @@ def build_parser() -> argparse.ArgumentParser:
     grade.add_argument("path", nargs="?", help="your .py or .ipynb file")
     grade.add_argument(
         "--format",
-        choices=("text", "json", *autograde.FORMATS),
+        choices=("text", "json", *(autograde.FORMATS if for_instructors else ())),
         default="text",
         help="gradescope and classroom50 are for autograders: PATH may be a folder, and exit code 0 means graded",
     )
@@ -55,30 +56,13 @@ def build_parser() -> argparse.ArgumentParser:
     quiz.add_argument("--seed", type=int, help="the number your instructor gave you")
     quiz.set_defaults(run=_quiz)
 
-    release = verbs.add_parser("release", help="make the student edition: the course without its answers")
-    release.add_argument("target", help="a new folder, or a file that ends in .zip")
-    release.set_defaults(run=_release)
+    if for_instructors:
+        from course_kit.cli import instructors
 
-    class_command.add_to(verbs)
-    regrade_command.add_to(verbs)
-    seeds_command.add_to(verbs)
-    export_command.add_to(verbs)
-    otter.add_to(verbs)
-
-    present = verbs.add_parser(
-        "present",
-        help="open the demos for a class: enlarged, answers folded, fresh",
-        epilog="Other options go to `jupyter lab`.",
-    )
-    present.set_defaults(run=_present, others=[])
+        instructors.add_to(verbs)
 
     doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
     doctor.set_defaults(run=_doctor)
-
-    dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
-    dev.add_argument("tool", choices=("check", "matrix", "notebooks", "otter"))
-    dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
-    dev.set_defaults(run=_dev)
     return parser
 
 
@@ -127,7 +111,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         streams.read_names_as_utf_8()
     parser = build_parser()
-    arguments = regrade_command.spelled_out(sys.argv[1:] if arguments is None else arguments)
+    arguments = _spelled_out(sys.argv[1:] if arguments is None else arguments)
     options, others = parser.parse_known_args(arguments)
     if others and "others" not in options:
         parser.error(f"unrecognized arguments: {' '.join(others)}")
@@ -148,6 +132,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
 
 
+def _spelled_out(arguments: Sequence[str]) -> Sequence[str]:
+    """`class regrade DIR` is `regrade DIR`; a class run into a folder `--out` may be of a folder called `regrade`."""
+    is_regrade = list(arguments[:2]) == ["class", "regrade"] and not any(one.startswith("--o") for one in arguments)
+    return arguments[1:] if is_regrade else arguments
+
+
 def _lab(options: argparse.Namespace) -> int:
     from course_kit.integrations import jupyter
 
@@ -159,26 +149,6 @@ def _doctor(options: argparse.Namespace) -> int:
     from course_kit.cli import doctor
 
     return doctor.run()
-
-
-def _dev(options: argparse.Namespace) -> int:
-    from course_kit.authoring import check
-    from course_kit.dev import matrix, notebooks, otter
-
-    main_of = {"check": check.main, "matrix": matrix.main, "notebooks": notebooks.main, "otter": otter.main}
-    return main_of[options.tool](options.rest)
-
-
-def _present(options: argparse.Namespace) -> int:
-    from course_kit.cli import present
-
-    return present.run(options.others)
-
-
-def _release(options: argparse.Namespace) -> int:
-    from course_kit.authoring import release
-
-    return release.run(options.target)
 
 
 def _quiz(options: argparse.Namespace) -> int:

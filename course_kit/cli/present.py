@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import nbformat
 
 from course_kit import environment
-from course_kit.authoring.release import ANSWER
+from course_kit.authoring.edition_notebooks import ANSWER
 from course_kit.integrations import jupyter
 
 if TYPE_CHECKING:

@@ -11,7 +11,6 @@ from course_kit.cli.class_words import FAILED, INTERRUPTED, interrupts, many, sa
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Sequence
 
     from course_kit.classroom.regrade import GradeChange, Regrade
 
@@ -34,12 +33,6 @@ def add_to(verbs: Any) -> None:
     parser.add_argument("--write", action="store_true", help="write the changes without asking")
     class_command.add_where(parser)
     parser.set_defaults(run=run)
-
-
-def spelled_out(arguments: Sequence[str]) -> Sequence[str]:
-    """`class regrade DIR` is `regrade DIR`; a class run into a folder `--out` may be of a folder called `regrade`."""
-    is_regrade = list(arguments[:2]) == ["class", "regrade"] and not any(one.startswith("--o") for one in arguments)
-    return arguments[1:] if is_regrade else arguments
 
 
 def run(options: argparse.Namespace) -> int:

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.authoring import release
+from course_kit.authoring import course_files
 from course_kit.dev import matrix_table, notebooks, pythons
 from course_kit.dev.steps import CommandStep, StepResult, StepRunner
 from course_kit.grading import exercise
@@ -181,7 +181,7 @@ def full_marks(output: str) -> str:
 
 def copy(root: Path, target: Path) -> None:
     """Copy the course as it is now: what git knows or would be told of, without anything generated."""
-    for name in release.own_files(root, new=True):
+    for name in course_files.own_files(root, new=True):
         path = target / name
         path.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(root / name, path)

@@ -13,7 +13,7 @@ import nbformat
 from nbclient import NotebookClient
 
 from course_kit import environment
-from course_kit.authoring.release import number_anew
+from course_kit.authoring.edition_notebooks import number_anew
 from course_kit.text.console import cannot
 
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}

@@ -46,7 +46,8 @@ def test_the_commands_work_in_a_folder_with_an_umlaut(course: Course) -> None:
     examined = run(course, "doctor")
     assert examined.returncode == 0, examined.stdout
     assert "/Übung/" in "".join(examined.stdout.split())
-    assert run(course, "release", str(course.root.parent / "für alle.zip")).returncode == 0
+    less = ("--without", "move_robot", "--without", "robot_parameters")  # what takes longest to grade
+    assert run(course, "release", str(course.root.parent / "für alle.zip"), *less).returncode == 0
     assert run(course, "copy", str(course.root.parent / "für mich")).returncode == 0
 
 

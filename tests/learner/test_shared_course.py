@@ -161,9 +161,10 @@ def test_what_cannot_be_written_is_a_sentence(learner: Learner) -> None:
 def test_what_only_reads_works(learner: Learner) -> None:
     assert "Exercise 4" in learner.run("quiz").stdout
     assert "def test_" in learner.run("otter", TEMPERATURE).stdout
-    made = learner.run("release", "student.zip")
+    less = ("--without", "move_robot", "--without", "robot_parameters")  # what takes longest to grade
+    made = learner.run("release", "student.zip", *less)
     assert (made.returncode, (learner.home / "student.zip").is_file()) == (0, True), made.stderr
-    unpacked = learner.run("release", "student")
+    unpacked = learner.run("release", "student", *less)
     assert unpacked.returncode == 0, unpacked.stderr
     assert os.access(learner.home / "student" / "notebooks" / "demos" / "01_deadlock.ipynb", os.W_OK)
 

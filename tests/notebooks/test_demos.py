@@ -10,7 +10,7 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-from course_kit.authoring import release
+from course_kit.authoring import edition_notebooks
 from course_kit.cli import present
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
@@ -48,7 +48,7 @@ def test_it_fails_as_it_stands_and_the_switch_repairs_it(path: Path, domain: int
 
 def test_the_student_edition_shows_the_failure_without_the_answer(domain: int) -> None:
     assert domain
-    notebook = release.without_answers(nbformat.read(DEMOS[0], as_version=4))
+    notebook = edition_notebooks.without_answers(nbformat.read(DEMOS[0], as_version=4))
     assert verdict(run(notebook, DEMOS[0].parent)).startswith("It fails:")
 
 

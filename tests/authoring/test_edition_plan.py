@@ -1,0 +1,169 @@
+"""What goes into a student edition, what stays out, and that neither happens without a word."""
+
+from __future__ import annotations
+
+import shutil
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.authoring import course_files, edition_plan, parts, release_text
+from course_kit.authoring.parts import Owner
+from course_kit.authoring.proof import EditionProof
+from course_kit.grading.errors import GradingError
+from tests.authoring.conftest import git
+from tests.course_copy import REPOSITORY, TEMPERATURE, Course
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+STARTERS = "course_kit/starters"
+
+
+def told(planned: edition_plan.EditionPlan, folder: Path) -> str:
+    return release_text.made(folder / "student", planned, EditionProof(3, (), 20.0))
+
+
+def new_exercise(course: Course, name: str, *, pristine: bool) -> None:
+    """An exercise that git has not been told of, made out of the first one."""
+    folder = course.root / "exercises" / name
+    shutil.copytree(course.root / "exercises" / TEMPERATURE, folder)
+    toml = folder / "exercise.toml"
+    toml.write_text(toml.read_text().replace(f'id = "{TEMPERATURE}"', f'id = "{name}"'))
+    (folder / "my_solution.py").touch()
+    if pristine:
+        made = course.root / STARTERS / name
+        shutil.copytree(course.root / STARTERS / TEMPERATURE, made)
+
+
+def test_everything_that_git_knows_here_has_an_owner() -> None:
+    """Red when somebody adds a folder: it stays out of the student edition until edition.toml says whose it is."""
+    listed = parts.load()
+    undecided = [name for name in course_files.look(REPOSITORY).known if listed.owner(name) is Owner.UNDECIDED]
+    assert undecided == []
+
+
+@pytest.mark.parametrize(
+    ("name", "owner"),
+    [
+        ("course_kit/quiz/bank.py", Owner.STUDENTS),
+        ("course_kit/quiz/data/answers.toml", Owner.INSTRUCTORS),  # whether it is there or not
+        ("solutions/x/x.py", Owner.INSTRUCTORS),
+        ("tests/lab/test_calls.py", Owner.STUDENTS),
+        ("tests/grading/test_engine.py", Owner.INSTRUCTORS),
+        ("course_kit/something_new/x.py", Owner.UNDECIDED),
+        ("coursework.md", Owner.UNDECIDED),
+    ],
+)
+def test_the_longest_path_on_the_lists_decides(name: str, owner: Owner) -> None:
+    assert parts.load().owner(name) is owner
+
+
+@pytest.mark.parametrize(
+    "text", ["students = 1", "students = ['a']", "students = ['a']\ninstructors = ['a']", "students ="]
+)
+def test_a_list_with_a_mistake_is_a_sentence(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "edition.toml"
+    path.write_text(text)
+    with pytest.raises(GradingError, match=r"edition\.toml cannot be used: "):
+        parts.load(path)
+
+
+def test_new_folders_and_files_stay_out_and_are_named(clone: Course, tmp_path: Path) -> None:
+    for name in ("lecture 3/answers.py", "lecture 3/more.py", "exam.md", "course_kit/secrets/x.py"):
+        (clone.root / name).parent.mkdir(exist_ok=True)
+        (clone.root / name).touch()
+    (clone.root / "notebooks" / "07_draft.ipynb").write_text("{}")
+    git(clone.root, "add", "lecture 3", "course_kit")  # whether git knows them or not
+    planned = edition_plan.plan(clone.root)
+    assert planned.undecided == ["course_kit/secrets/x.py", "exam.md", "lecture 3/answers.py", "lecture 3/more.py"]
+    assert planned.untracked == ["notebooks/07_draft.ipynb"]
+    assert not {*planned.undecided, *planned.untracked} & planned.files.keys()
+    said = told(planned, tmp_path)
+    assert "are on no list: course_kit/secrets/x.py, exam.md, lecture 3/answers.py, lecture 3/more.py." in said
+    assert "git does not know them: notebooks/07_draft.ipynb. To put them in: git add FILE" in said
+    assert set(planned.left_out) >= {*planned.undecided, *planned.untracked, "course_kit/authoring/release.py"}
+
+
+def test_many_are_counted_by_folder(clone: Course, tmp_path: Path) -> None:
+    (clone.root / "drafts").mkdir()
+    for number in range(12):
+        (clone.root / "drafts" / f"{number}.md").touch()
+    assert "on no list: drafts/ (12)." in told(edition_plan.plan(clone.root), tmp_path)
+
+
+def test_an_exercise_that_git_does_not_know_goes_in_if_a_pristine_copy_is_kept(clone: Course, tmp_path: Path) -> None:
+    new_exercise(clone, "humidity", pristine=True)
+    planned = edition_plan.plan(clone.root)
+    pristine = clone.root / STARTERS / "humidity" / f"{TEMPERATURE}.py.pristine"
+    assert planned.files[f"exercises/humidity/{TEMPERATURE}.py"] == pristine
+    assert "exercises/humidity/exercise.toml" in planned.files
+    assert planned.untracked == ["exercises/humidity/my_solution.py"]
+    said = told(planned, tmp_path)
+    assert "although git does not know them: humidity." in said
+    assert "release TARGET --without humidity" in said
+
+
+def test_an_exercise_without_a_pristine_copy_stays_out_and_is_named(clone: Course, tmp_path: Path) -> None:
+    new_exercise(clone, "humidity", pristine=False)
+    planned = edition_plan.plan(clone.root)
+    assert not [name for name in planned.files if "humidity" in name]
+    said = told(planned, tmp_path)
+    assert "no copy of their starters is kept: humidity." in said
+    assert "-m course_kit.authoring.pristine humidity" in said
+
+
+def test_an_exercise_that_is_not_wanted_stays_out(clone: Course, tmp_path: Path) -> None:
+    planned = edition_plan.plan(clone.root, ["move_robot"])
+    assert "move_robot" not in planned.exercises
+    assert not [name for name in planned.files if name.startswith(("exercises/move_robot", f"{STARTERS}/move_robot"))]
+    assert "Left out, as you asked: move_robot." in told(planned, tmp_path)
+    with pytest.raises(GradingError, match="Did you mean move_robot"):
+        edition_plan.plan(clone.root, ["mov_robot"])
+
+
+def test_what_differs_from_the_last_commit_is_named(clone: Course, tmp_path: Path) -> None:
+    (clone.root / "notebooks/00_welcome.ipynb").unlink()
+    robot = clone.root / "course_kit/robot.py"
+    robot.write_text(f"{robot.read_text()}\n")
+    ours = clone.root / "course_kit/authoring/rules.py"
+    ours.write_text(f"{ours.read_text()}\n")
+    said = told(edition_plan.plan(clone.root), tmp_path)
+    assert "Differ from the last commit: course_kit/robot.py, notebooks/00_welcome.ipynb." in said
+
+
+def test_an_exercise_that_is_gone_leaves_no_starter_behind(clone: Course) -> None:
+    git(clone.root, "rm", "-rq", "exercises/move_robot")
+    planned = edition_plan.plan(clone.root)
+    assert not [name for name in planned.files if "move_robot" in name and not name.startswith("course_kit/graders")]
+
+
+def test_without_git_what_was_generated_stays_out_and_it_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in (
+        "notebooks/a.ipynb",
+        "exercises/b/b.py",
+        ".venvs/wheels-1/x.py",
+        "course_kit/__pycache__/c.pyc",
+        "student.zip",
+        "student/course_kit/cli/main.py",
+        "solutions/s.py",
+    ):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("{}")
+    (tmp_path / ".venv").symlink_to("nowhere")  # as after somebody has removed .venvs
+    (tmp_path / ".git").mkdir()
+    monkeypatch.setattr(course_files.shutil, "which", lambda _name: None)
+    planned = edition_plan.plan(tmp_path)
+    assert sorted(planned.files) == ["README.md", "exercises/b/b.py", "notebooks/a.ipynb"]
+    assert "Git could not be asked (git is not installed)" in told(planned, tmp_path)
+
+
+def test_an_edition_made_before_in_the_course_is_no_part_of_it(clone: Course) -> None:
+    edition = clone.root / "student 1"
+    (edition / "course_kit").mkdir(parents=True)
+    (edition / "README.md").touch()
+    (clone.root / "student.zip").touch()
+    planned = edition_plan.plan(clone.root)
+    assert (planned.undecided, planned.untracked) == ([], [])
