@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from course_kit.authoring import candidates
-from course_kit.authoring.candidates import Candidate, ExerciseClues
+from course_kit.authoring import edition_programs
+from course_kit.authoring.edition_programs import EditionProgram, ExerciseClues
 from course_kit.classroom.executors import Local
 from course_kit.grading import exercise, needs
 from course_kit.grading.engine import Task
@@ -54,7 +54,7 @@ class ProofWatcher(Protocol):
 class ProofFinding:
     """A program that an edition must not hold."""
 
-    candidate: Candidate
+    candidate: EditionProgram
     score: float
     starter: float
     points: float
@@ -94,7 +94,7 @@ def prove(edition: Path, exercises: Sequence[str], solutions: Path, watcher: Pro
     starters = {name: _starters(task) for name, task in tasks.items()}
     wanted = [ExerciseClues(task, starters[name][0].source, _solution(task, solutions)) for name, task in tasks.items()]
     known = {one.program for pair in starters.values() for one in pair}
-    found = [one for one in candidates.find(edition, wanted) if one.program not in known]
+    found = [one for one in edition_programs.find(edition, wanted) if one.program not in known]
     watcher.begin(len({one.program for one in found}))
     executor = Local(graders=[task.grader for task in tasks.values()])
     try:
@@ -106,7 +106,7 @@ def prove(edition: Path, exercises: Sequence[str], solutions: Path, watcher: Pro
 
 
 def _compare(
-    grading: _Grading, starters: Mapping[str, list[Candidate]], found: Sequence[Candidate]
+    grading: _Grading, starters: Mapping[str, list[EditionProgram]], found: Sequence[EditionProgram]
 ) -> list[ProofFinding]:
     """The programs that score more than the starters of their exercise, and starters that do, or that pass."""
     every_starter = [one for pair in starters.values() for one in pair]
@@ -131,11 +131,11 @@ def _compare(
     return findings()
 
 
-def _starters(task: Exercise) -> list[Candidate]:
+def _starters(task: Exercise) -> list[EditionProgram]:
     """The starter of an exercise as a program, and as its notebook has it."""
     files = [task.folder / task.starter, task.folder / task.notebook]
     return [
-        Candidate(task.id, source, f"exercises/{task.id}/{file.name}", "the starter")
+        EditionProgram(task.id, source, f"exercises/{task.id}/{file.name}", "the starter")
         for file, source in zip(files, _read_sources(files, task), strict=True)
     ]
 
@@ -169,7 +169,7 @@ class _Grading:
         self._watcher = watcher
 
     def scores(
-        self, programs: Sequence[Candidate], *, counted: bool = True, tries: int = _TRIES
+        self, programs: Sequence[EditionProgram], *, counted: bool = True, tries: int = _TRIES
     ) -> dict[tuple[str, str], float]:
         """The best score of each program; 0 for what no grader would take.
 
@@ -188,7 +188,7 @@ class _Grading:
             for seed in _seeds(self.tasks[one.exercise])
         }
         left = Counter(one.program for one in waiting.values())
-        failed: dict[Candidate, str] = {}
+        failed: dict[EditionProgram, str] = {}
         for future in as_completed(waiting):
             one, report = waiting[future], future.result()
             if report.status == "error":
@@ -205,7 +205,7 @@ class _Grading:
             )
         return scores | (self.scores(list(failed), counted=False, tries=tries - 1) if failed else {})
 
-    def _submissions(self, programs: Iterable[Candidate]) -> list[tuple[Candidate, Submission]]:
+    def _submissions(self, programs: Iterable[EditionProgram]) -> list[tuple[EditionProgram, Submission]]:
         """The programs as the graders take them."""
         found = []
         with tempfile.TemporaryDirectory(prefix="course-kit-release-") as folder, Reader() as reader:

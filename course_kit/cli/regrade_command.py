@@ -11,6 +11,7 @@ from course_kit.cli.class_words import FAILED, INTERRUPTED, interrupts, many, sa
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Sequence
 
     from course_kit.classroom.regrade import GradeChange, Regrade
 

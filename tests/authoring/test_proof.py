@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import nbformat
 import pytest
 
-from course_kit.authoring import candidates
-from course_kit.authoring.candidates import ExerciseClues
+from course_kit.authoring import edition_programs
+from course_kit.authoring.edition_programs import ExerciseClues
 from course_kit.grading import exercise
 from tests.authoring.conftest import git
 from tests.course_copy import REPOSITORY, TEMPERATURE, starter
@@ -117,8 +117,8 @@ def wanted(exercise_id: str) -> ExerciseClues:
     return ExerciseClues(task, pristine.read_text(), solution.read_text())
 
 
-def found(folder: Path, exercise_id: str = TEMPERATURE) -> list[candidates.Candidate]:
-    return candidates.find(folder, [wanted(exercise_id)])
+def found(folder: Path, exercise_id: str = TEMPERATURE) -> list[edition_programs.EditionProgram]:
+    return edition_programs.find(folder, [wanted(exercise_id)])
 
 
 PROGRAM = variant("class_only") if VARIANTS.is_dir() else ""

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.cli import regrade_command
-from course_kit.cli.main import main
+from course_kit.cli.main import main, spelled_out
 from tests.course_copy import REPOSITORY, copy_course
 
 if TYPE_CHECKING:
@@ -184,6 +183,6 @@ def test_a_folder_without_results_is_told(tmp_path: Path, capsys: pytest.Capture
 
 
 def test_submissions_in_a_folder_called_regrade_are_still_a_class() -> None:
-    assert regrade_command.spelled_out(["class", "regrade", "out"]) == ["regrade", "out"]
+    assert spelled_out(["class", "regrade", "out"]) == ["regrade", "out"]
     run = ["class", "regrade", "--exercise", EXERCISE, "--out", "out"]
-    assert regrade_command.spelled_out(run) == run
+    assert spelled_out(run) == run

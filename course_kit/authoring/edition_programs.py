@@ -22,7 +22,7 @@ _FEWEST_KEYS = 3  # of a dictionary that answers an exercise
 
 
 @dataclass(frozen=True)
-class Candidate:
+class EditionProgram:
     """A program to grade.
 
     Attributes:
@@ -88,26 +88,26 @@ class ExerciseClues:
                     yield f"{variable} = {ast.unparse(node)}\n"
 
 
-def find(edition: Path, wanted: Sequence[ExerciseClues]) -> list[Candidate]:
+def find(edition: Path, wanted: Sequence[ExerciseClues]) -> list[EditionProgram]:
     """The programs in an edition that could be submissions; one that stands in several files comes for each of them.
 
     Args:
         edition: its folder.
         wanted: what to look for.
     """
-    found: dict[tuple[tuple[str, str], str], Candidate] = {}
+    found: dict[tuple[tuple[str, str], str], EditionProgram] = {}
     for path in sorted(path for path in edition.rglob("*") if path.is_file()):
         for one in _find_in(path, path.relative_to(edition).as_posix(), wanted):
             found.setdefault((one.program, one.file), one)
     return list(found.values())
 
 
-def _find_in(path: Path, file: str, wanted: Sequence[ExerciseClues]) -> Iterator[Candidate]:
+def _find_in(path: Path, file: str, wanted: Sequence[ExerciseClues]) -> Iterator[EditionProgram]:
     for passage in passages(path):
         for program, tree in programs(passage, lambda text: any(one.may_stand_in(text) for one in wanted)):
             for one in wanted:
                 for source in one.submissions(program.text, tree):
-                    yield Candidate(one.task.id, source, file, program.place)
+                    yield EditionProgram(one.task.id, source, file, program.place)
 
 
 def _imports(tree: ast.AST) -> set[str]:
