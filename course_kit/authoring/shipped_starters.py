@@ -15,7 +15,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.classroom import known_starters
+from course_kit.classroom.intake import known_starters
 from course_kit.grading import exercise
 from course_kit.reader import fingerprints, text
 

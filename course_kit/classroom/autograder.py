@@ -9,8 +9,8 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom import intake
-from course_kit.classroom.listing import FOLDER, Item, of_a_tool
+from course_kit.classroom.intake import inbox
+from course_kit.classroom.intake.listing import FOLDER, Item, of_a_tool
 from course_kit.classroom.records import Entry, Record
 from course_kit.grading import engine, exercise
 from course_kit.grading.errors import GradingError
@@ -47,9 +47,9 @@ def grade(exercise_id: str, path: Path, *, seed: int | None = None, require_isol
         report = engine.grade(task.id, path, seed=seed, require_isolation=require_isolation)
         return _record(task, path.name, report, seed)
     with tempfile.TemporaryDirectory(prefix="submission-") as made:
-        inbox = Path(made, "inbox")
-        _copy(path, inbox / _STUDENT)
-        found = _find(inbox, task, Path(made, "unpacked"))
+        handed_over = Path(made, "handed_over")
+        _copy(path, handed_over / _STUDENT)
+        found = _find(handed_over, task, Path(made, "unpacked"))
         if found is None:
             report = engine.unreadable(task, path.name, _nothing(task))
             return _record(task, path.name, report, seed)
@@ -73,11 +73,11 @@ def _nothing(task: Exercise) -> str:
     return f"There is no program for this exercise in what was handed in. Hand in {task.starter} or {task.notebook}."
 
 
-def _find(inbox: Path, task: Exercise, workspace: Path) -> Path | None:
+def _find(handed_over: Path, task: Exercise, workspace: Path) -> Path | None:
     """The file to grade; None where there is none."""
-    if not any((inbox / _STUDENT).iterdir()):
+    if not any((handed_over / _STUDENT).iterdir()):
         return None
-    found = intake.collect(inbox, [task], workspace, "folders")
+    found = inbox.collect(handed_over, [task], workspace, "folders")
     return found.root / found.entries[0].source if found.entries else None
 
 

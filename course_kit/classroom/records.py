@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
-from course_kit.classroom.adjustments import Adjustment, sentences
+from course_kit.classroom.rules.adjustments import Adjustment, sentences
 from course_kit.environment import write_atomically
 from course_kit.text.sanitize import encodable
 

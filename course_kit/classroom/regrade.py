@@ -16,8 +16,8 @@ from course_kit.classroom.exports.results import score
 from course_kit.classroom.exports.texts import csv_text, number
 from course_kit.classroom.gradebook import outcome
 from course_kit.classroom.grading_loop import GradingLoop
-from course_kit.classroom.instructor_tables import unknown
 from course_kit.classroom.records import Records
+from course_kit.classroom.rules.tables import unknown
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader, ReadingStoppedError

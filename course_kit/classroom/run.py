@@ -13,12 +13,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom import instructor, intake, roster, submissions, table
+from course_kit.classroom import submissions
 from course_kit.classroom.concurrency import early
 from course_kit.classroom.gradebook import Gradebook
 from course_kit.classroom.grading_loop import GradingLoop
+from course_kit.classroom.intake import inbox, roster, table
 from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart, require_submissions
 from course_kit.classroom.records import Records
+from course_kit.classroom.rules import instructor
 from course_kit.environment import remove_half_written, write_atomically
 from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
@@ -30,9 +32,9 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.grading_loop import Watcher
+    from course_kit.classroom.intake.roster import Roster
     from course_kit.classroom.records import Entry, Record
-    from course_kit.classroom.roster import Roster
-    from course_kit.classroom.seeds import Seeds
+    from course_kit.classroom.rules.seeds import Seeds
     from course_kit.classroom.submissions import Handed
     from course_kit.grading.exercise import Exercise
 
@@ -97,7 +99,7 @@ class ClassRun:
         self.seed = self._choose_seed()
         self._instructions = instructor.read(plan.out, plan.exercises)
         try:
-            self.intake = intake.collect(
+            self.intake = inbox.collect(
                 plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, self._stopped, plan.roster
             )
         except ReadingStoppedError:

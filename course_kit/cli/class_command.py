@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.rules.seeds import Seeds
     from course_kit.classroom.run import Plan
-    from course_kit.classroom.seeds import Seeds
     from course_kit.grading.exercise import Exercise
 
 
@@ -99,10 +99,12 @@ def require_machine(options: argparse.Namespace, exercises: Iterable[Exercise]) 
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.classroom import roster, run_lock, seeds
+    from course_kit.classroom import run_lock
+    from course_kit.classroom.intake import roster
     from course_kit.classroom.preconditions import require_folders_apart
     from course_kit.classroom.progress import RunProgress
     from course_kit.classroom.records import SUPERSEDED
+    from course_kit.classroom.rules import seeds
     from course_kit.classroom.run import ClassRun, Plan
     from course_kit.grading import GradingError, exercise
 
@@ -156,7 +158,8 @@ def _practised(book: Gradebook, task: Exercise, seeds: Seeds | None) -> list[str
 
 def _dry_run(plan: Plan) -> int:
     """Print the table of what would be graded."""
-    from course_kit.classroom import dry_run, table
+    from course_kit.classroom import dry_run
+    from course_kit.classroom.intake import table
     from course_kit.classroom.preconditions import require_submissions
     from course_kit.text.sanitize import printable
 
@@ -204,7 +207,8 @@ def _finish(book: Gradebook, options: argparse.Namespace) -> int:
 
 def _notices(book: Gradebook, out: Path) -> Iterator[str]:
     """What the instructor may want to look at, a sentence each."""
-    from course_kit.classroom import instructor, regrade
+    from course_kit.classroom import regrade
+    from course_kit.classroom.rules import instructor
 
     yield from instructor.warnings(book)
     if others := regrade.graded_otherwise(book):

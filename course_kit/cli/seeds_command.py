@@ -28,8 +28,8 @@ def add_to(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Draw the seeds; returns 0, or 2 when that could not be done."""
-    from course_kit.classroom import seeds
     from course_kit.classroom.exports.texts import csv_text
+    from course_kit.classroom.rules import seeds
     from course_kit.environment import write_atomically
     from course_kit.grading import GradingError
     from course_kit.text.sanitize import printable

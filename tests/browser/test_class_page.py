@@ -12,8 +12,8 @@ from course_kit.classroom import exports
 from course_kit.classroom.records import Records
 from tests.browser.learner import ARTIFACTS, page
 from tests.browser.test_report_card import contrast
-from tests.exports import books, real_class
-from tests.exports.programs import ORIGINAL, OTHER, class_of, disguised
+from tests.classroom.exports import books, real_class
+from tests.classroom.exports.programs import ORIGINAL, OTHER, class_of, disguised
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

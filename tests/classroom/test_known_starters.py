@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.authoring import shipped_starters
-from course_kit.classroom import known_starters
+from course_kit.classroom.intake import known_starters
 from course_kit.grading import exercise
 from course_kit.reader import fingerprints, text
 

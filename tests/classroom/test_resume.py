@@ -14,7 +14,7 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.records import Entry, Record
-from course_kit.classroom.submission_times import submitted
+from course_kit.classroom.rules.submission_times import submitted
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom import intake, roster, table
+from course_kit.classroom.intake import inbox, roster, table
 from course_kit.grading import GradingError
 
 from .accidents import SERVICE, program
@@ -82,7 +82,7 @@ def test_a_list_gives_names_and_says_who_is_absent(
     people = roster.read(tmp_path / "list.csv")
     assert read_as.items() <= dict(people.read_as).items()
     assert len(people.people) == len(EVERYBODY)
-    found = intake.collect(inbox.source, (SERVICE,), tmp_path / "handed_in", roster=people)
+    found = inbox.collect(inbox.source, (SERVICE,), tmp_path / "handed_in", roster=people)
     assert found.roster is not None
     assert found.roster.unknown == ()
     assert found.roster.matched == len(PEOPLE)
@@ -102,7 +102,7 @@ def test_names_join_where_no_identifier_does(tmp_path: Path) -> None:
     (tmp_path / "list.csv").write_text("Name;Vorname;Matrikelnummer\nDoe;Jane;1\nMüller;Jörg;2\nLi;Na;3\nNa;Li;4\n")
     people = roster.read(tmp_path / "list.csv")
     assert dict(people.read_as) == {"Name": "last name", "Vorname": "first name", "Matrikelnummer": "student number"}
-    found = intake.collect(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
+    found = inbox.collect(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
     assert found.roster is not None
     assert {entry.student: (entry.name, entry.platform.get("sid")) for entry in found.entries} == {
         "Doe, Jane": ("Jane Doe", "1"),
@@ -123,7 +123,7 @@ def test_the_work_of_a_group_is_everybodys_in_it_and_its_number_is_no_participan
         "Participant 13,Bob B,b@x.example,Team A\n"
     )
     people = roster.read(tmp_path / "list.csv")
-    found = intake.collect(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
+    found = inbox.collect(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
     assert {(entry.name, entry.platform["moodle_participant"], entry.platform["group"]) for entry in found.entries} == {
         ("Ann A", "12", "Team A"),
         ("Bob B", "13", "Team A"),

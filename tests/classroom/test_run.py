@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom import exports, roster
+from course_kit.classroom import exports
+from course_kit.classroom.intake import roster
 from course_kit.classroom.progress import RunProgress
 from course_kit.classroom.records import Entry, Record, Records, safe_name
+from course_kit.classroom.rules.seeds import Seeds
 from course_kit.classroom.run import ClassRun, Plan
-from course_kit.classroom.seeds import Seeds
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 

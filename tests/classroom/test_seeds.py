@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom import seeds
 from course_kit.classroom.records import Entry
+from course_kit.classroom.rules import seeds
 from course_kit.cli.main import main
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import StandInForGrading, run

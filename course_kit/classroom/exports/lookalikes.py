@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.classroom import known_starters
+from course_kit.classroom.intake import known_starters
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader
 from course_kit.grading.submission import Copy, UnreadableError

@@ -1,0 +1,189 @@
+"""Which of a student's files is the submission: by what is in them, then by when they are from; and why, in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from course_kit.text.sanitize import one_line
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.classroom.intake.layouts import Unit
+    from course_kit.classroom.intake.listing import Item
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.reading import Glance
+
+NAMED, CALLED_ALIKE, BY_CONTENT, ONLY_ONE = 4, 3, 2, 1  # how sure it is that a file is for an exercise
+_AT_ONCE_S = 60.0  # files that are written by one download or one `git clone` are of one age
+
+
+@dataclass(frozen=True)
+class File:
+    """One file of a student; `problem` says why it cannot be had."""
+
+    item: Item
+    unit: Unit
+    problem: str = ""
+
+    @property
+    def path(self) -> str:
+        """From the root."""
+        return self.item.path
+
+    @property
+    def called(self) -> str:
+        """What the student called it."""
+        return (self.item is self.unit.item and self.unit.file) or self.item.name
+
+    @property
+    def folder(self) -> str:
+        """The folder it lies in, among the student's own files."""
+        return self.path.rpartition("/")[0]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A file that may be the submission for an exercise.
+
+    Attributes:
+        file: the file.
+        sureness: how sure it is that it is for this exercise: NAMED, CALLED_ALIKE, BY_CONTENT or ONLY_ONE.
+        changed: when it was written, in seconds.
+        glance: what it looks like.
+        is_starter: whether its program is one that the course gave out.
+    """
+
+    file: File
+    sureness: int
+    changed: float
+    glance: Glance
+    is_starter: bool
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was chosen.
+
+    Attributes:
+        best: the file.
+        why: the reason, in words.
+        others: of each other candidate why it was not chosen, by path.
+        worry: why somebody should look at it; empty when there is no doubt.
+    """
+
+    best: Candidate
+    why: str
+    others: dict[str, str]
+    worry: str
+
+
+def choose(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[File]) -> Choice:
+    """Choose one.
+
+    Args:
+        candidates: at least one.
+        exercise: what for.
+        files: all files of the student.
+    """
+    ranks = {one.file.path: _rank(one, candidates) for one in candidates}
+    best, *others = sorted(candidates, key=lambda one: ranks[one.file.path], reverse=True)
+    reasons = {one.file.path: _lost(one, best, _first_difference(ranks, best, one)) for one in others}
+    why = _fit(best, exercise)
+    worries = []
+    if others:
+        why = f"{_won(_first_difference(ranks, best, others[0]), len(candidates))}; {why}"
+        by_name = _first_difference(ranks, best, others[0]) == len(_WON) - 1
+        if by_name and _differ(best, others[0]):
+            worries.append(f"nothing but its name tells it from {others[0].file.path}")
+    if not best.file.item.is_program:
+        worries.append("it is neither a .py nor an .ipynb file")
+    if best.is_starter:
+        why = f"{why}; it is the starter, unchanged"
+        worries.append("it is the starter, unchanged")
+    if beside := _imported(best, files):
+        why = f"{why}; it imports {beside}, and only one file is graded"
+        worries.append(f"it imports {beside}, and only one file is graded")
+    return Choice(best, why, reasons, "; ".join(worries))
+
+
+Rank = tuple[bool, bool, tuple[int, ...], bool, int, str]
+_WON = (
+    "the only one of {} files that differs from the starter",
+    "of {} files the one that holds what the exercise asks for",
+    "the last upload of {} files",
+    "the newest of {} files",
+    "of {} files of one age the best named",
+    "the last by its name of {} files that nothing else tells apart",
+)
+_LOST = (
+    "the starter, unchanged",
+    "it does not hold what the exercise asks for",
+    "an earlier upload",
+    "older",
+    "of the same age, and fits less",
+    "of the same age, and its name comes first",
+)
+
+
+def _rank(one: Candidate, candidates: Sequence[Candidate]) -> Rank:
+    """What speaks for a file, the most important first. One that cannot be had is not replaced by an older one."""
+    lost = bool(one.file.problem)
+    rivals = [
+        other.changed
+        for other in candidates
+        if (other.is_starter, other.glance.asked_for) == (one.is_starter, one.glance.asked_for)
+    ]
+    is_new = lost or one.changed >= max(rivals) - _AT_ONCE_S
+    return (
+        not one.is_starter,
+        lost or one.glance.asked_for,
+        one.file.unit.attempt,
+        is_new,
+        one.sureness,
+        one.file.path,
+    )
+
+
+def _first_difference(ranks: dict[str, Rank], first: Candidate, other: Candidate) -> int:
+    pairs = zip(ranks[first.file.path], ranks[other.file.path], strict=True)
+    return next((place for place, (one, another) in enumerate(pairs) if one != another), len(_WON) - 1)
+
+
+def _differ(one: Candidate, other: Candidate) -> bool:
+    """Whether two files hold different programs, as far as anybody can tell."""
+    return not one.glance.identity or one.glance.identity != other.glance.identity
+
+
+def _won(place: int, among: int) -> str:
+    return _WON[place].format(among)
+
+
+def _lost(one: Candidate, best: Candidate, place: int) -> str:
+    if one.file.problem:
+        return one.file.problem
+    if not _differ(one, best):
+        return "the same program"
+    return "the starter, unchanged" if one.is_starter else _LOST[place]
+
+
+def _fit(one: Candidate, exercise: Exercise) -> str:
+    """Why a file is taken to be for an exercise."""
+    if one.sureness == NAMED:
+        return "named as the starter is"
+    if one.sureness == CALLED_ALIKE:
+        return "the exercise's name is in its name"
+    if one.sureness == BY_CONTENT:
+        return f"it holds {exercise.class_name or exercise.variable}"
+    return "the only program" if one.file.item.is_program else "the only file"
+
+
+def _imported(one: Candidate, files: Sequence[File]) -> str:
+    """A module beside the file that it imports; the sandbox has one file alone."""
+    beside = {
+        file.called.removesuffix(".py"): file.called
+        for file in files
+        if file.path != one.file.path and file.folder == one.file.folder and file.called.endswith(".py")
+    }
+    return ", ".join(sorted(one_line(beside[name]) for name in one.glance.imports & beside.keys()))

@@ -1,0 +1,229 @@
+"""Chooses each student's submissions, one student after the other; whatever is not chosen is listed with a reason."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from course_kit.classroom.intake import candidates, kit_copies, known_starters, listing, nested_zip
+from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAMED, ONLY_ONE, Candidate, File
+from course_kit.classroom.records import Entry
+from course_kit.classroom.rules.submission_times import STAMP
+from course_kit.grading.errors import GradingError
+from course_kit.grading.reading import Glance
+from course_kit.grading.submission import Copy, UnreadableError
+from course_kit.reader import text
+from course_kit.text.sanitize import one_line
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from course_kit.classroom.intake.candidates import Choice
+    from course_kit.classroom.intake.layouts import Unit
+    from course_kit.classroom.intake.listing import Item, Left
+    from course_kit.classroom.intake.sources import Opened
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.reading import Reader
+
+_MOST_OPENED = 200  # files of one student into which is looked for what they are for
+_MOST_LISTED = 50  # files of one student that are listed one by one
+_MOST_TOLD = 3  # problems of one student in a sentence
+_MOST_OTHERS = 10  # of an entry
+_NOT_FOUND = "none of it belongs to these exercises"
+_NONE_OF_THESE = "it belongs to none of these exercises"
+_AGAIN = re.compile(r" ?\(\d{1,3}\)(?=\.)")  # `answer (1).py`, a second download
+
+
+class Chooser:
+    """Chooses, and keeps what was found."""
+
+    def __init__(self, opened: Opened, exercises: Sequence[Exercise], reader: Reader) -> None:
+        """Get ready.
+
+        Args:
+            opened: what was handed in.
+            exercises: which exercises were set.
+            reader: who looks into files.
+        """
+        self._root = opened.root
+        self._reader = reader
+        self._listing = opened.listing
+        self._may_unpack = opened.is_copy
+        self._exercises = exercises
+        self._starters = known_starters.read()
+        self.entries: list[Entry] = []
+        self.left: Left = []
+        self.missing: list[tuple[str, str]] = []
+        self.odd: list[tuple[str, str]] = []
+        self.dropped: list[tuple[str, str]] = []
+
+    def take(self, student: str, units: Sequence[Unit]) -> None:
+        """Choose among a student's files."""
+        if odd := next((unit.odd for unit in units if unit.odd), ""):
+            self.odd.append((student, odd))
+        files, problems = self._files(units)
+        reasons = {file.path: file.problem for file in files if file.problem}
+        choices: list[tuple[Exercise, Choice]] = []
+        lost = []
+        for exercise in self._exercises:
+            found = list(self._candidates(files, exercise))
+            if not found:
+                continue
+            choice = candidates.choose(found, exercise, files)
+            best = choice.best.file
+            if best.problem:
+                lost.append(f"{one_line(best.path)}: {best.problem}")
+                why = f"{best.path} would have been used, but cannot be read"
+                reasons.update((one.file.path, why) for one in found if not one.file.problem)
+                continue
+            choices.append((exercise, choice))
+            used = ((path, f"{best.path} was used: {why}") for path, why in choice.others.items())
+            reasons.update((path, why) for path, why in used if path not in reasons)
+        chosen = {choice.best.file.path for _, choice in choices}
+        entries = [_entry(student, exercise, choice, files, chosen) for exercise, choice in choices]
+        taken = {entry.source for entry in entries}
+        rest = [(file.path, reasons.get(file.path, _NONE_OF_THESE)) for file in files]
+        self._leave(student, [one for one in rest if one[0] not in taken], "they belong to none of these exercises")
+        handed_in = {entry.exercise for entry in entries}
+        self.missing += [(student, exercise.id) for exercise in self._exercises if exercise.id not in handed_in]
+        self.entries += entries
+        if lost or (not entries and (files or problems)):
+            self.dropped.append((student, _together(lost or problems) or _NOT_FOUND))
+
+    def _files(self, units: Sequence[Unit]) -> tuple[list[File], list[str]]:
+        """All files of a student, and what kept some from being found."""
+        files: list[File] = []
+        problems: list[str] = []
+        for unit in units:
+            found = listing.look_through(self._listing, unit.item)
+            problems += self._note(unit, found.tools, found.unseen)
+            files += [File(item, unit, item.problem or _not_followed(item, unit)) for item in found.files]
+            if not (found.files or found.tools or found.unseen):
+                self.left.append((unit.item.path, "an empty folder"))
+        files, opened = self._without_zips(self._without_kit(files))
+        wanted = [file for file in files if file.item.is_program or len(files) == 1 or file.item.name == STAMP]
+        unpacked = self._listing.fetch(file.item for file in wanted if not file.problem)
+        return [replace(file, problem=file.problem or unpacked.get(file.path, "")) for file in files] + opened, problems
+
+    def _note(self, unit: Unit, tools: Sequence[tuple[str, str]], unseen: Sequence[tuple[str, str]]) -> list[str]:
+        """List what was found beside a student's files; returns what may have been a submission, as sentences."""
+        self._leave(unit.student, list(tools), "the same")
+        self._leave(unit.student, list(unseen), "the same")
+        return [f"{one_line(path)}: {reason}" for path, reason in unseen]
+
+    def _without_kit(self, files: list[File]) -> list[File]:
+        """A student's files but for the course's own, where they have handed in a copy of the whole course."""
+        own = kit_copies.parts(file.path for file in files)
+        if own and files:
+            self._leave(
+                files[0].unit.student, [(path, kit_copies.REASON) for path in sorted(own)], "parts of the course kit"
+            )
+        return [file for file in files if file.path not in own]
+
+    def _without_zips(self, files: list[File]) -> tuple[list[File], list[File]]:
+        """A student's files but for zips that could be opened, and what was in these."""
+        kept: list[File] = []
+        opened: list[File] = []
+        zips = 0
+        for file in files:
+            if not self._may_unpack or not file.item.is_zip or file.problem:
+                kept.append(file)
+                continue
+            zips += 1
+            contents = self._open(file) if zips <= nested_zip.MOST else nested_zip.Contents(problem="one zip too many")
+            if contents.problem or not (contents.files or contents.unseen):
+                kept.append(file)
+                self._leave(file.unit.student, [(file.path, contents.problem or "an empty zip")], "the same")
+                continue
+            self._note(file.unit, contents.tools, contents.unseen)
+            opened += self._without_kit([File(item, file.unit, item.problem) for item in contents.files])
+        return kept, opened
+
+    def _open(self, file: File) -> nested_zip.Contents:
+        if problem := self._listing.fetch([file.item]).get(file.path):
+            return nested_zip.Contents(problem=problem)
+        return nested_zip.unpack(self._root, file.item)
+
+    def _leave(self, student: str, rest: Left, others: str) -> None:
+        """List files of a student; of a heap the first ones, and the number of the others with a reason."""
+        self.left += rest[:_MOST_LISTED]
+        if len(rest) > _MOST_LISTED:
+            self.left.append((f"{len(rest) - _MOST_LISTED} more of {student}", others))
+
+    def _candidates(self, files: list[File], exercise: Exercise) -> Iterator[Candidate]:
+        for_it = [file for file in files if file.unit.exercise in ("", exercise.id)]
+        programs = [file for file in for_it if file.item.is_program]
+        told = len(self._exercises) == 1 or bool(for_it and all(file.unit.exercise for file in for_it))
+        alone = told and (len(programs) == 1 or (not programs and len(for_it) == 1))
+        for place, file in enumerate(programs or for_it):
+            seen = self._glance(file, exercise, opened=place < _MOST_OPENED)
+            sureness = _sureness(file, exercise, seen) or (ONLY_ONE if alone else 0)
+            if sureness:  # whatever it is, its student gets a report that says what is wrong with it
+                is_starter = seen.identity in self._starters.get(exercise.id, ())
+                yield Candidate(file, sureness, _changed(self._root / file.path), seen, is_starter)
+
+    def _glance(self, file: File, exercise: Exercise, *, opened: bool) -> Glance:
+        if not opened or file.problem or file.item.kind != listing.FILE or not file.item.is_program:
+            return Glance()
+        try:
+            copy = Copy(self._root / file.path, whole=False)
+        except UnreadableError:
+            return Glance()
+        with copy:
+            try:
+                return self._reader.glance(copy, exercise)
+            except (UnreadableError, GradingError):
+                return Glance(asked_for=True)  # it may be; whoever reads it next says what is wrong with it
+
+
+def _sureness(file: File, exercise: Exercise, seen: Glance) -> int:
+    if not file.item.is_program:
+        return 0
+    called = _AGAIN.sub("", file.called)
+    if called.lower() in (exercise.starter.lower(), exercise.notebook.lower()):
+        return NAMED
+    if exercise.id in called.lower():
+        return CALLED_ALIKE
+    return BY_CONTENT if seen.asked_for else 0
+
+
+def _not_followed(item: Item, unit: Unit) -> str:
+    """Why a student's own entry is not opened: a link may lead to anybody's work."""
+    if item is not unit.item or item.kind == listing.FILE:
+        return ""
+    return "it is a link, and links are not followed" if item.kind == listing.LINK else "it is not an ordinary file"
+
+
+def _together(problems: Sequence[str]) -> str:
+    more = len(problems) - _MOST_TOLD
+    return "; ".join(problems[:_MOST_TOLD]) + (f"; and {more} more" if more > 0 else "")
+
+
+def _entry(student: str, exercise: Exercise, choice: Choice, files: Sequence[File], chosen: set[str]) -> Entry:
+    file = choice.best.file
+    unit = file.unit
+    platform = {key: one_line(value) for key, value in unit.platform.items()}
+    inside = file.path[len(unit.item.path) + 1 :]
+    if unit.has_assignments and "/" in inside:
+        platform["nbgrader_assignment"] = one_line(inside.partition("/")[0])
+    reasons = {path: why for path, why in choice.others.items() if path not in chosen}
+    others = _others(reasons, [one.path for one in files if one.path not in chosen and one.path not in reasons])
+    name = one_line(unit.name)
+    return Entry(student, exercise.id, file.path, name, unit.late, platform, choice.why, others, choice.worry)
+
+
+def _others(reasons: Mapping[str, str], rest: Sequence[str]) -> list[str]:
+    """What else a student handed in: what might have been chosen, then other programs, then the rest."""
+    named = [f"{one_line(path)} ({why})" for path, why in reasons.items()]
+    named += [one_line(path) for path in sorted(rest, key=lambda path: (not text.kind(path), path))]
+    more = len(named) - _MOST_OTHERS
+    return named[:_MOST_OTHERS] + ([f"{more} more"] if more > 0 else [])
+
+
+def _changed(path: Path) -> float:
+    try:
+        return path.lstat().st_mtime
+    except OSError:
+        return 0.0

@@ -1,0 +1,111 @@
+"""Finds the submissions in what an instructor has downloaded; whatever is not one is listed, never dropped.
+
+An entry that is broken, or named like nothing else, is its own problem: everybody else's submissions are found.
+"""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit.classroom.intake import sources, students
+from course_kit.classroom.intake.choosing import Chooser
+from course_kit.classroom.intake.roster_matching import match
+from course_kit.classroom.intake.wrappers import AUTO
+from course_kit.grading.errors import GradingError
+from course_kit.grading.reading import Reader
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from course_kit.classroom.intake.roster import Roster
+    from course_kit.classroom.intake.roster_matching import Fit
+    from course_kit.classroom.records import Entry
+    from course_kit.grading.exercise import Exercise
+
+
+@dataclass(frozen=True)
+class Intake:
+    """What was handed in.
+
+    Attributes:
+        root: the folder the entries' sources are relative to.
+        layout: the name of the layout that was recognised.
+        entries: the submissions, by student and exercise.
+        left: path and reason of every file that is none.
+        missing: student and exercise of whoever handed in something else only.
+        odd: student and reason of those whose entry does not fit the layout; they are graded like everybody.
+        dropped: student and reason of those who handed in something and have no submission at all, or have one that
+            cannot be had.
+        roster: how the roster fits, when there is one.
+    """
+
+    root: Path
+    layout: str
+    entries: tuple[Entry, ...]
+    left: tuple[tuple[str, str], ...]
+    missing: tuple[tuple[str, str], ...]
+    odd: tuple[tuple[str, str], ...] = ()
+    dropped: tuple[tuple[str, str], ...] = ()
+    roster: Fit | None = None
+
+
+def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
+    source: Path | Sequence[Path],
+    exercises: Sequence[Exercise],
+    workspace: Path,
+    layout: str = AUTO,
+    stopped: Callable[[], bool] = lambda: False,
+    roster: Roster | None = None,
+) -> Intake:
+    """Find the submissions.
+
+    For each student and exercise one file is taken: named like the starter or its notebook, else with the exercise's
+    id in its name, else one that holds its class, variable or `%%submission` line; with a single exercise also a
+    student's only program. Of several `candidates.choose` says which, and why.
+
+    Args:
+        source: a folder or a zip, or several.
+        exercises: which exercises were set.
+        workspace: where a zip is unpacked.
+        layout: a name of `layouts.LAYOUTS`, or AUTO to recognise it.
+        stopped: asked now and then whether to stop.
+        roster: who is in the class.
+
+    Raises:
+        GradingError: there is no such folder, zip or layout, it cannot be read, or there is nothing in it.
+        ReadingStoppedError: somebody has asked to stop.
+    """
+    paths = [source] if isinstance(source, Path) else list(source)
+    with ExitStack() as stack:
+        opened = sources.open_all(paths, workspace, exercises, layout, stack)
+        if not opened.units and not opened.left:
+            raise GradingError(f"There are no files in {', '.join(map(str, paths))}.")
+        chooser = Chooser(opened, exercises, stack.enter_context(Reader(stopped)))
+        for student, units in students.by_name(opened.units, [one.id for one in exercises]).items():
+            chooser.take(student, units)
+    found = Intake(
+        opened.root,
+        opened.layout,
+        entries=tuple(chooser.entries),
+        left=tuple(sorted([*opened.left, *chooser.left])),
+        missing=tuple(chooser.missing),
+        odd=tuple(chooser.odd),
+        dropped=(*chooser.dropped, *opened.lost),
+    )
+    return found if roster is None else _with_roster(found, roster, exercises)
+
+
+def _with_roster(found: Intake, roster: Roster, exercises: Sequence[Exercise]) -> Intake:
+    """Give everybody the name and the identifiers of the class list; whoever is absent has handed in nothing."""
+    students_seen = {entry.student for entry in found.entries} | {student for student, _ in found.missing}
+    entries, fit = match(roster, found.entries, found.layout, students_seen)
+    had = {(entry.student, entry.exercise) for entry in entries}
+    with_entry = sorted({student for student, _ in had})
+    gone = {entry.student for entry in found.entries} - set(with_entry)  # groups, whose members are there instead
+    without = sorted(students_seen - gone - set(with_entry))
+    everybody = [*with_entry, *without, *(student for student, _ in fit.absent)]
+    missing = tuple((one, exercise.id) for one in everybody for exercise in exercises if (one, exercise.id) not in had)
+    return replace(found, entries=entries, missing=missing, roster=fit)

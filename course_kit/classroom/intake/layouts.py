@@ -1,0 +1,220 @@
+"""How learning platforms lay out what was handed in: who an entry of the folder is from, by the entry's name alone.
+
+Platforms and instructors name these entries; what is inside of one is named by its student, and tells nothing about
+anybody else. So a layout is what most entries look like, and one that looks otherwise is a student of its own.
+
+- **canvas** ("Download Submissions"): `doejane_LATE_12345_67890_answer.py`, as Canvas's `content_zipper.rb` writes it:
+  the name, whether it is late, Canvas's numbers of the user and of the uploaded file, and the student's name for the
+  file. The student is the user number, 12345. Anonymous work is `anon_a1B2c_67890_answer.py`, or `LATE_anon_...`; of a
+  group there is one user, and the group's name.
+- **moodle** ("Download all submissions"): `Jane Doe_4711_assignsubmission_file_/answer.py`, or the same without the
+  folder. The student is the participant's number, 4711, which is another one in each assignment. Work of a group has
+  the group's name and number there.
+- **gradescope** ("Export Submissions"): `submission_123456/answer.py`; a file beside it says whose (`gradescope`).
+- **nbgrader** (the `submitted` folder): `submitted/jane/assignment/answer.ipynb`. The student is `jane`.
+- **github** (`gh classroom clone student-repos`): `assignment-submissions/assignment-jane/answer.py`. The student is
+  the login, `jane`; a clone in a folder of another name gives its whole name.
+- **folders**: `jane/answer.py`. The student is the folder.
+- **files**: `jane.py`, or `jane_<exercise>.py`. The student is the file's name without that ending.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from course_kit.classroom.intake.listing import FILE, FOLDER, Item
+from course_kit.reader.text import NOTEBOOK, PROGRAM
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+LAYOUTS = ("canvas", "moodle", "gradescope", "nbgrader", "github", "folders", "files")
+CLONES = "-submissions"  # how the folder of all repositories of an assignment ends
+_CANVAS = re.compile(
+    r"(?P<name>.+?)_(?P<late>LATE_)?(?P<user>\d{1,18})_(?P<upload>\d{1,18})_(?P<file>.+)", re.DOTALL | re.ASCII
+)
+_CANVAS_ANONYMOUS = re.compile(
+    r"(?P<late>LATE_)?(?P<user>anon_[a-zA-Z0-9]{5,20})_(?P<later>LATE_)?(?P<upload>\d{1,18})_(?P<file>.+)",
+    re.DOTALL | re.ASCII,
+)
+_CANVAS_TYPED = re.compile(r"(?P<name>.+?)_(?P<late>LATE_)?(?P<user>\d{1,18})_(?P<file>(?:text|link)\.html)", re.ASCII)
+# Canvas numbers files of one name in front of their endings, and takes a UUID for the eighth.
+_CANVAS_AGAIN = re.compile(
+    r"-(?:(?P<number>\d{1,9})|[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12})(?=(?:\.[A-Za-z][A-Za-z0-9]*)+\Z)", re.ASCII
+)
+_MOODLE = re.compile(r"_(?:(?P<number>\d{1,18})_)?assignsubmission_(?:file|onlinetext)", re.ASCII)
+_GRADESCOPE = re.compile(r"submission_(?P<number>\d{1,18})", re.ASCII)
+_MOST_NUMBERS = 3  # in a sentence
+_ARCHIVES = (".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".7z", ".rar")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """What one student has control of: a file or folder among those of the others.
+
+    Attributes:
+        item: where.
+        student: their identifier, as it stands in the name.
+        name: their own name, where it can be told.
+        file: what they called it, of a file whose name the platform has lengthened.
+        late: marked as late by the platform.
+        attempt: how often it was uploaded again; of several under one name, the higher one is the newer one.
+        platform: identifiers for the way back, see `Entry.platform`.
+        has_assignments: whether the folders in it are one for each assignment.
+        odd: how it does not fit the layout; empty when it does.
+        download: the name of the download it is in, where there are several.
+        exercise: the id of the exercise that this download is of; empty where nothing says so.
+    """
+
+    item: Item
+    student: str
+    name: str = ""
+    file: str = ""
+    late: bool = False
+    attempt: tuple[int, ...] = ()
+    platform: dict[str, str] = field(default_factory=dict)
+    has_assignments: bool = False
+    odd: str = ""
+    download: str = ""
+    exercise: str = ""
+
+
+def read_canvas(item: Item, _: str = "") -> Unit | None:
+    """An entry of Canvas's archive.
+
+    The first two numbers are Canvas's; what comes after them is the student's name for the file. Of several files of a
+    student the one with the higher number was uploaded later.
+    """
+    match = _CANVAS_ANONYMOUS.fullmatch(item.name) or _CANVAS.fullmatch(item.name) or _CANVAS_TYPED.fullmatch(item.name)
+    if match is None:
+        return None
+    found = match.groupdict()
+    again = _CANVAS_AGAIN.search(match["file"])
+    upload = found.get("upload") or "0"
+    user = match["user"]
+    return Unit(
+        item,
+        student=user,
+        name=found.get("name") or "",
+        file=_CANVAS_AGAIN.sub("", match["file"]),
+        late=bool(match["late"] or found.get("later")),
+        attempt=(int(upload), int(again["number"] or 0) if again else 0),
+        platform={"canvas_user": user, "canvas_submission": upload} if "name" in found else {},
+    )
+
+
+def read_moodle(item: Item, _: str = "") -> Unit | None:
+    """An entry of Moodle's archive.
+
+    A folder's name ends with what Moodle has added; in a file's name the student's name for the file follows. Where
+    Moodle's addition seems to stand there twice, one of the two is a student's, and nobody can tell which.
+    """
+    found = list(_MOODLE.finditer(item.name))
+    if not found or not found[0].start():
+        return None
+    mark = found[0]
+    rest = item.name[mark.end() :]
+    if len(found) > 1:
+        numbers = " or ".join(one["number"] or "of no number" for one in found[:_MOST_NUMBERS])
+        return Unit(item, item.name, odd=f"its name can also be read as that of participant {numbers}")
+    if item.kind == FOLDER and rest not in ("", "_"):
+        return None
+    number = mark["number"]
+    name, file = item.name[: mark.start()], rest.removeprefix("_")
+    if number is None:  # whoever is in no group, where groups hand in
+        return Unit(item, name, name, file, platform={"group": name})
+    return Unit(item, number, name, file, platform={"moodle_participant": number})
+
+
+def read_gradescope(item: Item, _: str = "") -> Unit | None:
+    """A submission of Gradescope's export; whose it is stands in the file beside it."""
+    match = _GRADESCOPE.fullmatch(item.name)
+    if match is None or item.kind != FOLDER:
+        return None
+    return Unit(item, item.name, platform={"gradescope_submission": match["number"]})
+
+
+def read_nbgrader(item: Item, _: str = "") -> Unit | None:
+    """A student's folder of nbgrader, with a folder for each assignment."""
+    return Unit(item, item.name, has_assignments=True) if item.kind == FOLDER else None
+
+
+def read_folders(item: Item, _: str = "") -> Unit | None:
+    """A folder that is named after the student."""
+    return Unit(item, item.name) if item.kind == FOLDER else None
+
+
+def read_github(item: Item, slug: str = "") -> Unit | None:
+    """A repository that GitHub Classroom's command has cloned, of the assignment `slug` where it is known."""
+    if item.kind != FOLDER:
+        return None
+    login = item.name.removeprefix(f"{slug}-") if slug else item.name
+    odd = f"its name does not begin with {slug}-" if slug and login == item.name else ""
+    return Unit(item, login, platform={"login": login}, odd=odd)
+
+
+def read_files(item: Item, _: str = "") -> Unit | None:
+    """A file that is named after the student; the exercise's name at its end is taken off by `students`."""
+    return Unit(item, _stem(item)) if item.kind != FOLDER else None
+
+
+def _stem(item: Item) -> str:
+    stem, _, ending = item.name.rpartition(".")
+    if item.is_program and f".{ending.lower()}" not in (PROGRAM, NOTEBOOK):  # jane.py.txt
+        stem = stem.rpartition(".")[0] or stem
+    return stem or item.name
+
+
+_READERS: dict[str, Callable[[Item, str], Unit | None]] = {
+    "canvas": read_canvas,
+    "moodle": read_moodle,
+    "gradescope": read_gradescope,
+    "nbgrader": read_nbgrader,
+    "github": read_github,
+    "folders": read_folders,
+    "files": read_files,
+}
+
+
+def read(layout: str, item: Item, slug: str = "") -> Unit | None:
+    """Who an entry is from.
+
+    Args:
+        layout: one of `LAYOUTS`.
+        item: the entry.
+        slug: of GitHub's assignment.
+
+    Returns:
+        the unit; None where the entry's name does not follow the layout.
+    """
+    return _READERS[layout](item, slug)
+
+
+def of_groups(units: Sequence[Unit]) -> Sequence[Unit]:
+    """Entries of a download; where one of Moodle's has no number, groups have handed in, and numbers are groups'."""
+    if not any("group" in unit.platform for unit in units):
+        return units
+    return [
+        replace(unit, platform={"group": unit.name}) if "moodle_participant" in unit.platform else unit
+        for unit in units
+    ]
+
+
+def read_stray(layout: str, item: Item) -> Unit | None:
+    """Who an entry is from that does not follow the layout of the others; None where it is nobody's work."""
+    if item.kind == FILE and not may_be_handed_in(item):
+        return None
+    student = item.name if item.kind == FOLDER else _stem(item)
+    return Unit(item, student, odd=f"its name does not follow the layout '{layout}'")
+
+
+def may_be_handed_in(item: Item) -> bool:
+    """Whether a file between the students' entries looks like somebody's work, not like the instructor's notes."""
+    return item.is_program or item.name.lower().endswith(_ARCHIVES)
+
+
+def most(items: Sequence[Item], fits: Callable[[Item], object]) -> bool:
+    """Whether more than half of some entries are of a kind; of none at all there is no most."""
+    return 2 * sum(bool(fits(item)) for item in items) > len(items)

@@ -1,0 +1,170 @@
+"""Who of a class list has handed in what: by identifiers first, then by names, and nobody by a guess."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from course_kit.classroom.intake import roster_columns as columns
+from course_kit.classroom.intake.roster_columns import plain
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from course_kit.classroom.intake.roster import Person, Roster
+    from course_kit.classroom.records import Entry
+
+_BY_PLATFORM = {  # which column holds what a layout tells
+    "canvas_user": (columns.CANVAS,),
+    "sid": (columns.NUMBER, columns.LOGIN),
+    "email": (columns.EMAIL,),
+    "login": (columns.GITHUB, columns.LOGIN),
+}
+_OF_STUDENT = (columns.LOGIN, columns.EMAIL, columns.NUMBER, columns.GITHUB)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How a class list fits what was handed in.
+
+    Attributes:
+        roster: the list.
+        matched: how many students were found on it.
+        absent: identifier and name of everybody on it who has handed in nothing.
+        unknown: student and reason of those who were not found on it.
+    """
+
+    roster: Roster
+    matched: int
+    absent: tuple[tuple[str, str], ...]
+    unknown: tuple[tuple[str, str], ...]
+
+
+class Matcher:
+    """Finds people on a class list."""
+
+    def __init__(self, roster: Roster) -> None:
+        self._roster = roster
+        self._by_value: dict[tuple[str, str], list[Person]] = defaultdict(list)
+        self._by_name: dict[str, list[Person]] = defaultdict(list)
+        self._groups: dict[str, list[Person]] = defaultdict(list)
+        for person in roster.people:
+            for kind, value in person.values.items():
+                self._by_value[kind, value.casefold()].append(person)
+            for key in _names(person):
+                self._by_name[key].append(person)
+            for group in person.values.get(columns.GROUP, "").replace(";", ",").split(","):
+                if plain(group):
+                    self._groups[_joined(group)].append(person)
+
+    def person(self, entry: Entry) -> tuple[Person | None, str]:
+        """Who an entry is from; nobody, and why, where that is not sure."""
+        found = self._by_identifiers(entry)
+        if not found and entry.platform.get("moodle_participant"):
+            found = self._by_participant(entry)
+        if not found:
+            found = self._by_name.get(_sorted(entry.name or entry.student), []) or self._by_name.get(
+                _joined(entry.name or entry.student), []
+            )
+        if len(found) == 1:
+            return found[0], ""
+        return None, "several on the list have this name" if found else "not on the list"
+
+    def members(self, entry: Entry) -> Sequence[Person]:
+        """Who is in the group that an entry is from; nobody where the list has no group of this name."""
+        return self._groups.get(_joined(entry.name or entry.student), ())
+
+    def _by_identifiers(self, entry: Entry) -> list[Person]:
+        keys = [(kind, entry.platform.get(key, "")) for key, kinds in _BY_PLATFORM.items() for kind in kinds]
+        if not entry.platform.get("moodle_participant"):  # whose number is no identifier outside of its assignment
+            keys += [(kind, entry.student) for kind in _OF_STUDENT]
+        return next((found for kind, value in keys if value and (found := self._of(kind, value))), [])
+
+    def _by_participant(self, entry: Entry) -> list[Person]:
+        """By Moodle's number, which is one of this assignment only if the name is right, too."""
+        found = self._of(columns.MOODLE, entry.platform["moodle_participant"])
+        names = {key for person in found for key in _names(person)}
+        return found if not names or _sorted(entry.name) in names else []
+
+    def _of(self, kind: str, value: str) -> list[Person]:
+        return self._by_value.get((kind, value.casefold()), [])
+
+
+def match(
+    roster: Roster, entries: Sequence[Entry], layout: str, handed_in: Iterable[str]
+) -> tuple[tuple[Entry, ...], Fit]:
+    """Give entries the names and identifiers of a class list; the entry of a group becomes one of each member.
+
+    Args:
+        roster: the list.
+        entries: what was handed in.
+        layout: the layout's name.
+        handed_in: students who have handed in anything, a submission or not.
+    """
+    matcher = Matcher(roster)
+    found: list[Entry] = []
+    people: dict[int, set[str]] = defaultdict(set)
+    unknown: dict[str, str] = {}
+    for entry in entries:
+        person, why = matcher.person(entry)
+        members = () if person else matcher.members(entry)
+        if person:
+            found.append(_named(entry, person))
+            people[id(person)].add(entry.student)
+        elif members:
+            for one in members:
+                found.append(_of_member(entry, one, layout))
+                people[id(one)].add(entry.student)
+        else:
+            found.append(entry)
+            unknown[entry.student] = why
+    unknown.update(_twice(roster, people))
+    others = set(handed_in) - {entry.student for entry in entries}
+    absent = tuple(
+        (person.student(layout), person.name)
+        for person in roster.people
+        if id(person) not in people and not others & {person.student(layout), person.name, *person.values.values()}
+    )
+    return tuple(found), Fit(roster, sum(map(bool, people.values())), absent, tuple(sorted(unknown.items())))
+
+
+def _twice(roster: Roster, people: Mapping[int, set[str]]) -> dict[str, str]:
+    """Students who are the same person by the list, and two by what was handed in."""
+    names = {id(person): person.name for person in roster.people}
+    return {
+        student: f"{names[one]} is on the list once, and {' and '.join(sorted(students))} both fit"
+        for one, students in people.items()
+        if len(students) > 1
+        for student in students
+    }
+
+
+def _named(entry: Entry, person: Person) -> Entry:
+    return replace(entry, name=person.name or entry.name, platform={**person.platform, **entry.platform})
+
+
+def _of_member(entry: Entry, person: Person, layout: str) -> Entry:
+    of_group = {key: value for key, value in entry.platform.items() if key != "moodle_participant"}
+    if number := person.values.get(columns.MOODLE, ""):
+        of_group["moodle_participant"] = number
+    platform = {**of_group, **person.platform, "group": entry.name or entry.student}
+    return replace(entry, student=person.student(layout), name=person.name, platform=platform)
+
+
+def _names(person: Person) -> set[str]:
+    """How platforms write a name: words in any order, or without blanks and the last name first, as Canvas does."""
+    first, last = person.values.get(columns.FIRST, ""), person.values.get(columns.LAST, "")
+    full = person.values.get(columns.FULL, person.name)
+    forms = {_sorted(person.name), _joined(full), _joined(person.name), _joined(last + first), _joined(first + last)}
+    words = plain(person.name).split()
+    forms.add("".join([*words[-1:], *words[:-1]]))
+    return forms - {""}
+
+
+def _sorted(name: str) -> str:
+    return " ".join(sorted(plain(name).split()))
+
+
+def _joined(name: str) -> str:
+    return plain(name).replace(" ", "")

@@ -1,0 +1,246 @@
+"""Due dates: `class.toml` and `extensions.csv` in the folder of the results, and what they make of a late submission.
+
+Nothing is guessed about time zones: a date has its offset from UTC, or the file names the zone it is meant in.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass, field, replace
+from datetime import datetime, timezone
+from typing import TYPE_CHECKING, Any
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+
+from course_kit.classroom.rules.adjustments import Adjustment
+from course_kit.classroom.rules.tables import Mistakes, read_rows, unknown
+from course_kit.grading import exercise as course
+from course_kit.grading.errors import GradingError
+from course_kit.ros.names import did_you_mean
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+    from datetime import tzinfo
+    from pathlib import Path
+
+    from course_kit.grading.exercise import Exercise
+
+FILE, EXTENSIONS = "class.toml", "extensions.csv"
+_DAY_S, _MINUTE_S, _ALL = 86_400, 60, 100
+_NUMBERS = {"grace_minutes": 0.0, "penalty_percent_per_day": 0.0, "penalty_at_most_percent": float(_ALL)}
+
+
+@dataclass(frozen=True)
+class Deadlines:
+    """When what was due, and what it costs to be late.
+
+    Attributes:
+        due: by exercise; those that are not in it have no due date.
+        zone: what dates without an offset are meant in, and what students are told in; None when none is named.
+        grace_s: so many seconds late is not late.
+        percent_per_day: of full marks, for each day begun after the due date.
+        at_most_percent: of full marks; no penalty is higher.
+        extensions: other due dates, by student and exercise, with the line in the file.
+        path: of the extensions.
+    """
+
+    due: Mapping[str, datetime] = field(default_factory=dict)
+    zone: tzinfo | None = None
+    grace_s: float = 0.0
+    percent_per_day: float = 0.0
+    at_most_percent: float = float(_ALL)
+    extensions: Mapping[tuple[str, str], tuple[datetime, int]] = field(default_factory=dict)
+    path: Path | None = None
+
+    def judge(self, student: str, exercise: Exercise, submitted: datetime | None, *, marked: bool) -> Adjustment:
+        """Whether a submission is late, and what that costs.
+
+        Args:
+            student: whose it is.
+            exercise: for which exercise.
+            submitted: when it was handed in, with its zone; None when nobody knows.
+            marked: whether the learning platform has marked it as late.
+        """
+        own = self.extensions.get((student, exercise.id))
+        due = own[0] if own else self.due.get(exercise.id)
+        known = Adjustment(pass_mark=exercise.pass_mark, submitted=submitted, due=due, extended=own is not None)
+        if due is None:
+            return replace(known, late=marked)
+        if submitted is None:
+            return self._without_time(known, exercise, marked=marked)
+        submitted = submitted.astimezone(due.tzinfo)
+        known = replace(known, submitted=submitted)
+        late_s = submitted.timestamp() - due.timestamp()  # of two in one zone Python would leave out clock changes
+        if late_s <= self.grace_s:
+            return known
+        return replace(known, late=True, late_s=late_s, penalty=self._penalty(exercise, math.ceil(late_s / _DAY_S)))
+
+    def _without_time(self, known: Adjustment, exercise: Exercise, *, marked: bool) -> Adjustment:
+        if not marked:
+            return replace(known, warning="nothing tells when it was handed in; it counts as in time")
+        if known.extended:
+            return replace(
+                known, warning="marked as late without a time, and its date was extended; it counts as in time"
+            )
+        return replace(
+            known,
+            late=True,
+            penalty=self._penalty(exercise, 1),
+            warning="marked as late without a time; it counts as one day",
+        )
+
+    def _penalty(self, exercise: Exercise, days: int) -> float:
+        return round(exercise.points * min(days * self.percent_per_day, self.at_most_percent) / _ALL, 6)
+
+    def require_known(self, students: Iterable[str]) -> None:
+        """See that nobody is misspelled, before anything is graded.
+
+        Raises:
+            GradingError: an extension is for a student who is not in the class.
+        """
+        known = set(students)
+        if self.path is None:
+            return
+        mistakes = Mistakes(self.path)
+        for line, student in sorted({(line, student) for (student, _), (_, line) in self.extensions.items()}):
+            if student not in known:
+                mistakes.add(line, unknown("student", student, known))
+        mistakes.require_none()
+
+
+def read(folder: Path, exercises: Sequence[Exercise]) -> Deadlines:
+    """Read the two files, as far as they are there.
+
+    Args:
+        folder: where they lie.
+        exercises: those that were set.
+
+    Raises:
+        GradingError: one of them cannot be read or has mistakes; all of them are named.
+    """
+    settings = folder / FILE
+    found = _rules(settings, exercises) if settings.exists() else Deadlines()
+    path = folder / EXTENSIONS
+    if not path.exists():
+        return found
+    return _with_extensions(found, path, exercises)
+
+
+def _rules(path: Path, exercises: Sequence[Exercise]) -> Deadlines:
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        return _parse(table, _of_course(exercises))
+    except OSError as problem:
+        raise GradingError(f"{path} could not be read: {problem.strerror}.") from problem
+    except ValueError as problem:  # what tomllib says names the line
+        raise GradingError(f"{path} cannot be used: {problem}.") from problem
+
+
+def _parse(table: dict[str, Any], exercises: Sequence[str]) -> Deadlines:
+    names = ("timezone", "due", *_NUMBERS)
+    if others := [name for name in table if name not in names]:
+        raise ValueError(f"it has no setting '{others[0]}'.{did_you_mean(others[0], names)}".rstrip("."))
+    zone = _zone(table["timezone"]) if "timezone" in table else None
+    numbers = {name: _number(name, table.get(name, usual)) for name, usual in _NUMBERS.items()}
+    due = table.get("due", {})
+    if not isinstance(due, dict):
+        raise ValueError("'due' has to be a table, [due], with a line for each exercise")  # noqa: TRY004 - of a file
+    found = {}
+    for exercise, moment in due.items():
+        if exercise in _NUMBERS or exercise == "timezone":
+            raise ValueError(f"'{exercise}' stands below [due]; it has to stand above it")
+        if exercise not in exercises:
+            raise ValueError(f"below [due]: {unknown('exercise', exercise, exercises)}".rstrip("."))
+        found[exercise] = to_moment(moment, zone, f"'{exercise}' below [due]")
+    return Deadlines(
+        due=found,
+        zone=zone,
+        grace_s=numbers["grace_minutes"] * _MINUTE_S,
+        percent_per_day=numbers["penalty_percent_per_day"],
+        at_most_percent=numbers["penalty_at_most_percent"],
+    )
+
+
+def _of_course(exercises: Sequence[Exercise]) -> list[str]:
+    """All exercises of the course: one file may serve runs that each grade a part of it."""
+    folders = {one.folder.parent for one in exercises}
+    return sorted({one.id for one in exercises} | {one for folder in folders for one in course.ids(folder)})
+
+
+def _number(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
+        raise ValueError(f"'{name}' has to be a number, 0 or more")
+    return float(value)
+
+
+def _zone(name: Any) -> tzinfo:
+    if name == "UTC":
+        return timezone.utc
+    try:
+        return ZoneInfo(str(name))
+    except (ZoneInfoNotFoundError, ValueError, OSError):
+        raise ValueError(
+            f"this machine knows no timezone '{name}'. Names are like 'Europe/Berlin'; where a machine has no list of "
+            'them, leave it out and write offsets, such as "2026-11-20T23:59:00+01:00"'
+        ) from None
+
+
+def to_moment(value: Any, zone: tzinfo | None, what: str) -> datetime:
+    """A date and time with its zone.
+
+    Args:
+        value: a datetime, or text of one after ISO 8601.
+        zone: what one without an offset is meant in.
+        what: for the sentence about a mistake.
+
+    Raises:
+        ValueError: it is none, or its zone is not known.
+    """
+    try:
+        moment = value if isinstance(value, datetime) else datetime.fromisoformat(_iso(str(value)))
+    except ValueError:
+        raise ValueError(f"{what}: '{value}' is no date with a time, such as 2026-11-20 23:59") from None
+    if not isinstance(value, datetime) and ":" not in str(value):
+        raise ValueError(f"{what}: '{value}' has no time of day; write 2026-11-20 23:59")
+    if moment.tzinfo is not None:
+        return moment
+    if zone is None:
+        raise ValueError(
+            f'{what}: nobody knows which time zone {value} is meant in. Add timezone = "Europe/Berlin", or the like, '
+            f"at the top of {FILE}, or an offset such as +01:00 to the time"
+        )
+    return moment.replace(tzinfo=zone)
+
+
+def _iso(text: str) -> str:
+    """As Python 3.10 reads it, too."""
+    return f"{text[:-1]}+00:00" if text.endswith("Z") else text
+
+
+def _with_extensions(rules: Deadlines, path: Path, exercises: Sequence[Exercise]) -> Deadlines:
+    """Lines without an exercise are for all of them."""
+    ids = _of_course(exercises)
+    mistakes = Mistakes(path)
+    found: dict[tuple[str, str], tuple[datetime, int]] = {}
+    for row in read_rows(path, ("student", "due"), ("exercise",)):
+        student, exercise = row.cells["student"], row.cells["exercise"]
+        try:
+            moment = to_moment(row.cells["due"], rules.zone, "due")
+        except ValueError as problem:
+            mistakes.add(row.line, str(problem))
+            continue
+        if not student:
+            mistakes.add(row.line, "the student is missing")
+        if exercise and exercise not in ids:
+            mistakes.add(row.line, unknown("exercise", exercise, ids))
+        for one in [exercise] if exercise else ids:
+            if (student, one) in found:
+                mistakes.add(row.line, f"{student} and {one} stand in line {found[student, one][1]} already")
+            found[student, one] = (moment, row.line)
+    mistakes.require_none()
+    return replace(rules, extensions=found, path=path)

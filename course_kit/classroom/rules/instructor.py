@@ -1,0 +1,109 @@
+"""What the instructor has laid into the folder of the results, read before anything is graded: rules and decisions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from course_kit.classroom.records import Entry, Record
+from course_kit.classroom.rules import deadlines, overrides
+from course_kit.classroom.rules.submission_times import submitted
+from course_kit.grading import engine
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+    from pathlib import Path
+
+    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.rules.deadlines import Deadlines
+    from course_kit.classroom.rules.overrides import Overrides
+    from course_kit.grading.exercise import Exercise
+
+_NOTHING = "Nothing was handed in."
+_MOST_NAMED = 10
+
+
+@dataclass(frozen=True)
+class Instructions:
+    """Due dates, extensions, overrides and comments."""
+
+    deadlines: Deadlines
+    overrides: Overrides
+
+    def require_known(self, students: Iterable[str]) -> None:
+        """See that all of them are about students of the class.
+
+        Raises:
+            GradingError: one is about somebody else.
+        """
+        known = set(students)
+        self.overrides.require_known(known)
+        self.deadlines.require_known(known)
+
+    def apply(self, book: Gradebook) -> Gradebook:
+        """The gradebook with lateness, penalties, overrides and comments.
+
+        Whoever handed in nothing, and has a score or a comment all the same, has a record then.
+        """
+        exercises = {one.id: one for one in book.exercises}
+        stand_ins, missing = self._without_submission(book.missing, exercises)
+        records = [self.adjusted(record, book.exercises, book.root) for record in book.records]
+        everybody = sorted([*records, *stand_ins], key=lambda one: (one.entry.student, one.entry.exercise))
+        return replace(book, records=tuple(everybody), missing=tuple(missing))
+
+    def adjusted(self, record: Record, exercises: Sequence[Exercise], root: Path | None) -> Record:
+        """A result with its lateness, penalty, override and comment.
+
+        Args:
+            record: the result.
+            exercises: those that were set.
+            root: the folder of what was handed in; None where it is not at hand.
+        """
+        entry = record.entry
+        exercise = next(one for one in exercises if one.id == entry.exercise)
+        moment = submitted(root, entry, self.deadlines.zone) if root else None
+        found = self.deadlines.judge(entry.student, exercise, moment, marked=entry.late)
+        if decided := self.overrides.find(entry.student, exercise.id):
+            found = replace(found, override=decided.score, comment=decided.comment)
+        return replace(record, adjustment=found)
+
+    def _without_submission(
+        self, missing: Iterable[tuple[str, str]], exercises: dict[str, Exercise]
+    ) -> tuple[list[Record], list[tuple[str, str]]]:
+        stand_ins, others = [], []
+        for student, exercise in missing:
+            decided = self.overrides.find(student, exercise)
+            if decided is None or decided.score is None:
+                others.append((student, exercise))
+                continue
+            task = exercises[exercise]
+            report = engine.unreadable(task, "", _NOTHING).to_mapping()
+            record = Record(Entry(student, exercise, ""), "", 0, None, report, title=task.title)
+            adjustment = self.deadlines.judge(student, task, None, marked=False)
+            adjustment = replace(adjustment, override=decided.score, comment=decided.comment, warning="")
+            stand_ins.append(replace(record, adjustment=adjustment))
+        return stand_ins, others
+
+
+def read(folder: Path, exercises: Sequence[Exercise]) -> Instructions:
+    """Read the instructor's files in the folder of the results.
+
+    Raises:
+        GradingError: one of them has mistakes.
+    """
+    return Instructions(deadlines.read(folder, exercises), overrides.read(folder / overrides.FILE, exercises))
+
+
+def warnings(book: Gradebook) -> Iterator[str]:
+    """What is not clear about when submissions were handed in, a sentence for each reason."""
+    reasons: dict[str, list[str]] = {}
+    for record in book.records:
+        if record.adjustment.warning:
+            reasons.setdefault(record.adjustment.warning, []).append(record.entry.student)
+    for reason, students in reasons.items():
+        named = ", ".join(dict.fromkeys(students[:_MOST_NAMED]))
+        more = len(students) - _MOST_NAMED
+        yield (
+            f"{len(students)} submission{'s' * (len(students) != 1)}: {reason}: "
+            f"{named}{f' and {more} more' if more > 0 else ''}."
+        )

@@ -1,0 +1,103 @@
+"""Lateness, penalties, overrides and comments arrive in every export; the score that counts is the same in all."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from dataclasses import replace
+from datetime import datetime, timedelta, timezone
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.classroom import exports
+from course_kit.classroom.exports import page
+from course_kit.classroom.records import Record
+from course_kit.classroom.rules.adjustments import Adjustment, duration, shown
+from tests.classroom.exports.books import SERVICE, book, good, not_graded, unreadable
+
+if TYPE_CHECKING:
+    from course_kit.classroom.gradebook import Gradebook
+
+ZONE = timezone(timedelta(hours=1))
+DUE = datetime(2026, 11, 20, 23, 59, tzinfo=ZONE)
+LATE = Adjustment(
+    pass_mark=SERVICE.pass_mark,
+    submitted=DUE + timedelta(days=1, hours=2),
+    due=DUE,
+    late=True,
+    late_s=26 * 3600,
+    penalty=2.0,
+)
+SET = replace(LATE, override=9.5, comment="Shown to me <on Monday>.")
+
+
+def files(gradebook: Gradebook) -> dict[str, str]:
+    return dict(exports.files(gradebook))
+
+
+def adjusted(record: Record, adjustment: Adjustment) -> Record:
+    return replace(record, adjustment=adjustment)
+
+
+@pytest.mark.parametrize(("adjustment", "score"), [(LATE, 8.0), (SET, 9.5)])
+def test_every_export_has_the_score_that_counts(adjustment: Adjustment, score: float) -> None:
+    record = adjusted(good("jane", platform={"moodle_participant": "7", "canvas_user": "8"}), adjustment)
+    written = files(book(record))
+    shown_score = f"{score:g}"
+    rows = {name: list(csv.reader(io.StringIO(text))) for name, text in written.items() if name.endswith(".csv")}
+    assert rows["grades.csv"][1][2] == shown_score
+    assert rows["exports/canvas.csv"][-1][-1] == shown_score
+    assert rows["exports/moodle_temperature_service.csv"][1][3] == shown_score
+    nbgrader = dict(zip(*rows["exports/nbgrader.csv"], strict=True))
+    assert (nbgrader["raw_score"], nbgrader["late_submission_penalty"], nbgrader["score"]) == ("10", "2", shown_score)
+    assert (nbgrader["duedate"], nbgrader["timestamp"]) == ("2026-11-20 22:59:00", "2026-11-22 00:59:00")
+    results = {name: json.loads(text) for name, text in written.items() if name.endswith(".json")}
+    assert results["exports/gradescope/jane/temperature_service/results.json"]["score"] == score
+    github = results["exports/github_classroom/jane/temperature_service.json"]
+    assert sum(test["score"] for test in github["tests"]) == score
+    assert f'name="score" value="{shown_score}"' in written["exports/junit/temperature_service.xml"]
+    assert f'data-value="{shown_score}"' in page.render(book(record))
+
+
+def test_every_export_that_has_room_for_words_says_why() -> None:
+    written = files(book(adjusted(good("jane", platform={"moodle_participant": "7"}), SET)))
+    for name in (
+        "grades.csv",
+        "exports/moodle_temperature_service.csv",
+        "exports/gradescope/jane/temperature_service/results.json",
+        "exports/github_classroom/jane/temperature_service.json",
+    ):
+        assert "Handed in 1 d 2 h late" in written[name], name
+        assert "has set this score to 9.5 points; the checks gave 10" in written[name], name
+        assert "on Monday" in written[name], name
+
+
+def test_a_penalty_can_cost_the_pass_and_never_more_than_all_points() -> None:
+    assert not adjusted(good("jane"), replace(LATE, penalty=4.0)).passed
+    assert adjusted(good("jane"), replace(LATE, penalty=99.0)).score == 0.0
+
+
+def test_a_score_that_the_instructor_sets_is_a_grade_where_the_grader_failed() -> None:
+    failed, set_by_hand = not_graded("ann"), adjusted(not_graded("bob"), SET)
+    gradebook = book(failed, set_by_hand, adjusted(unreadable("cem"), SET))
+    assert [one.entry.student for one in gradebook.not_graded] == ["ann"]
+    assert dict(gradebook.tally()) == {"error": 1, "passed": 2}
+
+
+def test_what_is_adjusted_is_not_stored_with_the_result() -> None:
+    record = good("jane")
+    assert Record.from_json(adjusted(record, SET).to_json()) == record
+
+
+def test_times_say_their_zone() -> None:
+    assert shown(DUE) == "2026-11-20 23:59 UTC+01:00"
+    assert shown(DUE.astimezone(timezone.utc)) == "2026-11-20 22:59 UTC"
+    assert [duration(seconds) for seconds in (5, 300, 3600, 93_600, 86_400 * 3)] == [
+        "1 min",
+        "5 min",
+        "1 h",
+        "1 d 2 h",
+        "3 d",
+    ]

@@ -1,0 +1,147 @@
+"""Whom the class page names first, what it says has changed, and what it sets side by side."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.classroom import exports
+from course_kit.classroom.exports import attention, changes, comparison, lookalikes, page
+from course_kit.classroom.exports.results import problem
+from tests.classroom.exports import books
+from tests.classroom.exports.books import ROBOT, SERVICE, bad, book, check, good, not_graded, record, unreadable
+from tests.classroom.exports.programs import ORIGINAL, OTHER, class_of, disguised
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.classroom.gradebook import Gradebook
+
+
+def people(gradebook: Gradebook) -> dict[str, list[str]]:
+    found = attention.groups(gradebook, attention.labels(gradebook), problem)
+    return {group.id: [f"{one.called}: {one.told}" for one in group.people] for group in found}
+
+
+def test_everybody_who_needs_it_is_named_with_the_reason_and_nobody_else() -> None:
+    half = record("half", [check("first"), check("second", "failed")])
+    gradebook = book(
+        good("fine", why="it is the newest", others=["old.py: older", "starter.py: as it was given out"]),
+        bad("zero", late=True, worry="nothing but its name tells it from b.py"),
+        half,
+        unreadable("empty"),
+        not_graded("ole"),
+        missing=(("eve", SERVICE.id), ("eve", ROBOT.id), ("fine", ROBOT.id)),
+        dropped=(("zoe", "it is a link"),),
+        odd=(("yan", "it does not fit"),),
+        absent=(("eve", "Eve Adams"),),
+        unknown=(("half", "nobody on it is called so"),),
+        exercises=(SERVICE, ROBOT),
+    )
+    assert people(gradebook) == {
+        "failed": [f"ole: {SERVICE.title}: the worker was gone"],
+        "dropped": ["zoe: it is a link"],
+        "doubtful": ["zero: zero/temperature_service.py: nothing but its name tells it from b.py"],
+        "unknown": ["half: nobody on it is called so"],
+        "missing": ["Eve Adams: everything", f"fine: {ROBOT.title}"],
+        "not-passed-temperature_service": ["empty: unreadable, 0 of 10", "zero: 0 of 10", "half: 5 of 10"],
+        "chosen": [
+            "fine: fine/temperature_service.py: it is the newest. Not: old.py: older; starter.py: as it was given out"
+        ],
+        "odd": ["yan: it does not fit"],
+        "late": [f"zero: {SERVICE.title}"],
+    }
+    assert people(book(good("fine"))) == {}
+
+
+def test_two_of_the_same_name_are_told_apart_and_others_go_by_their_name() -> None:
+    gradebook = book(good("17", name="Jane Doe"), bad("18", name="jane doe"), good("19", name="Li Na"), good("20"))
+    assert {student: str(label) for student, label in attention.labels(gradebook).items()} == {
+        "17": "Jane Doe (17)",
+        "18": "jane doe (18)",
+        "19": "Li Na",
+        "20": "20",
+    }
+    text = page.render(book(bad("17", name="سارة"), bad("18", name="سارة")))
+    assert "<bdi>سارة</bdi> (<bdi>17</bdi>)" in text, "else the number stands within a name from right to left"
+
+
+def test_attention_stands_first_then_the_students() -> None:
+    text = page.render(book(bad("jane"), missing=(("eve", SERVICE.id),)))
+    titles = re.findall(r'<section id="(\w+)"', text)
+    assert titles[:2] == ["attention", "students"]
+
+
+@pytest.mark.parametrize("section", ["checks", "diagnoses"])
+def test_a_check_and_a_diagnosis_unfold_to_their_students(section: str) -> None:
+    text = page.render(book(bad("jane"), good("ann"), bad("li")))
+    start = text.index(f'<section id="{section}"')
+    part = text[start : text.index("</section>", start)]
+    assert re.findall(r"<li><a [^>]*><bdi>(\w+)</bdi></a></li>", part) == ["jane", "li"]
+    folded = re.findall(r"<details><summary>(.*?)</summary>", part)
+    assert len(folded) == 1
+    assert ("The check first" if section == "checks" else "service.no_return") in folded[0]
+
+
+def test_what_changed_since_the_last_run_is_told_once(tmp_path: Path) -> None:
+    before = book(good("same"), bad("better"), good("gone"), not_graded("repaired"))
+    now = book(good("same"), good("better", digest="another"), good("repaired"), good("late"))
+    exports.write_all(before, tmp_path)
+    assert 'id="changes"' not in (tmp_path / "index.html").read_text(), "there was no run before"
+    found = {one.student: one for one in changes.since_last_run(now, tmp_path)}
+    assert {name: (one.kind, one.before, one.now, one.new_file) for name, one in found.items()} == {
+        "better": ("changed", "0, not passed", "10, passed", True),
+        "gone": ("gone", "10, passed", "", False),
+        "late": ("new", "", "10, passed", False),
+        "repaired": ("changed", "grader's error", "10, passed", False),
+    }
+    page_of_now = exports.write_all(now, tmp_path).read_text()
+    assert "10, passed (another file)" in page_of_now
+    assert 'id="changes"' not in exports.write_all(now, tmp_path).read_text()
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", '{"format_version": 0, "results": []}', '{"format_version": 1, "results": [1]}']
+)
+def test_a_list_of_the_last_run_that_cannot_be_read_is_none(tmp_path: Path, text: str) -> None:
+    (tmp_path / changes.FILE).write_text(text)
+    assert changes.since_last_run(book(good("jane")), tmp_path) == []
+
+
+def test_lines_of_the_same_shape_stand_side_by_side() -> None:
+    first = ["import math", "", "def area(r):", "    return math.pi * r * r"]
+    second = [
+        "# mine",
+        "import math",
+        "x = 1",
+        "def surface(radius):  # of a circle",
+        "    return math.pi*radius*radius",
+    ]
+    rows = [(row.first, row.second) for row in comparison.compare(first, second) if row.same]
+    assert rows == [(1, 2), (3, 4), (4, 5)]
+    shown = [(row.first_text, row.second_text) for row in comparison.compare(first, second)]
+    assert [one for one, _ in shown if one] == [line for line in first if line]
+    assert [other for _, other in shown if other] == second
+
+
+def test_each_pair_has_its_page_and_an_earlier_runs_pages_go(tmp_path: Path) -> None:
+    records = class_of(tmp_path / "in", ann=ORIGINAL + "# <b>&", bob=OTHER, cid=disguised(ORIGINAL))
+    gradebook = book(*records, root=tmp_path / "in")
+    out = tmp_path / "out"
+    text = exports.write_all(gradebook, out).read_text()
+    assert re.findall(r'href="(lookalikes/[^"]+)"', text) == ["lookalikes/1.html"]
+    shown = (out / "lookalikes/1.html").read_text()
+    assert "&lt;b&gt;&amp;" in shown
+    assert "<script" not in shown
+    assert shown.count('<tr class="same">') > 15
+    exports.write_all(replace(gradebook, records=gradebook.records[:2]), out)
+    assert list((out / "lookalikes").iterdir()) == []
+
+
+def test_without_the_submissions_nothing_is_promised_to_stand_side_by_side() -> None:
+    one, other = good("ann", digest="a"), good("bob", digest="b")
+    alike = lookalikes.LookAlikes((), (lookalikes.Pair(one, other, 0.9, 20),), 2, 0, ())
+    assert "side by side" not in page.render(books.book(one, other), alike)

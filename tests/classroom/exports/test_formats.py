@@ -1,0 +1,261 @@
+"""Every format is read back by its platform's rules, and every name survives it."""
+
+from __future__ import annotations
+
+import json
+import re
+import string
+from dataclasses import replace
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.classroom import exports
+from course_kit.classroom.exports import texts
+from course_kit.classroom.exports.formats import canvas as canvas_format
+from course_kit.classroom.records import safe_name
+from course_kit.text.sanitize import printable
+from tests.classroom.exports import books, rules
+from tests.classroom.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, good, not_graded, unreadable
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.classroom.gradebook import Gradebook
+
+EMPTY = book()
+ONE = book(good("jane"))
+HOSTILE_BOOK = books.hostile_book()
+
+
+def written(gradebook: Gradebook) -> dict[str, str]:
+    return dict(exports.files(gradebook))
+
+
+def table(text: str) -> list[dict[str, str]]:
+    header, *rows = rules.rows_of(text.removeprefix("\ufeff"))
+    return [dict(zip(header, row, strict=True)) for row in rows]
+
+
+def test_everything_is_written_where_it_belongs(tmp_path: Path) -> None:
+    page = exports.write_all(books.hostile_book(), tmp_path)
+    assert page == tmp_path / "index.html"
+    found = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
+    assert found == {*written(HOSTILE_BOOK), "index.html", "last_run.json", "exports/.files.json"}
+    assert {PurePosixPath(name).parts[0] for name in found} == {"grades.csv", "exports", "index.html", "last_run.json"}
+
+
+def test_writing_again_leaves_the_same(tmp_path: Path) -> None:
+    exports.write_all(HOSTILE_BOOK, tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    exports.write_all(HOSTILE_BOOK, tmp_path)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+@pytest.mark.parametrize("gradebook", [EMPTY, ONE, HOSTILE_BOOK], ids=["empty", "one", "hostile"])
+def test_every_file_follows_its_platforms_rules(gradebook: Gradebook) -> None:
+    files = written(gradebook)
+    rules.canvas(files["exports/canvas.csv"])
+    for name, text in files.items():
+        text.encode()
+        if name.endswith("results.json"):
+            rules.gradescope(text)
+        elif name.endswith(".output"):
+            rules.github(text)
+        elif name.endswith(".xml"):
+            rules.junit(text)
+
+
+@pytest.mark.parametrize(
+    ("name", "matched"),
+    [("grades.csv", set()), ("exports/canvas.csv", {1, 3}), ("exports/nbgrader.csv", {3})],
+)
+def test_no_cell_of_a_table_begins_a_formula_that_does_anything(name: str, matched: set[int]) -> None:
+    """But where a platform finds students by it: a sign before what can call nothing, such as -jane, stays there."""
+    for row in rules.rows_of(written(HOSTILE_BOOK)[name]):
+        for column, cell in enumerate(row):
+            if cell.startswith(("=", "+", "-", "@", "\t", "\r")):
+                assert column in matched
+                assert set(cell) <= set(string.ascii_letters + string.digits + "_.@+-"), cell
+
+
+def test_a_login_that_begins_with_a_sign_is_found_by_its_platform() -> None:
+    files = written(book(good("-jane"), good("=1+cmd|' /C calc'!A0")))
+    jane, evil = rules.canvas(files["exports/canvas.csv"])[1]
+    assert evil["Student"] == "'=1+cmd|' /C calc'!A0"
+    assert (jane["Student"], jane["SIS Login ID"]) == ("'-jane", "-jane")
+    assert evil["SIS Login ID"] == "'=1+cmd|' /C calc'!A0"
+    assert [row["student_id"] for row in table(files["exports/nbgrader.csv"])] == ["-jane", evil["SIS Login ID"]]
+
+
+def test_no_text_steers_what_shows_it() -> None:
+    """No escape sequence, no mark that turns the writing round, in any file as it would be shown."""
+    for name, text in written(HOSTILE_BOOK).items():
+        shown = json.dumps(json.loads(text), ensure_ascii=False) if name.endswith(".json") else text
+        assert not {"\x1b", "\x07", "\x00", "\u202e", "\u200b"} & set(shown), name
+        assert not {"\\u001b", "\\u0007"} & set(re.findall(r"\\u....", shown)), name
+
+
+def test_where_the_grader_failed_there_is_no_grade_in_any_export(tmp_path: Path) -> None:
+    of_moodle = {"platform": {"moodle_participant": "7"}}
+    exports.write_all(book(good("jane", **of_moodle)), tmp_path)
+    graded = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
+    assert "exports/moodle_temperature_service.csv" in graded
+    exports.write_all(book(not_graded("jane", **of_moodle)), tmp_path)  # the grade of before must not stay either
+    left = {path.relative_to(tmp_path).as_posix(): path.read_text() for path in tmp_path.rglob("*") if path.is_file()}
+    assert set(left) == {
+        "grades.csv",
+        "exports/canvas.csv",
+        "exports/nbgrader.csv",
+        "exports/.files.json",
+        "index.html",
+        "last_run.json",
+    }
+    assert not any("jane" in left[name] for name in left if name.startswith("exports/"))
+    assert table(left["grades.csv"])[0]["temperature_service status"] == "error"
+
+
+def test_grades_has_a_row_for_each_student() -> None:
+    gradebook = book(
+        good("jane", name="Jane Doe", late=True),
+        bad("jane", of=ROBOT),
+        unreadable("jörg"),
+        not_graded("li"),
+        exercises=(SERVICE, ROBOT),
+        missing=(("jörg", ROBOT.id), ("li", ROBOT.id)),
+    )
+    text = written(gradebook)["grades.csv"]
+    assert text.startswith("\ufeff"), "Excel takes it for another encoding"
+    jane, joerg, li = table(text)
+    assert jane == {
+        "student": "jane",
+        "name": "Jane Doe",
+        "temperature_service score": "10",
+        "temperature_service max": "10",
+        "temperature_service status": "passed",
+        "temperature_service late": "late",
+        "temperature_service checks": "10",
+        "temperature_service remarks": "",
+        "move_robot score": "0",
+        "move_robot max": "20",
+        "move_robot status": "not passed",
+        "move_robot late": "",
+        "move_robot checks": "0",
+        "move_robot remarks": "",
+        "total": "10",
+        "total max": "30",
+    }
+    assert (joerg["temperature_service score"], joerg["temperature_service status"]) == ("0", "unreadable")
+    assert (joerg["move_robot score"], joerg["move_robot status"]) == ("", "missing")
+    assert (li["temperature_service score"], li["temperature_service status"]) == ("", "error"), "that is no zero"
+
+
+def test_canvas_finds_students_by_its_own_number_else_by_login() -> None:
+    of_canvas = book(good("12345", name="doejane", platform={"canvas_user": "12345"}), bad("7"), layout="canvas")
+    points, students = rules.canvas(written(of_canvas)["exports/canvas.csv"])
+    assert points == {SERVICE.title: 10.0}
+    assert [(one["Student"], one["ID"], one[SERVICE.title]) for one in students] == [
+        ("doejane", "12345", "10"),
+        ("7", "7", "0"),
+    ]
+    _, students = rules.canvas(written(book(good("jane"), not_graded("jörg")))["exports/canvas.csv"])
+    assert [(one["ID"], one["SIS Login ID"], one[SERVICE.title]) for one in students] == [
+        ("", "jane", "10"),
+    ]
+
+
+def test_a_student_called_points_possible_is_a_student_in_canvas() -> None:
+    assert "Points Possible" in HOSTILE
+    text = written(HOSTILE_BOOK)["exports/canvas.csv"]
+    _, students = rules.canvas(text)
+    assert len(students) == len([one for one in HOSTILE_BOOK.records if one.status != "error"])
+    assert [row[0] for row in rules.rows_of(text)].count(canvas_format.POINTS_ROW) == 1
+
+
+def test_moodle_gets_a_worksheet_for_each_exercise() -> None:
+    gradebook = book(
+        good("4711", name="Jane Doe", platform={"moodle_participant": "4711"}),
+        bad("4712", name="Jörg, jr.", platform={"moodle_participant": "4712"}),
+        not_graded("4713", platform={"moodle_participant": "4713"}),
+        bad("4711", of=ROBOT, platform={"moodle_participant": "4711"}),
+        exercises=(SERVICE, ROBOT),
+    )
+    files = written(gradebook)
+    rows = rules.moodle(files["exports/moodle_temperature_service.csv"])
+    assert list(rows) == [4711, 4712], "a row for the third would write over the comment that Moodle has"
+    assert (rows[4711]["Grade"], rows[4711]["Maximum Grade"], rows[4711]["Full name"]) == ("10", "10", "Jane Doe")
+    assert "The check first: first did not hold." in rows[4712]["Feedback comments"]
+    assert list(rules.moodle(files["exports/moodle_move_robot.csv"])) == [4711]
+
+
+def test_moodles_comments_are_html_in_which_nothing_runs() -> None:
+    evil = bad("1", platform={"moodle_participant": "1"})
+    evil.report["checks"][0]["message"] = "<script>alert(1)</script>\nnext line"
+    comments = rules.moodle(written(book(evil))["exports/moodle_temperature_service.csv"])[1]["Feedback comments"]
+    assert "<script>" not in comments
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;<br>next line" in comments
+
+
+def test_moodle_gets_nothing_where_nobody_has_its_number() -> None:
+    assert not any("moodle" in name for name in written(ONE))
+
+
+def test_gradescope_shows_each_check_with_its_evidence() -> None:
+    result = rules.gradescope(written(book(bad("jane")))["exports/gradescope/jane/temperature_service/results.json"])
+    assert result["score"] == 0
+    first, second = result["tests"]
+    assert (first["status"], first["score"], first["max_score"]) == ("failed", 0, 5)
+    assert "service.no_return" in first["tags"]
+    for line in ("We sent: 1 °C", "Expected: 33.8", "We got: 0", "first did not hold.", "Hint: Look <again>."):
+        assert line in first["output"]
+    assert second["output"]
+
+
+def test_gradescope_is_told_why_there_is_nothing_to_grade() -> None:
+    files = written(book(unreadable("jörg")))
+    folder = safe_name("jörg")
+    result = rules.gradescope(files[f"exports/gradescope/{folder}/temperature_service/results.json"])
+    assert result["score"] == 0
+    assert "answer.py is empty." in result["output"]
+
+
+@pytest.mark.parametrize(
+    ("maker", "status", "points"),
+    [(good, "pass", 10.0), (bad, "fail", 0.0), (unreadable, "fail", 0.0)],
+)
+def test_github_classroom_announces_the_points(maker: books.Maker, status: str, points: float) -> None:
+    files = written(book(maker("jane")))
+    result, total = rules.github(files["exports/github_classroom/jane/temperature_service.output"])
+    assert (result["status"], total, result["max_score"]) == (status, points, 10.0)
+    if status != "pass":
+        assert any(test["message"] for test in result["tests"])
+
+
+def test_junit_has_a_suite_for_each_student_and_a_case_for_each_check() -> None:
+    gradebook = book(good("jane", name="Jane Doe"), bad("jörg.müller"), unreadable("li"))
+    jane, joerg, li = rules.junit(written(gradebook)["exports/junit/temperature_service.xml"])
+    assert jane.attrib["name"] == f"Jane Doe: {SERVICE.title}"
+    assert all(len(case) == 0 for case in jane.iter("testcase"))
+    failed, skipped = joerg.iter("testcase")
+    assert failed.attrib["classname"] == "temperature_service.jörg_müller"
+    assert failed[0].attrib == {"type": "service.no_return", "message": "first did not hold."}
+    assert "We sent: 1 °C\nExpected: 33.8" in str(failed[0].text)
+    assert skipped[0].tag == "skipped"
+    assert [case[0].tag for case in li.iter("testcase")] == ["failure"]
+
+
+def test_names_survive_every_format() -> None:
+    """Unchanged, but for what steers, and for the apostrophe before what looks like a formula."""
+    files = written(replace(HOSTILE_BOOK, records=tuple(good(name, name=name) for name in HOSTILE), missing=()))
+    shown = {printable(name) for name in HOSTILE}
+    cells = {texts.cell(name) for name in HOSTILE}
+    exact = {texts.cell(texts.Identifier(name)) for name in HOSTILE}
+    assert len(shown) == len(cells) == len(exact) == len(HOSTILE)
+    assert {row["name"] for row in table(files["grades.csv"])} == cells
+    assert {row["student_id"] for row in table(files["exports/nbgrader.csv"])} == exact
+    assert {one["SIS Login ID"] for one in rules.canvas(files["exports/canvas.csv"])[1]} == exact
+    students = {rules.gradescope(text)["extra_data"]["student"] for name, text in files.items() if "gradescope" in name}
+    assert students == shown
+    suites = rules.junit(files["exports/junit/temperature_service.xml"])
+    assert {one.attrib["value"] for suite in suites for one in suite[0] if one.attrib["name"] == "student"} == shown

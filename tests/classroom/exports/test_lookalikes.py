@@ -1,0 +1,132 @@
+"""What looks alike, and what only has the same starter or the same idea."""
+
+from __future__ import annotations
+
+import json
+import random
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.classroom.exports import lookalikes
+from course_kit.reader.fingerprints import RUN, WINDOW, fingerprints
+from tests.classroom.exports import programs
+from tests.classroom.exports.books import CHOICE, SERVICE, book, good, unreadable
+from tests.classroom.exports.programs import ORIGINAL, OTHER, class_of, disguised, moved, starter
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+
+def names(found: lookalikes.LookAlikes) -> list[tuple[str, str]]:
+    return [(pair.first.entry.student, pair.second.entry.student) for pair in found.pairs]
+
+
+@pytest.mark.parametrize("change", [disguised, moved, lambda text: disguised(moved(text))])
+def test_a_changed_copy_looks_alike(tmp_path: Path, change: Callable[[str], str]) -> None:
+    found = lookalikes.find(book(*class_of(tmp_path, ann=ORIGINAL, bob=OTHER, cid=change(ORIGINAL)), root=tmp_path))
+    assert names(found) == [("ann", "cid")]
+    assert found.pairs[0].similarity >= lookalikes.THRESHOLD
+    assert found.compared == 3
+
+
+def test_renaming_and_comments_change_no_fingerprint() -> None:
+    assert fingerprints(disguised(ORIGINAL)) == fingerprints(ORIGINAL)
+
+
+def test_every_common_run_of_tokens_is_found() -> None:
+    """The promise of winnowing: a run of this length leaves a fingerprint wherever it stands."""
+    common = " ".join(["if", "(", "[", "+", "not", "-"] * RUN).split()[: RUN + WINDOW - 1]
+    for before in range(12):
+        one = " ".join(["while ; :"] * before + common + ["] , )"] * 9)
+        other = " ".join(["% ^ & *"] * (12 - before) + common + ["@ | ~"] * 7)
+        assert fingerprints(one) & fingerprints(other)
+
+
+def test_the_starter_makes_nobody_alike(tmp_path: Path) -> None:
+    class_ = class_of(tmp_path, ann=starter() + ORIGINAL, bob=starter() + OTHER)
+    assert names(lookalikes.find(book(*class_, root=tmp_path))) == []
+    class_ = class_of(tmp_path, cid=starter(), dan=starter() + "\n# mine\n")
+    found = lookalikes.find(book(*class_, root=tmp_path))
+    assert (found.pairs, found.compared, found.unread) == ((), 0, 0)
+    class_ = class_of(tmp_path, eve=starter(), fay=starter(), gus=ORIGINAL, hal=ORIGINAL)
+    found = lookalikes.find(book(*class_, root=tmp_path))
+    assert [[record.entry.student for record in group] for group in found.identical] == [["gus", "hal"]]
+
+
+def test_the_work_of_a_group_is_not_alike(tmp_path: Path) -> None:
+    copied = disguised(ORIGINAL)
+    class_ = class_of(tmp_path, ann=ORIGINAL, bob=ORIGINAL, cid=copied, dan=f"{copied}\n# mine")
+    of_teams = [replace(record, entry=replace(record.entry, platform={"group": "red"})) for record in class_]
+    found = lookalikes.find(book(*of_teams, root=tmp_path))
+    assert (found.identical, found.pairs) == ((), ())
+    alone = lookalikes.find(book(*class_, root=tmp_path))
+    assert alone.identical
+    assert alone.pairs
+
+
+def test_what_many_write_makes_nobody_alike(tmp_path: Path) -> None:
+    """Forty with most of their programs in common and a little of their own, and one who has taken another's."""
+
+    def own(number: int) -> str:
+        chance = random.Random(number)  # noqa: S311 - an example
+        lines = [f"    x = y {chance.choice('+-*/%&|^<>')} z {chance.choice('+-*/%&|^<>')} x" for _ in range(8)]
+        return ORIGINAL + OTHER + f"\ndef own{number}(x, y, z):\n" + "\n".join(lines)
+
+    class_ = class_of(tmp_path, **{f"s{number:02}": own(number) for number in range(40)}, thief=disguised(own(11)))
+    assert names(lookalikes.find(book(*class_, root=tmp_path))) == [("s11", "thief")]
+
+
+def test_a_program_that_half_the_class_has_renamed_is_found(tmp_path: Path) -> None:
+    """However many have it: each is paired with the first."""
+    copies = {f"s{number:02}": ORIGINAL.replace("lowest", f"name{number}") for number in range(60)}
+    found = lookalikes.find(book(*class_of(tmp_path, **copies, zoe=OTHER), root=tmp_path))
+    assert names(found) == [("s00", f"s{number:02}") for number in range(1, 60)]
+    assert (found.compared, found.unread) == (61, 0)
+
+
+def test_identical_files_are_one_group_and_no_pair(tmp_path: Path) -> None:
+    class_ = class_of(tmp_path, ann=ORIGINAL, bob=ORIGINAL, cid=OTHER, dan=disguised(ORIGINAL))
+    found = lookalikes.find(book(*class_, root=tmp_path))
+    assert [[one.entry.student for one in group] for group in found.identical] == [["ann", "bob"]]
+    assert names(found) == [("ann", "dan")]
+
+
+def test_a_notebook_is_compared_by_its_cells(tmp_path: Path) -> None:
+    cell = '{"cell_type": "code", "source": %s}'
+    source = json.dumps(f"%%submission {SERVICE.id}\n{ORIGINAL}")
+    (tmp_path / "nb.ipynb").write_text(f'{{"cells": [{cell % source}]}}')
+    class_ = class_of(tmp_path, ann=disguised(ORIGINAL))
+    found = lookalikes.find(book(*class_, good("bob", source="nb.ipynb"), root=tmp_path))
+    assert names(found) == [("ann", "bob")]
+
+
+def test_what_cannot_be_read_is_passed_over(tmp_path: Path) -> None:
+    (tmp_path / "latin.py").write_bytes(b"# \xe9")
+    gone, latin = unreadable("gone"), unreadable("latin", source="latin.py")
+    found = lookalikes.find(book(gone, latin, *class_of(tmp_path, ann=ORIGINAL), root=tmp_path))
+    assert (found.compared, found.unread, found.pairs) == (1, 2, ())
+    assert lookalikes.find(book(gone, root=None)).compared == 0
+
+
+def test_answers_of_a_quiz_are_not_compared(tmp_path: Path) -> None:
+    found = lookalikes.find(book(good("ann", of=CHOICE), exercises=(CHOICE,), root=tmp_path))
+    assert found.left_out == (CHOICE.title,)
+    assert found.identical == ()
+
+
+@pytest.mark.answers
+def test_independent_solutions_of_our_own_are_not_alike(tmp_path: Path) -> None:
+    """The course's solution by one author, and by another two programs that come from one."""
+    ours, *twins = (
+        (programs.REPOSITORY / path).read_text(encoding="utf-8")
+        for path in (
+            "solutions/temperature_service/temperature_service.py",
+            "tests/broken/temperature_service/math.formula.py",
+            "tests/broken/temperature_service/name.node.py",
+        )
+    )
+    class_ = class_of(tmp_path, ann=ours, bob=twins[0], bud=twins[1], cid=ORIGINAL, dan=OTHER)
+    assert names(lookalikes.find(book(*class_, root=tmp_path))) == [("bob", "bud")]

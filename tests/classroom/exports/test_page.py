@@ -1,0 +1,205 @@
+"""The class page without a browser: what it says, that nothing of it runs or is fetched, and how fast it is made."""
+
+from __future__ import annotations
+
+import re
+from html.parser import HTMLParser
+from typing import TYPE_CHECKING
+from urllib.parse import unquote
+
+import pytest
+
+from course_kit.classroom import exports
+from course_kit.classroom.exports import counts, page
+from course_kit.classroom.records import Records, safe_name
+from course_kit.text.sanitize import escaped
+from tests.classroom.exports import books
+from tests.classroom.exports.books import (
+    HOSTILE,
+    ROBOT,
+    SERVICE,
+    bad,
+    book,
+    check,
+    good,
+    not_graded,
+    record,
+    unreadable,
+)
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+VOID = {"meta", "input", "br", "path", "rect"}
+
+
+class Document(HTMLParser):
+    """Every element closed where it was opened; tags, ids, links and tables as found."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.text = ""
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] not in ("script", "style"):
+            self.text += data
+
+    def all(self, tag: str) -> list[dict[str, str | None]]:
+        return [attributes for name, attributes in self.tags if name == tag]
+
+
+BOOKS = {
+    "empty": book(),
+    "nobody has anything": book(missing=(("jane", SERVICE.id),)),
+    "one": book(good("jane")),
+    "the grader failed for all": book(not_graded("jane")),
+    "hostile": books.hostile_book(),
+}
+
+
+@pytest.mark.parametrize("name", BOOKS)
+def test_the_page_is_whole_and_accessible_html(name: str) -> None:
+    document = Document(page.render(BOOKS[name]))
+    ids = [attributes["id"] for _, attributes in document.tags if "id" in attributes]
+    assert len(ids) == len(set(ids))
+    links = [str(link["href"]) for link in document.all("a")]
+    assert {link[1:] for link in links if link.startswith("#")} <= {*ids, "students"}
+    tables = document.all("table")
+    assert len(document.all("caption")) == len(tables)
+    assert all(heading.get("scope") in ("col", "row") for heading in document.all("th"))
+    assert all(svg.get("aria-label") or svg.get("aria-hidden") for svg in document.all("svg"))
+    assert document.all("html")[0]["lang"] == "en"
+    assert len(document.all("h1")) == len(document.all("main")) == 1
+
+
+@pytest.mark.parametrize("name", BOOKS)
+def test_nothing_is_fetched(name: str) -> None:
+    text = page.render(BOOKS[name])
+    document = Document(text)
+    assert not any("src" in attributes for _, attributes in document.tags)
+    assert {tag for tag, _ in document.tags}.isdisjoint({"link", "img", "iframe", "object", "embed", "form"})
+    assert all(str(link["href"]).startswith(("#", "students/")) for link in document.all("a"))
+    assert len(document.all("script")) == 1
+    assert not re.search(r"url\((?!#)|@import|https?://(?!evil\.example)", text)
+
+
+def test_strangers_text_is_shown_and_steers_nothing() -> None:
+    text = page.render(books.hostile_book())
+    document = Document(text)
+    for name in HOSTILE:
+        shown = re.sub("[\x00-\x08\x0b-\x1f\x7f\u200b\u202e\ud800-\udfff]", "\ufffd", name)
+        assert shown in document.text
+    assert "\u202e" not in text
+    assert not any(name.startswith("on") for _, attributes in document.tags for name in attributes)
+    text.encode()
+
+
+def test_links_lead_to_the_reports(tmp_path: Path) -> None:
+    gradebook = books.hostile_book()
+    for one in gradebook.records:
+        Records(tmp_path).keep(one, "<p>report")
+    found = exports.write_all(gradebook, tmp_path)
+    links = {str(link["href"]) for link in Document(found.read_text(encoding="utf-8")).all("a")}
+    reports = {link for link in links if link.startswith("students/")}
+    assert len(reports) == len(HOSTILE)
+    assert all((tmp_path / unquote(link)).is_file() for link in reports)
+
+
+def test_it_says_how_the_class_did() -> None:
+    gradebook = book(
+        good("jane", name="Jane Doe", late=True),
+        bad("jörg", size=12_345),
+        unreadable("li"),
+        not_graded("ole"),
+        missing=(("eve", SERVICE.id),),
+        left=(("notes.txt", "it belongs to none of these exercises"),),
+        layout="canvas",
+        complete=False,
+        dropped=(("zoe", "zoe: it is a link, and links are not followed"),),
+        odd=(("yan", "its name does not follow the layout 'canvas'"),),
+    )
+    text = Document(page.render(gradebook)).text
+    for part in (
+        "Canvas",
+        "Seed of the checks: 7",
+        "--resume",
+        "1 of 3 submissions passed",
+        "Could not be graded",
+        "the grader's fault",
+        "the worker was gone",
+        "Handed in, but not graded",
+        "zoe: it is a link, and links are not followed",
+        "Graded, each entry as a separate student",
+        "its name does not follow the layout 'canvas'",
+        "10 of 10",
+        "passed, late",
+        "not graded",
+        "grader's error",
+        "– missing",  # noqa: RUF001
+        "service.no_return",
+        "12.3\u00a0kB",
+        "1.25\u00a0s",
+        "notes.txt",
+        "it belongs to none of these exercises",
+        "Missing submissions",
+        "Similarity is not proof.",
+    ):
+        assert part in text, part
+
+
+def test_the_distribution_counts_every_score_once() -> None:
+    points = [0.0, 0.5, 1.0, 6.999999, 9.5, 10.0, 10.0]
+    records = [record(f"s{number}", [check("one", points=value)]) for number, value in enumerate(points)]
+    bars = counts.distribution(SERVICE, [*records, not_graded("ole")])
+    assert [bar.count for bar in bars] == [2, 1, 0, 0, 0, 0, 1, 0, 0, 1, 2]
+    assert [bar.label for bar in bars] == [str(number) for number in range(11)]
+
+
+def test_checks_are_counted_by_their_outcome() -> None:
+    first, second = counts.checks([good("a"), bad("b"), bad("c"), unreadable("d")])
+    assert (first.by_status["passed"], first.by_status["failed"], first.run) == (1, 2, 3)
+    assert (second.by_status["passed"], second.by_status["skipped"], second.run) == (1, 2, 1)
+
+
+def test_diagnoses_are_counted_by_exercise_and_by_score() -> None:
+    half = record("d", [check("first"), check("second", "failed", diagnosis="math.formula")])
+    gradebook = book(bad("a"), bad("b"), bad("a", "name.node", of=ROBOT), half, good("c"), exercises=(SERVICE, ROBOT))
+    assert counts.diagnoses_by_exercise(gradebook) == {
+        "service.no_return": [2, 0],
+        "math.formula": [1, 0],
+        "name.node": [0, 1],
+    }
+    by_band = counts.diagnoses_by_band(gradebook.of(SERVICE.id))
+    assert by_band == {"service.no_return": [2, 0, 0, 0], "math.formula": [0, 0, 1, 0]}
+
+
+def test_a_link_is_the_reports_path() -> None:
+    one = good("Jörg #1?")
+    assert unquote(page.report_link(one)) == f"students/{safe_name('Jörg #1?')}/temperature_service.html"
+    assert not set(page.report_link(one)) & set("#? ")
+
+
+def test_three_hundred_students_are_on_it_and_in_every_file(tmp_path: Path) -> None:
+    gradebook = books.large_book(300)
+    text = exports.write_all(gradebook, tmp_path).read_text(encoding="utf-8")
+    document = Document(text)
+    assert all(escaped(student) in document.text for student in gradebook.students)
+    assert len(text) < 2_000_000
+    assert len((tmp_path / "grades.csv").read_text(encoding="utf-8").splitlines()) == 301
+    assert len(list((tmp_path / "exports" / "gradescope").rglob("results.json"))) == 600
