@@ -2,37 +2,27 @@
 
 from __future__ import annotations
 
-import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
-import rclpy
 from example_interfaces.srv import AddTwoInts
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from course_kit.ros.service import ServiceClient
+from tests.ros.two_nodes import TwoNodes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-PATIENCE = 60.0
+    from collections.abc import Iterator
 
 
-class Pair:
+class Pair(TwoNodes):
     """A client and its server, which leaves the first `forgotten` requests without an answer."""
 
     def __init__(self, domain_id: int) -> None:
-        self.context = Context()
-        rclpy.init(context=self.context, domain_id=domain_id)
-        self.executor = SingleThreadedExecutor(context=self.context)
-        self.server, self.asking = Node("server", context=self.context), Node("asking", context=self.context)
-        for node in (self.server, self.asking):
-            self.executor.add_node(node)
+        super().__init__(domain_id, ("server", "asking"))
+        self.server, self.asking = self.nodes
         self.asked, self.forgotten = 0, 0
         self.server.create_service(AddTwoInts, "/ns/add", self.add, callback_group=ReentrantCallbackGroup())
         self.client = ServiceClient(self.asking, AddTwoInts, "ns/add")
@@ -45,19 +35,12 @@ class Pair:
         response.sum = request.a + request.b
         return response
 
-    def spin_until(self, is_true: Callable[[], bool]) -> None:
-        deadline = time.monotonic() + PATIENCE
-        while not is_true():
-            assert time.monotonic() < deadline
-            self.executor.spin_once(timeout_sec=0.1)
-
 
 @pytest.fixture
 def pair(domain: int) -> Iterator[Pair]:
     made = Pair(domain)
     yield made
-    made.executor.shutdown(timeout_sec=0)
-    made.context.try_shutdown()
+    made.close()
 
 
 def test_a_request_is_answered(pair: Pair) -> None:

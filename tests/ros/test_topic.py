@@ -7,42 +7,27 @@ from typing import TYPE_CHECKING
 
 import pytest
 import rclpy
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 from std_msgs.msg import Int32, String
 
 from course_kit.ros import topic
 from course_kit.ros.topic import Inbox, MessageInfo
+from tests.ros.two_nodes import TwoNodes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-PATIENCE = 60.0
+    from collections.abc import Iterator
 
 
-class Pair:
+class Pair(TwoNodes):
     def __init__(self, domain_id: int) -> None:
-        self.context = Context()
-        rclpy.init(context=self.context, domain_id=domain_id)
-        self.executor = SingleThreadedExecutor(context=self.context)
-        self.talker, self.listener = Node("talker", context=self.context), Node("listener", context=self.context)
-        for node in (self.talker, self.listener):
-            self.executor.add_node(node)
-
-    def spin_until(self, is_true: Callable[[], bool]) -> None:
-        deadline = time.monotonic() + PATIENCE
-        while not is_true():
-            assert time.monotonic() < deadline
-            self.executor.spin_once(timeout_sec=0.1)
+        super().__init__(domain_id, ("talker", "listener"))
+        self.talker, self.listener = self.nodes
 
 
 @pytest.fixture
 def pair(domain: int) -> Iterator[Pair]:
     made = Pair(domain)
     yield made
-    made.executor.shutdown(timeout_sec=0)
-    made.context.try_shutdown()
+    made.close()
 
 
 def test_what_comes_is_kept_with_its_time(pair: Pair) -> None:
