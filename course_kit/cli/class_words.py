@@ -30,6 +30,9 @@ def told(work: Callable[[argparse.Namespace], int], options: argparse.Namespace)
 
     try:
         return work(options)
+    except KeyboardInterrupt:  # before the first grading; what had begun ends by itself, and says how to go on
+        say("\ncourse-kit: stopped. Nothing was graded; run the same command again.")
+        return INTERRUPTED
     except SchedulerLostError as problem:
         say(
             f"\ncourse-kit: {problem} The results so far are safe. Start a scheduler and its workers, then run:\n"

@@ -18,14 +18,13 @@ FAILED = CheckReport(
     "a",
     "Zero is refused",
     "failed",
-    0,
     5,
     message="Your callback raised ZeroDivisionError in line 5: return 1 / x. Read on.",
     told="Your callback raised ZeroDivisionError in line 5: return 1 / x.",
     diagnosis="service.no_return",
     known=catalogue()["service.no_return"],
 )
-PASSED = CheckReport("b", "It is there", "passed", 5, 5, message="line 1")
+PASSED = CheckReport("b", "It is there", "passed", 5, points=5, message="line 1")
 REPORT = Report("temperature_service", "A service", "answer.py", "graded", False, 5, 10, 1.0, (FAILED, PASSED))
 
 

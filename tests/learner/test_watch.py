@@ -201,7 +201,7 @@ def report(score: float, *checks: CheckReport, status: str = "graded", problem: 
 
 
 def check(title: str, status: str, **more: str) -> CheckReport:
-    return CheckReport(title, title, status, 0.0, 1.0, **more)
+    return CheckReport(title, title, status, 1.0, **more)
 
 
 def test_the_card_explains_the_first_failure_and_names_the_others() -> None:

@@ -11,6 +11,7 @@ import os
 import struct
 import zlib
 from pathlib import Path
+from typing import Any
 
 from course_kit.interfaces.errors import NativeHelperError
 
@@ -184,7 +185,7 @@ def _probe_layout(fastcdr: ctypes.CDLL) -> tuple[int, int, int]:
     return buffer_in_cdr, data_in_buffer, size_in_buffer
 
 
-def function_address(function: ctypes._NamedFuncPointer) -> int:
+def function_address(function: Any) -> int:  # the class of such a function has a private name
     """Where a function of a loaded library lies."""
     return ctypes.cast(function, ctypes.c_void_p).value or 0
 

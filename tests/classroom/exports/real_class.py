@@ -52,7 +52,7 @@ def write_a_report(out: Path) -> Path:
     """The report of a program of which a line is marked."""
     record = class_of(out, ann=ORIGINAL)[0]
     failed = CheckReport(
-        *("answers", "A request gets an answer", "failed", 0.0, 10.0, "21.5 °C", "70.7 °F", "no answer"),
+        *("answers", "A request gets an answer", "failed", 10.0, "21.5 °C", "70.7 °F", "no answer"),
         diagnosis="service.exception",
         message="Your callback raised KeyError: 'kelvin' in line 16: factor, shift = self.table[...].",
         hint="Which units can a request name?",
@@ -114,7 +114,7 @@ def _one(chance: random.Random, student: str, of: Exercise, name: str) -> Record
 
 def _report(record: Record) -> Report:
     checks = tuple(
-        CheckReport(*(one[name] for name in ("id", "title", "status", "points", "max_points")), message=one["message"])
+        CheckReport(**{name: one[name] for name in ("id", "title", "status", "points", "max_points", "message")})
         for one in record.report["checks"]
     )
     return Report(
