@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.intake import inbox
+from course_kit.classroom.intake import collecting
 from course_kit.classroom.intake.listing import FOLDER, Item, of_a_tool
 from course_kit.classroom.records import Entry, Record
 from course_kit.grading import engine, exercise
@@ -77,7 +77,7 @@ def _find(handed_over: Path, task: Exercise, workspace: Path) -> Path | None:
     """The file to grade; None where there is none."""
     if not any((handed_over / _STUDENT).iterdir()):
         return None
-    found = inbox.collect(handed_over, [task], workspace, "folders")
+    found = collecting.collect(handed_over, [task], workspace, "folders")
     return found.root / found.entries[0].source if found.entries else None
 
 

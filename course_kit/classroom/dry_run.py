@@ -6,14 +6,14 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.intake import inbox, table
+from course_kit.classroom.intake import collecting, table
 from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart
 from course_kit.grading.reading import ReadingStoppedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.classroom.intake.inbox import Intake
+    from course_kit.classroom.intake.collecting import Intake
     from course_kit.classroom.run import Plan
 
 
@@ -32,7 +32,7 @@ def look(plan: Plan, stopped: Callable[[], bool] = lambda: False) -> Intake:
     require_folders_apart(plan.sources, plan.out)
     with tempfile.TemporaryDirectory(prefix="course-kit-intake-") as folder:
         try:
-            found = inbox.collect(
+            found = collecting.collect(
                 plan.sources, plan.exercises, Path(folder) / WORKSPACE, plan.layout, stopped, plan.roster
             )
         except ReadingStoppedError:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from course_kit.classroom.intake.inbox import Intake
+    from course_kit.classroom.intake.collecting import Intake
     from course_kit.grading.exercise import Exercise
 
 WORKSPACE = "handed_in"  # where an archive is unpacked, in the output folder

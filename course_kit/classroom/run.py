@@ -17,7 +17,7 @@ from course_kit.classroom import submissions
 from course_kit.classroom.concurrency import early
 from course_kit.classroom.gradebook import Gradebook
 from course_kit.classroom.grading_loop import GradingLoop
-from course_kit.classroom.intake import inbox, roster, table
+from course_kit.classroom.intake import collecting, roster, table
 from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart, require_submissions
 from course_kit.classroom.records import Records
 from course_kit.classroom.rules import instructor
@@ -99,7 +99,7 @@ class ClassRun:
         self.seed = self._choose_seed()
         self._instructions = instructor.read(plan.out, plan.exercises)
         try:
-            self.intake = inbox.collect(
+            self.intake = collecting.collect(
                 plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, self._stopped, plan.roster
             )
         except ReadingStoppedError:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from course_kit.classroom.intake.inbox import Intake
+    from course_kit.classroom.intake.collecting import Intake
     from course_kit.classroom.intake.roster_matching import Fit
 
 _MOST_NAMED = 20  # in a sentence; the table has them all

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.intake import inbox
+from course_kit.classroom.intake import collecting
 from course_kit.grading import GradingError, exercise
 
 from .accidents import with_the_kit
@@ -42,11 +42,11 @@ def moodle(program: str, first: int) -> dict[str, str]:
     return {f"{name}_{first + k}_assignsubmission_file/{program}": f"# {name}" for k, name in enumerate(NAMES)}
 
 
-def collect(tmp_path: Path, *sources: Path, layout: str = "auto") -> inbox.Intake:
-    return inbox.collect(sources, (SERVICE, ROBOT), tmp_path / "workspace", layout)
+def collect(tmp_path: Path, *sources: Path, layout: str = "auto") -> collecting.Intake:
+    return collecting.collect(sources, (SERVICE, ROBOT), tmp_path / "workspace", layout)
 
 
-def handed_in(found: inbox.Intake) -> dict[str, dict[str, str]]:
+def handed_in(found: collecting.Intake) -> dict[str, dict[str, str]]:
     table: dict[str, dict[str, str]] = {}
     for entry in found.entries:
         table.setdefault(entry.student, {})[entry.exercise] = entry.source
@@ -123,7 +123,7 @@ def test_work_of_moodles_default_group_is_no_participants(tmp_path: Path) -> Non
         f"Default group_assignsubmission_file/{SERVICE_PY}": "1",
         f"Team A_77_assignsubmission_file/{SERVICE_PY}": "2",
     }
-    found = inbox.collect(pack(tmp_path / "a.zip", group), (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect(pack(tmp_path / "a.zip", group), (SERVICE,), tmp_path / "workspace")
     assert {entry.student: entry.platform for entry in found.entries} == {
         "Default group": {"group": "Default group"},
         "77": {"group": "Team A"},
@@ -137,7 +137,7 @@ def test_a_repository_with_the_whole_course_in_it_is_its_exercises_alone(tmp_pat
             path = tmp_path / f"in/week-submissions/week-{login}" / name.removeprefix("course/")
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
-    found = inbox.collect(tmp_path / "in", (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect(tmp_path / "in", (SERVICE,), tmp_path / "workspace")
     assert handed_in(found) == {
         login: {SERVICE.id: f"week-submissions/week-{login}/exercises/{SERVICE.id}/{SERVICE_PY}"} for login in NAMES
     }
@@ -160,7 +160,7 @@ def test_a_folder_around_the_students_is_no_student(tmp_path: Path, layout: str,
     files = {f"{around}/{name}": text for name, text in WRAPPED[layout].items()}
     if mac:
         files |= {f"__MACOSX/{around}/._{name.replace('/', '_')}": "\0" for name in WRAPPED[layout]}
-    found = inbox.collect(pack(tmp_path / "class.zip", files), (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect(pack(tmp_path / "class.zip", files), (SERVICE,), tmp_path / "workspace")
     assert found.layout == layout
     assert len({entry.student for entry in found.entries}) == len(NAMES)
     assert (found.dropped, found.odd) == ((), ())
@@ -179,7 +179,7 @@ def test_a_class_in_a_folder_that_could_be_a_student_is_asked_for(tmp_path: Path
 def test_a_zip_of_one_student_is_one_student(tmp_path: Path) -> None:
     files = {f"jane/{folder}/{name}.py": "" for folder in ("src", "test", "launch") for name in ("a", "b")}
     source = pack(tmp_path / "jane.zip", {**files, f"jane/src/{SERVICE_PY}": "pass"})
-    found = inbox.collect(source, (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect(source, (SERVICE,), tmp_path / "workspace")
     assert handed_in(found) == {"jane": {SERVICE.id: f"jane/src/{SERVICE_PY}"}}
 
 
@@ -187,7 +187,7 @@ def test_whose_zip_looks_like_a_download_is_still_one_student_among_others(tmp_p
     for name in NAMES:
         pack(tmp_path / f"in/{name}.zip", {SERVICE_PY: name})
     pack(tmp_path / "in/mallory.zip", canvas(SERVICE_PY, 100))
-    found = inbox.collect(tmp_path / "in", (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect(tmp_path / "in", (SERVICE,), tmp_path / "workspace")
     assert set(handed_in(found)) == {*NAMES, "mallory"}
     assert {entry.source for entry in found.entries if entry.student != "mallory"} == {
         f"{name}.zip.contents/{SERVICE_PY}" for name in NAMES
@@ -195,16 +195,16 @@ def test_whose_zip_looks_like_a_download_is_still_one_student_among_others(tmp_p
     for name in NAMES:
         (tmp_path / f"in/{name}.zip").unlink()
     with pytest.raises(GradingError, match=r"one zip, mallory\.zip"):
-        inbox.collect(tmp_path / "in", (SERVICE,), tmp_path / "workspace")
+        collecting.collect(tmp_path / "in", (SERVICE,), tmp_path / "workspace")
 
 
 def test_a_windows_zip_has_backslashes_between_folders(tmp_path: Path) -> None:
     source = pack(tmp_path / "all.zip", {f"{name}\\{SERVICE_PY}": name for name in NAMES})
-    found = inbox.collect(source, (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect(source, (SERVICE,), tmp_path / "workspace")
     assert handed_in(found) == {name: {SERVICE.id: f"{name}/{SERVICE_PY}"} for name in NAMES}
     names = (f"ann\\{SERVICE_PY}", f"..\\..\\{SERVICE_PY}", f"\\root\\{SERVICE_PY}")
     evil = pack(tmp_path / "evil.zip", dict.fromkeys(names, "pass"))
-    found = inbox.collect(evil, (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect(evil, (SERVICE,), tmp_path / "workspace")
     assert handed_in(found) == {"ann": {SERVICE.id: f"ann/{SERVICE_PY}"}}
     assert {why for _, why in found.dropped} == {"its name leads outside the archive"}
 
@@ -236,7 +236,7 @@ def test_names_as_canvas_writes_them(name: str) -> None:
 
 def test_the_tenth_resubmission_is_newer_than_the_second(tmp_path: Path) -> None:
     files = {f"doejane_12345_67890_temperature_service{suffix}.py": suffix for suffix in ("", "-1", "-10", "-2", "-9")}
-    found = inbox.collect(pack(tmp_path / "all.zip", files), (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect(pack(tmp_path / "all.zip", files), (SERVICE,), tmp_path / "workspace")
     assert [entry.source for entry in found.entries] == ["doejane_12345_67890_temperature_service-10.py"]
 
 
@@ -248,7 +248,7 @@ def test_a_group_of_gradescope_is_each_of_its_members(tmp_path: Path) -> None:
     )
     files = {f"assignment_9_export/submission_{one}/{SERVICE_PY}": f"# {one}" for one in (1, 2, 3)}
     source = pack(tmp_path / "all.zip", {**files, "assignment_9_export/submission_metadata.yml": metadata})
-    found = inbox.collect(source, (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect(source, (SERVICE,), tmp_path / "workspace")
     entries = {entry.student: entry for entry in found.entries}
     assert entries.keys() == {"1", "2", "cem@x.example", "submission_3"}
     assert (entries["1"].source, entries["1"].name) == (entries["2"].source, "Ann")
@@ -271,6 +271,6 @@ def test_of_files_of_one_age_the_better_named_counts_and_somebody_is_told_of_a_t
     shutil.copy2(root / "ann" / SERVICE_PY, root / "ann/a" / SERVICE_PY)
     (root / "ann/a" / SERVICE_PY).write_text("a = 3")
     os.utime(root / "ann/a" / SERVICE_PY, (1e9 + 30, 1e9 + 30))
-    found = inbox.collect(root, (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect(root, (SERVICE,), tmp_path / "workspace")
     [entry] = [one for one in found.entries if one.student == "ann"]
     assert entry.worry.startswith("nothing but its name tells it from ")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.intake import archive, inbox, layouts, listing
+from course_kit.classroom.intake import archive, collecting, layouts, listing
 from course_kit.classroom.intake.listing import FILE, FOLDER, Item
 from course_kit.grading import GradingError, exercise
 from course_kit.text.sanitize import one_line
@@ -31,8 +31,8 @@ OTHERS = ("ann", "bob", "cem")
 pytestmark = pytest.mark.attack("An inbox")
 
 
-def collect(source: Path, *exercises: exercise.Exercise, layout: str = "auto") -> inbox.Intake:
-    return inbox.collect(source, exercises or (SERVICE,), source.parent / "workspace", layout)
+def collect(source: Path, *exercises: exercise.Exercise, layout: str = "auto") -> collecting.Intake:
+    return collecting.collect(source, exercises or (SERVICE,), source.parent / "workspace", layout)
 
 
 def lay_out(root: Path, files: Iterable[str | bytes], text: str = "pass\n") -> Path:
@@ -43,7 +43,7 @@ def lay_out(root: Path, files: Iterable[str | bytes], text: str = "pass\n") -> P
     return root
 
 
-def taken(found: inbox.Intake) -> dict[str, str]:
+def taken(found: collecting.Intake) -> dict[str, str]:
     return {entry.student: entry.source for entry in found.entries}
 
 

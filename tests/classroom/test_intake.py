@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.intake import archive, inbox
+from course_kit.classroom.intake import archive, collecting
 from course_kit.grading import GradingError, exercise
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ def lay_out(root: Path, files: dict[str, str]) -> Path:
     return root
 
 
-def collect(root: Path, *exercises: exercise.Exercise, layout: str = "auto") -> inbox.Intake:
-    return inbox.collect(root, exercises or (SERVICE,), root.parent / "workspace", layout)
+def collect(root: Path, *exercises: exercise.Exercise, layout: str = "auto") -> collecting.Intake:
+    return collecting.collect(root, exercises or (SERVICE,), root.parent / "workspace", layout)
 
 
 CANVAS = {

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.classroom.intake import inbox, known_starters
+from course_kit.classroom.intake import collecting, known_starters
 from course_kit.grading import GradingError, exercise
 from tests.classroom.hostile_inboxes import Inbox, Maker
 
@@ -51,9 +51,9 @@ def opened() -> Opened:
     return Opened()
 
 
-def collect(inbox: Inbox, home: Path, opened: Opened) -> inbox.Intake:
+def collect(inbox: Inbox, home: Path, opened: Opened) -> collecting.Intake:
     with opened.listening() as paths:
-        found = inbox.collect(inbox.source, (SERVICE,), home / "workspace")
+        found = collecting.collect(inbox.source, (SERVICE,), home / "workspace")
     assert any(path.startswith(str(inbox.source)) for path in paths)
     ours = (home / "workspace", home / ".workspace_is_unpacked", known_starters.FILE, os.devnull)
     places = (inbox.source, *ours, *PYTHONS_OWN)
@@ -66,7 +66,7 @@ def belongs(path: str, entry: str) -> bool:
     return path == entry or path.startswith(f"{entry}/")
 
 
-def check(inbox: Inbox, found: inbox.Intake) -> None:
+def check(inbox: Inbox, found: collecting.Intake) -> None:
     assert found.layout == inbox.layout
     honest = {entry.student: entry.source for entry in found.entries if entry.student in inbox.honest}
     assert honest == inbox.honest, "somebody's work was lost, or taken for another's"

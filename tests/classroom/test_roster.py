@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.intake import inbox, roster, table
+from course_kit.classroom.intake import collecting, roster, roster_columns, table
 from course_kit.grading import GradingError
 
 from .accidents import SERVICE, program
@@ -59,6 +59,13 @@ FRENCH = csv_of(
     ],
     ";",
 )
+GREEK = csv_of(
+    [
+        ["Name", "Όνομα χρήστη", "Τμήμα"],
+        *([f"{first} {last}", login, "A"] for last, first, login, _, _ in EVERYBODY),
+    ],
+    ";",
+)
 NO_HEADER = csv_of([[f"{login}@uni.example", f"x{login}"] for _, _, login, _, _ in EVERYBODY], "\t")
 
 
@@ -71,6 +78,7 @@ NO_HEADER = csv_of([[f"{login}@uni.example", f"x{login}"] for _, _, login, _, _ 
         ("github", OF_NBGRADER, "utf-8", {"id": "login"}),
         ("gradescope", OF_NBGRADER, "utf-16", {"id": "login"}),
         ("folders", FRENCH, "utf-8", {"Nom": "last name", "Prénom": "first name"}),
+        ("nbgrader", GREEK, "utf-8", {"Όνομα χρήστη": "login"}),
         ("folders", NO_HEADER, "ascii", {"column 1": "e-mail address"}),
     ],
 )
@@ -82,7 +90,7 @@ def test_a_list_gives_names_and_says_who_is_absent(
     people = roster.read(tmp_path / "list.csv")
     assert read_as.items() <= dict(people.read_as).items()
     assert len(people.people) == len(EVERYBODY)
-    found = inbox.collect(inbox.source, (SERVICE,), tmp_path / "handed_in", roster=people)
+    found = collecting.collect(inbox.source, (SERVICE,), tmp_path / "handed_in", roster=people)
     assert found.roster is not None
     assert found.roster.unknown == ()
     assert found.roster.matched == len(PEOPLE)
@@ -102,7 +110,7 @@ def test_names_join_where_no_identifier_does(tmp_path: Path) -> None:
     (tmp_path / "list.csv").write_text("Name;Vorname;Matrikelnummer\nDoe;Jane;1\nMüller;Jörg;2\nLi;Na;3\nNa;Li;4\n")
     people = roster.read(tmp_path / "list.csv")
     assert dict(people.read_as) == {"Name": "last name", "Vorname": "first name", "Matrikelnummer": "student number"}
-    found = inbox.collect(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
+    found = collecting.collect(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
     assert found.roster is not None
     assert {entry.student: (entry.name, entry.platform.get("sid")) for entry in found.entries} == {
         "Doe, Jane": ("Jane Doe", "1"),
@@ -123,7 +131,7 @@ def test_the_work_of_a_group_is_everybodys_in_it_and_its_number_is_no_participan
         "Participant 13,Bob B,b@x.example,Team A\n"
     )
     people = roster.read(tmp_path / "list.csv")
-    found = inbox.collect(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
+    found = collecting.collect(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
     assert {(entry.name, entry.platform["moodle_participant"], entry.platform["group"]) for entry in found.entries} == {
         ("Ann A", "12", "Team A"),
         ("Bob B", "13", "Team A"),
@@ -147,3 +155,20 @@ def test_a_list_of_something_else_is_said(tmp_path: Path, content: bytes, senten
         roster.read(tmp_path / "list.csv")
     with pytest.raises(GradingError, match="No such file"):
         roster.read(tmp_path / "nowhere.csv")
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "kinds"),
+    [
+        (["name", "?"], [["Ann Ng", "ann1"], ["Bo Li", "bo2"]], ["full name", "login"]),
+        (["name", "?"], [["Ann Ng", "400123"], ["Bo Li", "400124"]], ["full name", "student number"]),
+        (["name", "?"], [["Ann Ng", "1"], ["Bo Li", "2"]], ["full name", ""]),
+        (["name", "?"], [["Ann Ng", "room A"], ["Bo Li", "room B"]], ["full name", ""]),
+        (["name", "?"], [["Ann Ng", "east"], ["Bo Li", "east"]], ["full name", ""]),
+        (["name", "?", "login"], [["Ann Ng", "x", "a"], ["Bo Li", "y", "b"]], ["full name", "", "login"]),
+    ],
+)
+def test_an_identifier_is_told_by_its_cells_where_no_header_tells(
+    header: list[str], rows: list[list[str]], kinds: list[str]
+) -> None:
+    assert roster_columns.guess(header, rows) == kinds

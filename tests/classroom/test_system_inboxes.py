@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.intake import table
+from course_kit.classroom.intake import collecting, table
 from course_kit.text.sanitize import one_line
 
 from .accidents import SERVICE
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_student_and_every_file_is_in_the_table(tmp_path: Path, system: str) -> None:
     inbox = Maker(system, tmp_path).inbox
-    found = inbox.collect(inbox.source, (SERVICE,), tmp_path / "handed_in")
+    found = collecting.collect(inbox.source, (SERVICE,), tmp_path / "handed_in")
     assert found.layout == inbox.layout
     rows = table.rows(found)
     assert {row.student: (row.file, row.why) for row in rows if row.student} == inbox.chosen

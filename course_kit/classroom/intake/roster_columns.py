@@ -33,7 +33,8 @@ _WORDS = {  # headers without accents, signs and capitals
     "姓|фамилия|vezeteknev|soyad",
     LOGIN: "sis login id|login|login id|loginname|username|user name|user id|userid|netid|net id|"
     "benutzername|anmeldename|"
-    "benutzerkennung|identifiant|nom d utilisateur|usuario|nombre de usuario|nome utente|nome de usuario|"
+    "benutzerkennung|kennung|nutzername|identifiant|nom d utilisateur|usuario|nombre de usuario|nome utente|"
+    "nome de usuario|"
     "gebruikersnaam|nazwa uzytkownika|brugernavn|anvandarnamn|用户名|ユーザ名|логин",
     NUMBER: "sis user id|sis id|student id|studentid|sid|student number|id number|idnumber|matrikelnummer|matrikelnr|"
     "matrikel nr|matrikel|numero d identification|numero d etudiant|numero de id|numero de identificacion|matricola|"
@@ -48,6 +49,9 @@ _MAIL = ("mail", "courriel", "correo", "メール", "邮箱", "почт")
 _ID = "id"
 _PARTICIPANT = re.compile(r"(?P<word>\D{2,40})\s(?P<number>\d{1,18})")
 _MOST_LOOKED_AT = 50  # rows
+_IDENTIFIERS = (LOGIN, NUMBER, CANVAS, MOODLE, GITHUB, EMAIL)
+_LOGIN_CELL = re.compile(r"[\w.@+-]*[^\W\d_][\w.@+-]*")  # one word with a letter
+_NUMBER_CELL = re.compile(r"\d{4,20}")  # longer than one that counts the rows
 _KINDS = {word: kind for kind, words in _WORDS.items() for word in words.split("|")}
 
 
@@ -79,7 +83,24 @@ def guess(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     for place, word in enumerate(words):
         if word in _NAME:
             kinds[place] = LAST if FIRST in kinds else FIRST if LAST in kinds else FULL
+    if {FULL, FIRST, LAST} & set(kinds) and not set(_IDENTIFIERS) & set(kinds):
+        kinds = _with_identifier(kinds, rows)
     return _each_once(kinds)
+
+
+def _with_identifier(kinds: list[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """The same with a login or number where the header is of no language known here, told by its cells.
+
+    Those are one word each, everybody has one, and no two have the same.
+    """
+    for place, kind in enumerate(kinds):
+        cells = [row[place].strip() if place < len(row) else "" for row in rows]
+        if kind or len(cells) < 2 or len(set(cells)) < len(cells):  # noqa: PLR2004 - of one nothing can be told
+            continue
+        for found, pattern in ((NUMBER, _NUMBER_CELL), (LOGIN, _LOGIN_CELL)):
+            if all(pattern.fullmatch(cell) for cell in cells):
+                return [*kinds[:place], found, *kinds[place + 1 :]]
+    return kinds
 
 
 def has_header(row: Sequence[str]) -> bool:

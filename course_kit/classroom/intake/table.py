@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-    from course_kit.classroom.intake.inbox import Intake
+    from course_kit.classroom.intake.collecting import Intake
 
 FILE = "intake.csv"
 HEADER = ("student", "name", "exercise", "file", "why", "also handed in", "late", "look at it")
