@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from course_kit.graders._driving import LONGEST_M, SHORTEST_M, HastyError, drive_on
@@ -10,6 +11,8 @@ from course_kit.grading.checks.check import Evidence, Failed
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
+
+_ANY_Z = 3.0  # metres
 
 
 def feedback_of_a_move(context: CheckContext) -> Evidence:
@@ -41,7 +44,7 @@ def progress_of_a_move(context: CheckContext) -> Evidence:
     Raises:
         Failed: it does not.
     """
-    move = drive_on(context, SHORTEST_M)
+    move = drive_on(context, SHORTEST_M, _ANY_Z)  # distances and the position ignore it
     heard = move.goal.wait_for_last_feedback(
         lambda all_told: bool(all_told) and all_told[-1].feedback.progress >= NEARLY_DONE
     )
@@ -54,12 +57,20 @@ def progress_of_a_move(context: CheckContext) -> Evidence:
         evidence = Evidence(move.goal.shown, expected, found)
         message = f"Two messages of one move contradict each other: {found}." if "then" in found else f"It was {found}."
         raise Failed(evidence, message, "action.feedback_not_monotonic")
-    for place in (place_of(one.feedback.position) for one in heard):
+    for feedback in (one.feedback for one in heard):
+        place = place_of(feedback.position)
         off = beside(move.begin, move.target, place)
         if not off <= BESIDE:
             evidence = Evidence(move.goal.shown, f"positions within {BESIDE} m of the straight line", f"{place}")
             blank = " Was feedback.position filled in?" if place == ORIGIN else ""
             raise Failed(evidence, f"This position lies {off:.2g} m away from the straight line to the target.{blank}")
+        left = math.dist(place, move.target)
+        if not abs(feedback.distance_remaining - left) <= BESIDE:
+            wanted = f"distance_remaining within {BESIDE} m of {left:.3g} m, the way from {place} without z"
+            evidence = Evidence(move.goal.shown, wanted, f"distance_remaining={feedback.distance_remaining:.4g}")
+            # The robot may have moved between the two; at its own speed not that far.
+            message = "The distance left is not that from the position in the same message to the target."
+            raise HastyError(evidence, message)
     last = heard[-1].feedback
     evidence = Evidence(move.goal.shown, expected, f"{len(heard)} messages, the last with progress={last.progress:.4g}")
     if last.progress < NEARLY_DONE:
