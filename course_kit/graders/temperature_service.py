@@ -139,8 +139,8 @@ def absolute_zero(context: CheckContext) -> Evidence:
     samples = [Sample(ABSOLUTE_ZERO[unit] - by, unit, to) for unit in UNITS for to in UNITS for by in below]
     zeros = f"{ABSOLUTE_ZERO[CELSIUS]} C = {ABSOLUTE_ZERO[FAHRENHEIT]} F"
     evidence = _refuses(context, samples, lambda _: f"a temperature below absolute zero ({zeros})")
-    valid = [Sample(ABSOLUTE_ZERO[unit] + _EDGE, unit, to) for unit in UNITS for to in UNITS]
-    valid += [Sample(ABSOLUTE_ZERO[CELSIUS], CELSIUS, to) for to in UNITS]
+    valid = [Sample(ABSOLUTE_ZERO[CELSIUS] + warmer, CELSIUS, FAHRENHEIT) for warmer in (0.0, _EDGE)]
+    valid.append(Sample(ABSOLUTE_ZERO[FAHRENHEIT] + _EDGE, FAHRENHEIT, CELSIUS))
     for sample in valid:
         expected = "success=True: this is not below absolute zero"
         _require_success(sample, _ask(context, sample, expected).response, expected)
