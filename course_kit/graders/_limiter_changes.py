@@ -96,7 +96,7 @@ def change_status(context: CheckContext) -> Evidence:
         was = str(limiter.status.messages[-1].data) if limiter.status.count else None
         values = {
             "robot_name": f"rover_{context.random.randrange(100, 1000)}",
-            "max_velocity": drawn(context, 1.1, 2.0) + _DIGITS,
+            "max_velocity": drawn(context, 1.1, 1.9) + _DIGITS,
         }
         return expect_status(context, limiter.status, limiter.set(**values), was=was, sent=shown(values))
 
