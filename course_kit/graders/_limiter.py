@@ -211,7 +211,7 @@ def status_fits(settings: LimiterSettings, text: str) -> bool:
 
 def status_line(settings: LimiterSettings) -> str:
     """A right status line."""
-    return f"{settings.robot_name}: {settings.max_velocity:g} m/s"
+    return f"{settings.robot_name}: {settings.max_velocity!r} m/s"
 
 
 def missing_in_reason(name: str, reason: str) -> str:

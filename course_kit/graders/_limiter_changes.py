@@ -32,6 +32,9 @@ from course_kit.graders._limiter_status import expect_status
 from course_kit.grading.checks.check import Evidence, Failed, check
 from course_kit.grading.checks.parameters import shown
 
+_DIGITS = 0.0123  # so that a line with a rounded number shows it
+_BEYOND_AN_EDGE = 1e-4  # nearer ones are left to rclpy, whose ranges have a relative tolerance of 1e-6
+
 if TYPE_CHECKING:
     from geometry_msgs.msg import Twist
 
@@ -44,7 +47,7 @@ def change_velocity(context: CheckContext) -> Evidence:
     with Limiter(context) as limiter:
         limiter.driving()
         evidence = Evidence()
-        for value in (drawn(context, 2.1, 4.9), drawn(context, 0.2, 0.9)):
+        for value in (drawn(context, 2.1, 4.9), drawn(context, 0.2, 0.9), BOUNDS["max_velocity"][1]):
             for twist in (command(-BEYOND), command(BEYOND)):
                 was = _seen(limiter, twist)
                 after = limiter.set(max_velocity=value)
@@ -59,7 +62,7 @@ def change_diameter(context: CheckContext) -> Evidence:
     with Limiter(context) as limiter:
         twist = command(limiter.driving().max_velocity)
         evidence = Evidence()
-        for value in (drawn(context, 0.2, 0.9), 0.02):
+        for value in (drawn(context, 0.2, 0.9), *BOUNDS["wheel_diameter"]):
             was = _seen(limiter, twist)
             after = limiter.set(wheel_diameter=value)
             evidence = limiter.expect(after, twist, WHEELS, was=was, sent=shown({"wheel_diameter": value}))
@@ -93,7 +96,7 @@ def change_status(context: CheckContext) -> Evidence:
         was = str(limiter.status.messages[-1].data) if limiter.status.count else None
         values = {
             "robot_name": f"rover_{context.random.randrange(100, 1000)}",
-            "max_velocity": drawn(context, 1.1, 2.0),
+            "max_velocity": drawn(context, 1.1, 1.9) + _DIGITS,
         }
         return expect_status(context, limiter.status, limiter.set(**values), was=was, sent=shown(values))
 
@@ -106,8 +109,10 @@ def refuses(context: CheckContext) -> Evidence:
         Failed: it is accepted, refused without a reason, or kept.
     """
     evidence = Evidence()
-    velocities = (-1.0, context.random.uniform(5.1, 20.0), math.inf, math.nan)
-    diameters = (0.0, -0.1, context.random.uniform(1.1, 20.0))
+    (slowest, fastest), (smallest, largest) = BOUNDS["max_velocity"], BOUNDS["wheel_diameter"]
+    velocities = (-1.0, slowest, fastest + _BEYOND_AN_EDGE, context.random.uniform(5.1, 20.0), math.inf, math.nan)
+    near = (smallest - _BEYOND_AN_EDGE, largest + _BEYOND_AN_EDGE)
+    diameters = (0.0, -0.1, *near, context.random.uniform(1.1, 20.0))
     attempts = [("robot_name", ""), *(("max_velocity", v) for v in velocities)]
     for name, value in [*attempts, *(("wheel_diameter", d) for d in diameters)]:
         with Limiter(context) as limiter:

@@ -14,7 +14,7 @@ from course_kit.graders._limiter import TYPES, LimiterSettings, Reaction, same_r
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.parameters import Remote, SetResult, ensure_served, shown
 from course_kit.grading.checks.topics import Topic, TopicExchange
-from course_kit.grading.diagnosis.exceptions import INVALID_RESULT
+from course_kit.grading.diagnosis.exceptions import INVALID_RESULT, explained
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -32,6 +32,7 @@ WHEEL = Topic("/wheel_speed", Float64)
 STATUS = Topic("/status", String)
 VELOCITY, WHEELS, BOTH = "velocity", "wheels", "both"
 _TRIES = 2  # a node that follows its parameters through /parameter_events may be one message late
+_QUIET_S = 0.8  # how long nothing more may come after the last answer; the timer for /status takes 0.5 s
 _ACCEPTED = "accepted: the value is valid"
 
 
@@ -117,24 +118,27 @@ class Limiter:
         """What comes out for one command."""
         return Reaction.of(*self._exchange.send(twist, evidence))
 
-    def count(self, burst: Sequence[Twist], then: Twist, evidence: Evidence) -> tuple[int, int]:
-        """How many messages come on /cmd_vel and on /wheel_speed for commands that are sent at once, and one more.
+    def count(self, commands: Sequence[Twist], evidence: Evidence) -> tuple[int, int]:
+        """How many messages come on /cmd_vel and on /wheel_speed for commands of which each waits for its answers.
 
-        The last one drives backwards and the others do not, so that its answers are known: on each topic the
-        messages come in order, and what belongs to the others is there when they are.
+        What comes later counts as well: it is waited for longer than a timer of the exercise takes.
 
         Args:
-            burst: the commands that are sent at once.
-            then: the one before and after them, which drives backwards.
+            commands: sent one after the other, so that no queue overflows.
             evidence: what the check has so far.
         """
-        self.react(then, evidence)
+        self.react(Twist(), evidence)  # what an earlier command has left behind comes before
         before = [heard.count for heard in self._heard()]
-        self._exchange.send_all(burst, evidence)
-        self.react(then, evidence)
-        self._better(lambda last: last.fields[0] < 0.0 and last.wheel < 0.0, evidence)
-        velocities, wheels = (heard.count - count for heard, count in zip(self._heard(), before, strict=True))
-        return velocities, wheels
+
+        def counts() -> tuple[int, int]:
+            velocities, wheels = (heard.count - count for heard, count in zip(self._heard(), before, strict=True))
+            return velocities, wheels
+
+        for twist in commands:
+            self.react(twist, evidence)
+        with explained(self._context, evidence):
+            self._context.wait_until(lambda: max(counts()) > len(commands), _QUIET_S)
+        return counts()
 
     def _heard(self) -> tuple[Inbox, Inbox]:
         hear = self._context.grader_node.inbox

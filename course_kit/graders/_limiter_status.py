@@ -91,4 +91,4 @@ def _what_is_wrong(settings: LimiterSettings, line: str) -> str:
         return "The line has to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
     if read[0] != settings.robot_name:
         return f"The line begins with {read[0]!r}; robot_name is {settings.robot_name!r}."
-    return f"The line says {read[1]:g} m/s; max_velocity is {settings.max_velocity:g}."
+    return f"The line says {read[1]!r} m/s; max_velocity is {settings.max_velocity!r}, unrounded."

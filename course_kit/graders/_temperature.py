@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -11,8 +12,10 @@ if TYPE_CHECKING:
 
 CELSIUS, FAHRENHEIT = UNITS = ("celsius", "fahrenheit")
 ABSOLUTE_ZERO = {CELSIUS: -273.15, FAHRENHEIT: -459.67}
-_RELATIVE, _ABSOLUTE = 1e-6, 1e-9
+_RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of the last digits
+_EXACT = 1e-12  # every digit, relative or absolute: each usual formula keeps to it, the route over Kelvin too
 _SAME = 1e-9  # how well a mistaken formula has to fit, relative: much better than the tolerance of a right answer
+_CALCULATED = 1e-3  # what a way through the other unit and back, or a rounding, costs at most
 _DENORMAL = 1e-300  # an integer written into a float field arrives as one of the smallest numbers there are
 
 
@@ -39,8 +42,22 @@ def right_value(sample: Sample) -> float:
 
 
 def fits(sample: Sample, value: float) -> bool:
-    """Whether `value` is the result as exactly as the exercise wants it: 1e-6 relative or 1e-9 absolute."""
+    """Whether `value` comes from the right formula: 1e-6 relative or 1e-9 absolute. Lost digits are `exact`'s part."""
     return math.isclose(value, right_value(sample), rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)
+
+
+def exact(sample: Sample, value: float) -> bool:
+    """Whether `value` has every digit: 1e-12 relative or absolute; the same number where nothing is converted."""
+    if sample.from_unit == sample.to_unit:
+        return value == sample.value
+    right = _exact_value(sample)
+    return math.isfinite(value) and abs(Fraction(value) - right) <= Fraction(_EXACT) * max(abs(right), Fraction(1))
+
+
+def _exact_value(sample: Sample) -> Fraction:
+    """The result of a sample that changes its unit, before it is rounded to a float."""
+    value = Fraction(sample.value)
+    return value * 9 / 5 + 32 if sample.to_unit == FAHRENHEIT else (value - 32) * 5 / 9
 
 
 @dataclass(frozen=True)
@@ -87,7 +104,11 @@ def explain(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[s
     for mistake in _MISTAKES.get((answers[0][0].from_unit, answers[0][0].to_unit), ()):
         if all(_same(got, mistake.formula(sample.value)) for sample, got in answers):
             return mistake.code, mistake.told
-    if all(_same(got, sample.value) for sample, got in answers):
+    if answers[0][0].from_unit == answers[0][0].to_unit:
+        changed = max(abs(got - sample.value) for sample, got in answers)
+        if changed < _CALCULATED:
+            return _FORMULA, f"It is off by {changed:.2g}: a value that needs no conversion was calculated or rounded."
+    elif all(_same(got, sample.value) for sample, got in answers):
         return _FORMULA, "They are the values we sent: nothing was converted."
     if all(got == 0.0 for _, got in answers):
         told = "a small number divided by a larger one with // is 0." if floors else "was response.value filled in?"

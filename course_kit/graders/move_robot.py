@@ -40,7 +40,7 @@ from course_kit.graders._moves import (
     place_of,
     telling_target,
 )
-from course_kit.graders._watching import feedback_of_a_move, progress_of_a_move
+from course_kit.graders._watching import feedback_of_a_move, progress_of_a_move, require_no_z
 from course_kit.grading.checks.check import Check, Evidence, Failed, check
 from course_kit.grading.checks.discovery import ensure_ready, expect_node, expect_offered
 
@@ -112,7 +112,9 @@ def distance(context: CheckContext) -> Evidence:
 def any_z(context: CheckContext) -> Evidence:
     """The z of a target is ignored, whether it is 2.5 or NaN."""
     for z in (2.5, math.nan):
-        evidence = _require_arrived(drive_on(context, _SHORT_M, z))
+        move = drive_on(context, _SHORT_M, z)
+        evidence = _require_arrived(move)
+        require_no_z(move, z)
     return evidence
 
 

@@ -1,7 +1,8 @@
 """Exercise 1: the service /convert_temperature, called over ROS.
 
-What is wanted: both directions and the identity to 1e-6 relative or 1e-9 absolute; unknown units, NaN, infinity and
-temperatures below absolute zero refused with a reason, and the node still running after it; fifty calls within 5 s.
+What is wanted: both directions to 1e-12 relative or absolute, the identity bit for bit; unknown units, NaN, infinity
+and temperatures below absolute zero refused with a reason, and the node still running after it; fifty calls within 5 s.
+Lost digits cost the points of one check, `precision`: the others look for the right formula.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from course_kit.graders._temperature import (
     FAHRENHEIT,
     UNITS,
     Sample,
+    exact,
     explain,
     fits,
     right_value,
@@ -36,7 +38,9 @@ NODE = "/temperature_service"
 SERVICE = Service("/convert_temperature", ConvertTemperature)
 _FIRST = Sample(100.0, CELSIUS, FAHRENHEIT)
 _SLOW_S = 1.5  # one answer; the exercise wants fifty in 5 s
-_EDGE = 0.01  # degrees; how near to absolute zero we test
+_EDGE = 0.01  # degrees; how near to absolute zero we test beside -273.15 C itself
+_CHANGES = 0.1  # its last digit suffers on each way through another unit and back, in both units
+_LARGE = 1e9  # the largest magnitude that is tested
 _LOAD = Load(clients=10, unanswered=10, seconds=5.0)
 _CALLS = 50
 _RANDOM = 3  # values drawn in a check beside the textbook ones
@@ -95,23 +99,28 @@ def fahrenheit_to_celsius(context: CheckContext) -> Evidence:
 @check(points=0.5, depends_on=["answers"])
 def same_unit(context: CheckContext) -> Evidence:
     """A unit converted to itself stays what it is."""
-    _converts(context, [0.0, *_drawn(context)], FAHRENHEIT, FAHRENHEIT)
-    return _converts(context, [0.0, *_drawn(context)], CELSIUS, CELSIUS)
+    for unit in UNITS:
+        evidence = _converts(context, [0.0, _CHANGES, *_drawn(context)], unit, unit, exact)
+    return evidence
 
 
 @check(points=1.0, depends_on=["celsius_to_fahrenheit", "fahrenheit_to_celsius"])
 def precision(context: CheckContext) -> Evidence:
     """No digits are lost, whether the value is large, small or very cold."""
-    small = context.random.uniform(-1.0, 1.0)
-    _converts(context, [1e-3, ABSOLUTE_ZERO[FAHRENHEIT] + _EDGE, 1234567.891, small], FAHRENHEIT, CELSIUS)
-    return _converts(context, [1e-3, ABSOLUTE_ZERO[CELSIUS] + _EDGE, 1234567.891, small], CELSIUS, FAHRENHEIT)
+    values = [1e-3, context.random.uniform(-1.0, 1.0), -272.123456789, 1234567.891, _LARGE]
+    _converts(context, values, FAHRENHEIT, CELSIUS, exact)
+    return _converts(context, values, CELSIUS, FAHRENHEIT, exact)
 
 
 @check(points=1.0, depends_on=["answers"])
 def unknown_unit(context: CheckContext) -> Evidence:
     """An unknown unit is refused with a reason."""
     odd = context.random.choice(("furlong", "parsec", "bushel", "fathom"))
-    pairs = [("kelvin", CELSIUS), (CELSIUS, "kelvin"), (odd, odd), ("", FAHRENHEIT)]
+    pairs = [("kelvin", CELSIUS), (CELSIUS, "kelvin"), (odd, odd), ("", FAHRENHEIT), (CELSIUS, "")]
+    for unit in UNITS:  # the words are exact: no other case, no abbreviation, no blanks
+        near = [unit.capitalize(), unit.upper(), unit[0], unit[0].upper(), f" {unit}", f"{unit} "]
+        pairs += [(word, to) for word, to in zip(near, UNITS * len(near), strict=False)]
+        pairs.append((unit, context.random.choice(near)))
     return _refuses(context, [Sample(20.0, *pair) for pair in pairs], _units_of)
 
 
@@ -125,11 +134,17 @@ def not_a_number(context: CheckContext) -> Evidence:
 
 @check(points=1.0, depends_on=["answers"])
 def absolute_zero(context: CheckContext) -> Evidence:
-    """A temperature below absolute zero is refused with a reason."""
+    """A temperature below absolute zero is refused with a reason, absolute zero itself is not."""
     below = (_EDGE, context.random.uniform(300.0, 1000.0))
     samples = [Sample(ABSOLUTE_ZERO[unit] - by, unit, to) for unit in UNITS for to in UNITS for by in below]
     zeros = f"{ABSOLUTE_ZERO[CELSIUS]} C = {ABSOLUTE_ZERO[FAHRENHEIT]} F"
-    return _refuses(context, samples, lambda _: f"a temperature below absolute zero ({zeros})")
+    evidence = _refuses(context, samples, lambda _: f"a temperature below absolute zero ({zeros})")
+    valid = [Sample(ABSOLUTE_ZERO[CELSIUS] + warmer, CELSIUS, FAHRENHEIT) for warmer in (0.0, _EDGE)]
+    valid.append(Sample(ABSOLUTE_ZERO[FAHRENHEIT] + _EDGE, FAHRENHEIT, CELSIUS))
+    for sample in valid:
+        expected = "success=True: this is not below absolute zero"
+        _require_success(sample, _ask(context, sample, expected).response, expected)
+    return evidence
 
 
 @check(points=1.5, depends_on=["answers"], deadline_s=30.0)
@@ -184,15 +199,21 @@ def _ask(context: CheckContext, sample: Sample, expected: str) -> Answer:
     return call(context, SERVICE, _request(sample), sample.shown(), expected)
 
 
-def _converts(context: CheckContext, values: Sequence[float], from_unit: str, to_unit: str) -> Evidence:
-    """All values converted rightly; evidence of the first wrong one, else of the last."""
+def _converts(
+    context: CheckContext,
+    values: Sequence[float],
+    from_unit: str,
+    to_unit: str,
+    right: Callable[[Sample, float], bool] = fits,
+) -> Evidence:
+    """All values converted, as far as `right` looks; evidence of the first wrong one, else of the last."""
     answers, first_wrong = [], None
     for value in values:
         sample = Sample(value, from_unit, to_unit)
         response = _ask(context, sample, _wanted(sample)).response
         _require_success(sample, response, _wanted(sample))
         answers.append((sample, response.value))
-        if first_wrong is None and not fits(sample, response.value):
+        if first_wrong is None and not right(sample, response.value):
             first_wrong = (len(answers) - 1, response)
         last = Evidence(sample.shown(), _wanted(sample), _got(response))
     if first_wrong is not None:

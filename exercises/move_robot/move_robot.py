@@ -27,7 +27,8 @@ class MoveRobotServer(Node):
         self.robot.position               where the robot is: (x, y) in metres
         self.robot.step_towards(x, y)     drives 5 cm and takes 0.05 s
 
-        goal_handle.publish_feedback(...) tells the client, with a MoveRobot.Feedback
+        goal_handle.publish_feedback(...) tells the client, with a MoveRobot.Feedback: position, the straight way
+                                          left (x and y), progress from 0 to 1
         goal_handle.is_cancel_requested   True when the client wants it to stop
         goal_handle.succeed(), .abort() or .canceled() say how the goal ended
 

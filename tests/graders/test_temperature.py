@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_kit.graders._temperature import CELSIUS, FAHRENHEIT, Sample, explain, fits, right_value
+from course_kit.graders._temperature import CELSIUS, FAHRENHEIT, Sample, exact, explain, fits, right_value
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,6 +41,46 @@ def test_tolerance_is_absolute_near_zero() -> None:
     freezing = Sample(32.0, FAHRENHEIT, CELSIUS)
     assert fits(freezing, 9e-10)
     assert not fits(freezing, 2e-9)
+
+
+FORMULAS: dict[str, tuple[Callable[[float], float], ...]] = {
+    CELSIUS: (
+        lambda v: v * 9 / 5 + 32,
+        lambda v: v * 1.8 + 32,
+        lambda v: 9 * v / 5 + 32,
+        lambda v: (v + 273.15) * 9 / 5 - 459.67,
+        lambda v: (v + 40) * 1.8 - 40,
+    ),
+    FAHRENHEIT: (
+        lambda v: (v - 32) * 5 / 9,
+        lambda v: (v - 32) / 1.8,
+        lambda v: (v - 32) * (5 / 9),
+        lambda v: (v + 459.67) * 5 / 9 - 273.15,
+        lambda v: (v + 40) / 1.8 - 40,
+    ),
+}
+
+
+@pytest.mark.parametrize(("unit", "other"), [(CELSIUS, FAHRENHEIT), (FAHRENHEIT, CELSIUS)])
+@given(value=st.floats(-459.0, 1e9))
+def test_every_usual_formula_is_exact_and_a_bit_more_is_wrong(unit: str, other: str, value: float) -> None:
+    sample = Sample(value, unit, other)
+    assert [exact(sample, formula(value)) for formula in FORMULAS[unit]] == [True] * len(FORMULAS[unit])
+    assert not exact(sample, right_value(sample) + 3e-12 * max(1.0, abs(right_value(sample))))
+
+
+@pytest.mark.parametrize("got", [math.nan, math.inf, -math.inf])
+def test_what_is_no_number_is_not_exact(got: float) -> None:
+    assert not exact(Sample(0.0, CELSIUS, FAHRENHEIT), got)
+
+
+@pytest.mark.parametrize("unit", [CELSIUS, FAHRENHEIT])
+def test_the_same_unit_is_exact_to_the_last_bit(unit: str) -> None:
+    sample = Sample(0.1, unit, unit)
+    assert exact(sample, 0.1)
+    assert not exact(sample, math.nextafter(0.1, 1.0))
+    code, told = explain([(sample, math.nextafter(0.1, 1.0))], floors=False)
+    assert (code, "calculated or rounded" in told) == ("math.formula", True)
 
 
 @pytest.mark.parametrize(

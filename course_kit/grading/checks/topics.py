@@ -139,24 +139,15 @@ class TopicExchange:
         Raises:
             Failed: on one of them none came; with topic.silent, or with what was raised meanwhile.
         """
-        return tuple(messages[-1] for messages in self.send_all([message], evidence))
-
-    def send_all(self, messages: Sequence[Message], evidence: Evidence) -> tuple[list[Message], ...]:
-        """Send some messages at once; returns what came on each topic, as soon as it is that many or more.
-
-        Raises:
-            Failed: too few came; as in `send`.
-        """
         self._context.require_time(evidence)
         with exceptions.explained(self._context, evidence):
             self._connect(evidence)
             places = [heard.count for heard in self._heard]
-            self._tell_sent(messages)
-            for message in messages:
-                self._publisher.publish(message)
-            self._await(places, len(messages), evidence)
+            self._tell_sent(message)
+            self._publisher.publish(message)
+            self._await([place + 1 for place in places], evidence)
             self._tell_came(places)
-        return tuple(heard.since(place) for heard, place in zip(self._heard, places, strict=True))
+        return self._last()
 
     def wait_for_better(self, good: Callable[[tuple[Message, ...]], bool], evidence: Evidence) -> tuple[Message, ...]:
         """Give the last message on each topic a moment to become what it should be, and return it, good or not.
@@ -173,9 +164,8 @@ class TopicExchange:
     def _last(self) -> tuple[Message, ...]:
         return tuple(heard.messages[-1] for heard in self._heard)
 
-    def _tell_sent(self, messages: Sequence[Message]) -> None:
-        what = in_one_line(messages[0]) if len(messages) == 1 else f"{len(messages)} messages"
-        self._turn = self._context.record.sent(f"{self._sent.name}: {what}", "message")
+    def _tell_sent(self, message: Message) -> None:
+        self._turn = self._context.record.sent(f"{self._sent.name}: {in_one_line(message)}", "message")
 
     def _tell_came(self, places: Sequence[int]) -> None:
         """Keep what has come on each topic since there were so many messages."""
@@ -200,20 +190,20 @@ class TopicExchange:
             return all(heard.count for heard in self._heard)
 
         if not self._context.wait_until(connected, HEARD_S, step_s=GRAPH_STEP_S):
-            self._tell_sent([self._sent.interface()])
+            self._tell_sent(self._sent.interface())
             raise self._silent([1] * len(self._heard), evidence, clock.fair())
         if sent > 1:  # whichever of them were lost: the answers to all others are to come before we go on
             self._context.wait_until(lambda: all(heard.count >= sent for heard in self._heard), _AGAIN_S)
 
-    def _await(self, places: Sequence[int], number: int, evidence: Evidence) -> None:
-        counts = [place + number for place in places]
+    def _await(self, counts: Sequence[int], evidence: Evidence) -> None:
+        """Wait for the next message on each topic, the one that makes it so many."""
 
         def come() -> bool:
             return all(heard.count >= count for heard, count in zip(self._heard, counts, strict=True))
 
         clock = self._context.clock()
         if not self._context.wait_until(come, HEARD_S):
-            self._tell_came(places)
+            self._tell_came([count - 1 for count in counts])
             raise self._silent(counts, evidence, clock.fair())
 
     def _silent(self, counts: Sequence[int], evidence: Evidence, waited_s: float) -> Failed:

@@ -34,7 +34,7 @@ CHECKS = (
     ("Fahrenheit becomes Celsius", "math.formula"),
     ("No digits are lost, whether the value is large, small or very cold", "math.integer_division"),
     ("An unknown unit is refused with a reason", "validation.no_reason"),
-    ("A temperature below absolute zero is refused with a reason", "validation.missing"),
+    ("A temperature below absolute zero is refused with a reason, absolute zero itself is not", "validation.missing"),
     ("Fifty calls, ten at a time, each get the answer to their own value within 5 s", "service.blocks"),
 )
 

@@ -47,7 +47,7 @@ class VelocityLimiter(Node):
         self.wheel.publish(Float64(data=2.0 * out.linear.x / self.value("wheel_diameter")))
 
     def on_timer(self):
-        self.line.publish(String(data="{}: {:.1f} m/s".format(self.value("robot_name"), self.value("max_velocity"))))
+        self.line.publish(String(data="{}: {} m/s".format(self.value("robot_name"), self.value("max_velocity"))))
 
 
 def main(args=None):

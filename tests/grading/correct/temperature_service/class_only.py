@@ -17,7 +17,8 @@ def fill(request, response):
         response.message = "keine Temperatur"
         return response
     factor, offset = scale[request.to_unit]
-    response.value = celsius * factor + offset
+    same = request.from_unit == request.to_unit
+    response.value = request.value if same else celsius * factor + offset
     response.success = True
     return response
 
