@@ -51,6 +51,9 @@ class JupyterLab:
     def open_in_notebook_7(self, notebook: str) -> None:
         """Open it in Jupyter's other face; the same server has both."""
         self.page.goto(f"{self.address}/notebooks/{notebook}?token={self.token}")
+        # The circle is empty before there is a kernel, too; its status fades away only when it is connected and idle.
+        status = ".jp-NotebookKernelStatus-fade:not(.jp-NotebookKernelStatus-info)"
+        expect(self.page.locator(status)).to_be_attached()
         expect(self.page.locator(".jp-Notebook-ExecutionIndicator[data-status='idle']")).to_be_attached()
 
     def run_all(self) -> None:
