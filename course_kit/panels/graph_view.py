@@ -57,6 +57,7 @@ class GraphView(Panel):
         self._shown: Overview | None = None
         self._ended = threading.Event()
         self.widget = GraphWidget()
+        self._came: frozenset[str] = frozenset()  # nodes whose coming is the last news
         self._look()
         self.widget.observe(lambda _: self._look(), "plumbing")
         self._thread = threading.Thread(target=self._watch, name="graph-view", daemon=True)
@@ -80,7 +81,14 @@ class GraphView(Panel):
             with self.widget.hold_sync():
                 self.widget.nodes, self.widget.channels = drawn(seen)
                 self.widget.text = in_lines(seen)
-                self.widget.news = news(before, seen) if before is not None else ""
+                if before is not None and not self._completes(before, seen):
+                    self._came = frozenset(seen.nodes) - frozenset(before.nodes)
+                    self.widget.news = news(before, seen)
+
+    def _completes(self, before: Overview, now: Overview) -> bool:
+        """Whether a change is only what nodes do that have just come: their coming is told, and is the news still."""
+        changed = {use.node for use in set(before.uses) ^ set(now.uses)}
+        return before.nodes == now.nodes and changed <= self._came
 
     def _end(self) -> None:
         self._ended.set()

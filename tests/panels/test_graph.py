@@ -140,6 +140,19 @@ def test_what_came_and_left_is_told_to_a_screen_reader(live_lab: Lab) -> None:
     assert news(full, full._replace(uses=())) == "The graph has changed."
 
 
+def test_what_a_node_does_is_no_news_right_after_its_coming(live_lab: Lab) -> None:
+    """The graph tells of a node first and of its topics a moment later."""
+    empty = seen(live_lab)
+    lab.start(Display)
+    full = seen(live_lab)
+    view = panels.graph()
+    view._came = frozenset(full.nodes) - frozenset(empty.nodes)
+    assert view._completes(full._replace(uses=()), full)
+    assert not view._completes(empty, full)
+    view._came = frozenset()
+    assert not view._completes(full._replace(uses=()), full)
+
+
 def test_two_nodes_of_one_name_are_told_apart_from_one() -> None:
     twice = overview.Overview(("/twin", "/twin"), ())
     assert in_lines(twice) == "twin (2 nodes of this name)"
