@@ -60,6 +60,19 @@ class Glance:
     imports: frozenset[str] = frozenset()
 
 
+@dataclass(frozen=True)
+class Fingerprints:
+    """What two programs are compared by, see `course_kit.reader.fingerprints`; nothing where there is no program.
+
+    Attributes:
+        identity: equal for programs that differ in comments and blanks alone.
+        prints: hashes of short runs of its tokens.
+    """
+
+    identity: str = ""
+    prints: frozenset[int] = frozenset()
+
+
 class Reader(Closing):
     """The process. For one thread at a time."""
 
@@ -102,9 +115,10 @@ class Reader(Closing):
         told = self._ask("glance", copy, exercise)
         return Glance(bool(told["found"]), str(told["identity"]), frozenset(map(str, told["imports"])))
 
-    def fingerprints(self, copy: Copy, exercise: Exercise) -> frozenset[int]:
-        """The fingerprints of a submission, see `course_kit.reader.fingerprints`; errors as those of `read`."""
-        return frozenset(self._ask("fingerprints", copy, exercise)["prints"])
+    def fingerprints(self, copy: Copy, exercise: Exercise) -> Fingerprints:
+        """The fingerprints of a submission; errors as those of `read`."""
+        told = self._ask("fingerprints", copy, exercise)
+        return Fingerprints(str(told["identity"]), frozenset(told["prints"]))
 
     def close(self) -> None:
         """End it. Safe to call twice."""

@@ -52,13 +52,13 @@ def of_submission(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
         wish: the `exercise`, whose cells of a notebook count.
 
     Returns:
-        `prints`, in order; of what cannot be read there are none.
+        its `identity`, and its `prints`, in order; of what cannot be read there is neither.
     """
     try:
         source, _ = text.program(name, file, str(wish["exercise"]))
     except text.UnreadableTextError:
-        return {"prints": []}
-    return {"prints": sorted(fingerprints(source))}
+        return {"identity": "", "prints": []}
+    return {"identity": identity(source) if source else "", "prints": sorted(fingerprints(source))}
 
 
 def fingerprints(source: str) -> frozenset[int]:

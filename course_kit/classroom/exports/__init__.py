@@ -20,6 +20,7 @@ from course_kit.classroom.exports import (
     page,
 )
 from course_kit.classroom.exports.files_written import FilesWritten
+from course_kit.classroom.exports.program_texts import ProgramTexts
 from course_kit.environment import write_atomically
 
 if TYPE_CHECKING:
@@ -46,17 +47,18 @@ def write_all(book: Gradebook, out: Path) -> Path:
     note_of_files.end(made)  # takes away those of students and grades that are gone
     notices.write(book, out)
     feedback.write_all(book, out)
-    alike = lookalikes.find(book)
-    _write_comparisons(book, alike, out)
+    with ProgramTexts(book) as texts:
+        alike = lookalikes.find(book, texts)
+        _write_comparisons(book, texts, alike, out)
     write_atomically(out / PAGE, page.render(book, alike, changes.since_last_run(book, out)))
     changes.remember(book, out)
     return out / PAGE
 
 
-def _write_comparisons(book: Gradebook, alike: lookalikes.LookAlikes, out: Path) -> None:
+def _write_comparisons(book: Gradebook, texts: ProgramTexts, alike: lookalikes.LookAlikes, out: Path) -> None:
     """Write a page for each pair that looks alike, and take away those of an earlier run."""
     written = set()
-    for name, text in comparison.pages(book, alike.pairs, attention.labels(book)):
+    for name, text in comparison.pages(texts, alike.pairs, attention.labels(book)):
         write_atomically(out / name, text, durable=False)
         written.add(out / name)
     for old in set((out / comparison.FOLDER).glob("*.html")) - written:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
 from difflib import SequenceMatcher
+from functools import lru_cache
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Reader
-from course_kit.grading.submission import Copy, UnreadableError
 from course_kit.reader.fingerprints import shape
 from course_kit.text.templates import render
 
@@ -20,8 +17,7 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.exports.attention import StudentLabel
     from course_kit.classroom.exports.lookalikes import Pair
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.exports.program_texts import ProgramTexts
 
 FOLDER = "lookalikes"
 MOST_PAIRS = 60
@@ -49,24 +45,23 @@ def link(place: int) -> str:
     return f"{FOLDER}/{place + 1}.html"
 
 
-def pages(book: Gradebook, pairs: Sequence[Pair], called: Mapping[str, StudentLabel]) -> Iterator[tuple[str, str]]:
+def pages(texts: ProgramTexts, pairs: Sequence[Pair], called: Mapping[str, StudentLabel]) -> Iterator[tuple[str, str]]:
     """Path and text of a page for each pair, as far as `MOST_PAIRS` and while the submissions are at hand.
 
     Args:
-        book: the class.
+        texts: the class's programs.
         pairs: those to compare, in the order in which the class page lists them.
         called: what each student is called.
     """
-    if book.root is None or not pairs:
+    if not texts.are_at_hand:
         return
     template = _TEMPLATES / "comparison.html"
-    with Reader() as reader:
-        for place, pair in enumerate(pairs[:MOST_PAIRS]):
-            sides = [_lines(book, book.root, one, reader) for one in (pair.first, pair.second)]
-            rows = list(compare(*(lines[:_MOST_LINES] for lines in sides)))
-            cut = any(len(lines) > _MOST_LINES for lines in sides)
-            names = [str(called[one.entry.student]) for one in (pair.first, pair.second)]
-            yield link(place), str(render(template, pair=pair, rows=rows, names=names, most=_MOST_LINES if cut else 0))
+    for place, pair in enumerate(pairs[:MOST_PAIRS]):
+        sides = [texts.lines(one) for one in (pair.first, pair.second)]
+        rows = list(compare(*(lines[:_MOST_LINES] for lines in sides)))
+        cut = any(len(lines) > _MOST_LINES for lines in sides)
+        names = [str(called[one.entry.student]) for one in (pair.first, pair.second)]
+        yield link(place), str(render(template, pair=pair, rows=rows, names=names, most=_MOST_LINES if cut else 0))
 
 
 def compare(first: Sequence[str], second: Sequence[str]) -> Iterator[LinePair]:
@@ -80,10 +75,16 @@ def compare(first: Sequence[str], second: Sequence[str]) -> Iterator[LinePair]:
         at, at_other = one + 1, other + 1
 
 
+@lru_cache(maxsize=8192)
+def _shape(line: str) -> tuple[str, ...]:
+    """Its shape; a program is compared with many others, and much is alike."""
+    return shape(line)
+
+
 def _pairs(first: Sequence[str], second: Sequence[str]) -> Iterator[tuple[int, int]]:
     """Lines of the same shape, in order; blank lines and comments tell nothing."""
     ours, theirs = (
-        [(place, found) for place, line in enumerate(lines) if (found := shape(line))] for lines in (first, second)
+        [(place, found) for place, line in enumerate(lines) if (found := _shape(line))] for lines in (first, second)
     )
     matcher = SequenceMatcher(None, [one for _, one in ours], [one for _, one in theirs], autojunk=False)
     for start, other, size in matcher.get_matching_blocks():
@@ -99,10 +100,3 @@ def _row(first: Sequence[str], one: int | None, second: Sequence[str], other: in
         "" if other is None else second[other],
         same,
     )
-
-
-def _lines(book: Gradebook, root: Path, record: Record, reader: Reader) -> list[str]:
-    exercise = next(one for one in book.exercises if one.id == record.entry.exercise)
-    with suppress(UnreadableError, GradingError), Copy(root / record.entry.source) as copy:
-        return reader.read(copy, exercise).source.split("\n")
-    return []

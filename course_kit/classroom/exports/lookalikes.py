@@ -7,18 +7,14 @@ they were, and the work of a group, are alike by themselves and left out.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from course_kit.classroom.exports.program_texts import ProgramTexts
 from course_kit.classroom.intake import known_starters
-from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Reader
-from course_kit.grading.submission import Copy, UnreadableError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
 
     from course_kit.classroom.gradebook import Gradebook
     from course_kit.classroom.records import Record
@@ -60,17 +56,25 @@ class LookAlikes:
     left_out: tuple[str, ...]
 
 
-def find(book: Gradebook) -> LookAlikes:
-    """Compare all submissions, each exercise's with one another."""
+def find(book: Gradebook, texts: ProgramTexts | None = None) -> LookAlikes:
+    """Compare all submissions, each exercise's with one another.
+
+    Args:
+        book: the class.
+        texts: its programs, where somebody else needs them, too.
+    """
+    if texts is None:
+        with ProgramTexts(book) as opened:
+            return find(book, opened)
     identical: list[tuple[Record, ...]] = []
     pairs: list[Pair] = []
     compared = unread = 0
     for exercise in book.exercises:
         if not exercise.class_name:
             continue
-        groups = _without_starters(_groups(book.of(exercise.id)), book, exercise)
-        identical += [tuple(group) for group in groups if len(group) > 1 and not _is_a_team(group)]
-        alike = _alike(book, exercise, [group[0] for group in groups])
+        groups = _without_starters(_groups(book.of(exercise.id)), exercise, texts)
+        identical += [tuple(records) for records, _ in groups if len(records) > 1 and not _is_a_team(records)]
+        alike = _alike(exercise, [(records[0], prints) for records, prints in groups], texts)
         pairs += alike.pairs
         compared += alike.compared
         unread += len(groups) - alike.compared
@@ -87,21 +91,13 @@ def _groups(records: list[Record]) -> list[list[Record]]:
     return list(groups.values())
 
 
-def _without_starters(groups: list[list[Record]], book: Gradebook, exercise: Exercise) -> list[list[Record]]:
-    """Those who have written something: a starter handed in as it was is like every other one."""
+def _without_starters(
+    groups: list[list[Record]], exercise: Exercise, texts: ProgramTexts
+) -> list[tuple[list[Record], frozenset[int]]]:
+    """Those who have written something, and its fingerprints: a starter handed in as it was is like every other one."""
     starters = known_starters.read().get(exercise.id, frozenset())
-    if book.root is None:
-        return groups
-    with Reader() as reader:
-        return [
-            group for group in groups if _identity(book.root / group[0].entry.source, exercise, reader) not in starters
-        ]
-
-
-def _identity(path: Path, exercise: Exercise, reader: Reader) -> str:
-    with suppress(UnreadableError, GradingError), Copy(path) as copy:
-        return reader.glance(copy, exercise).identity
-    return ""
+    read = [(group, texts.fingerprints(group[0])) for group in groups]
+    return [(group, found.prints) for group, found in read if found.identity not in starters]
 
 
 def _is_a_team(records: Sequence[Record]) -> bool:
@@ -116,19 +112,16 @@ class _Alike:
     compared: int
 
 
-def _alike(book: Gradebook, exercise: Exercise, records: list[Record]) -> _Alike:
+def _alike(exercise: Exercise, programs: list[tuple[Record, frozenset[int]]], texts: ProgramTexts) -> _Alike:
     """Compare different files of one exercise."""
-    if book.root is None:
+    if not texts.are_at_hand:
         return _Alike([], 0)
     given: frozenset[int] = frozenset()
+    for name in (exercise.starter, exercise.notebook):
+        given |= texts.of_file(exercise.folder / name, exercise).prints
     same: dict[frozenset[int], list[Record]] = defaultdict(list)
-    with Reader() as reader:
-        for name in (exercise.starter, exercise.notebook):
-            given |= _of_file(exercise.folder / name, exercise, reader)
-        for record in records:
-            path = book.root / record.entry.source
-            prints = frozenset() if record.status == "unreadable" else _of_file(path, exercise, reader)
-            same[prints - given].append(record)
+    for record, prints in programs:
+        same[prints - given].append(record)
     long_enough = {prints: group for prints, group in same.items() if len(prints) >= _FEWEST}
     pairs = [
         Pair(first, other, 1.0, len(prints))
@@ -145,12 +138,6 @@ def _alike(book: Gradebook, exercise: Exercise, records: list[Record]) -> _Alike
         if len(prints) >= _FEWEST or len(group) > 1
     )
     return _Alike(pairs, compared)
-
-
-def _of_file(path: Path, exercise: Exercise, reader: Reader) -> frozenset[int]:
-    with suppress(UnreadableError, GradingError), Copy(path) as copy:
-        return reader.fingerprints(copy, exercise)
-    return frozenset()
 
 
 def _without_common(programs: list[frozenset[int]]) -> list[frozenset[int]]:
