@@ -1,8 +1,9 @@
 """Where submissions are started: a process that has everything loaded and was never told anything.
 
 A submission is a fork of it, so what this process has ever held in memory the submission can read. So it receives
-orders of one word and descriptors; the program to run, and nothing else of the grading, is read by the fork. The
-grader, its checks, the seed and other submissions exist only in processes that are no ancestors of it.
+orders of one word and descriptors, and names of interfaces to load; the program to run, and nothing else of the
+grading, is read by the fork. The grader, its checks, the seed and other submissions exist only in processes that are
+no ancestors of it.
 
 Between it and the program are two processes: one enters the namespaces and waits; the *init process*, process 1 of
 the new PID namespace, arranges the files, counts, and enforces what the kernel does not (see `init_process`). When it
@@ -35,7 +36,7 @@ from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_START, _END, _ENDED = b"start", b"end", b"ended"
+_LOAD, _START, _END, _ENDED = b"load", b"start", b"end", b"ended"
 _LARGEST_ORDER = 16 * 1024  # bytes
 _MOST_DESCRIPTORS = 16
 _REQUEST, _STREAMS, _NAMESPACES = slice(0, 1), slice(1, 6), slice(6, 8)  # of the descriptors of an order to start
@@ -58,6 +59,15 @@ class Launcher:
         """A handle, and the end for the process itself."""
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         return cls(ours), theirs
+
+    def load(self, interfaces: Sequence[tuple[str, str]]) -> None:
+        """Load interfaces before the next program is started, which then need not do it, each time it starts.
+
+        Args:
+            interfaces: module and class of each.
+        """
+        with suppress(OSError):  # it has ended; whoever starts a program is told
+            self._line.send(_LOAD + json.dumps(interfaces).encode())
 
     def start(self, program: Program, cell: Conditions, inside: Streams, network: Sequence[int]) -> None:
         """Start a program; returns when it has been handed over.
@@ -159,6 +169,9 @@ def _serve(line: socket.socket) -> None:
             tree.end_descendants()
             with suppress(OSError):
                 line.send(_ENDED)
+        elif order.startswith(_LOAD):
+            _load(json.loads(order.removeprefix(_LOAD)))
+            freezing.freeze()
         elif not order:
             tree.end_descendants()
             return

@@ -48,11 +48,13 @@ class _Common:
         isolation: what isolates submissions.
         priority: the nice value they run at.
         view: the files they see.
+        graders: modules of checks whose interfaces are loaded where submissions are started.
     """
 
     isolation: Isolation
     priority: int
     view: FileView
+    graders: frozenset[str]
 
 
 def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
@@ -79,7 +81,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     loaded = [grader for module in graders if (grader := _load(module))]
     names.send(json.dumps(_interfaces(loaded)).encode())
     names.close()
-    common = _Common(found, usual, file_view.of_a_program())
+    common = _Common(found, usual, file_view.of_a_program(), frozenset(graders))
     freezing.freeze()
     if len(channels) == 1:
         _work(channels[0], launchers[0], common, keep=(starter,))
@@ -152,12 +154,16 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
     if user:
         folder.chmod(0o711)  # that user finds its own directory in it, and sees no other
     os.environ["ROS_LOG_DIR"] = str(folder)  # of the grader process, which logs nothing
+    known = set(common.graders)
     try:
         channel.send({"isolation": asdict(found), "process": os.getpid()})
         while True:
             job = Job.from_record(channel.receive()["job"])
             job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
-            _load(job.grader)
+            grader = _load(job.grader)
+            if grader is not None and job.grader not in known:
+                known.add(job.grader)
+                launcher.load(_interfaces([grader]))
             for _ in range(_TRIES):
                 scratch.clear(folder)
                 outcome = _grade(job, channel, launcher, common.view, keep)
