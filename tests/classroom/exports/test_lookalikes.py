@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.exports import lookalikes
+from course_kit.classroom.exports import attention, comparison, lookalikes, program_texts
+from course_kit.grading.reading import Reader
 from course_kit.reader.fingerprints import RUN, WINDOW, fingerprints
 from tests.classroom.exports import programs
 from tests.classroom.exports.books import CHOICE, SERVICE, book, good, unreadable
@@ -18,6 +19,8 @@ from tests.classroom.exports.programs import ORIGINAL, OTHER, class_of, disguise
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
+
+    from course_kit.grading.submission import Copy
 
 
 def names(found: lookalikes.LookAlikes) -> list[tuple[str, str]]:
@@ -130,3 +133,29 @@ def test_independent_solutions_of_our_own_are_not_alike(tmp_path: Path) -> None:
     )
     class_ = class_of(tmp_path, ann=ours, bob=twins[0], bud=twins[1], cid=ORIGINAL, dan=OTHER)
     assert names(lookalikes.find(book(*class_, root=tmp_path))) == [("bob", "bud")]
+
+
+def test_each_program_is_read_once_to_find_pairs_and_once_to_show_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each reading is a process; and one process serves them all."""
+    reading: list[str] = []
+    starts: list[object] = []
+
+    class CountingReader(Reader):
+        def _start(self) -> None:
+            starts.append(self)
+            super()._start()
+
+        def _exchange(self, request: dict[str, object], copy: Copy) -> tuple[dict[str, object], bytes]:
+            reading.append(f"{request['do']} {copy.digest}")
+            return super()._exchange(request, copy)
+
+    monkeypatch.setattr(program_texts, "Reader", CountingReader)
+    class_ = class_of(tmp_path, **{f"s{number}": ORIGINAL.replace("lowest", f"name{number}") for number in range(5)})
+    with program_texts.ProgramTexts(gradebook := book(*class_, root=tmp_path)) as texts:
+        found = lookalikes.find(gradebook, texts)
+        assert len(list(comparison.pages(texts, found.pairs, attention.labels(gradebook)))) == 4
+    assert len(starts) == 1
+    given = [one for one in reading if reading.count(one) == 1]
+    assert len(given) == len(reading) == 2 * len(class_) + 2  # the starter and the notebook, too

@@ -119,3 +119,15 @@ def wait_until(condition: Callable[[], bool]) -> None:
     while not condition():
         assert time.monotonic() < deadline
         pause.wait(0.02)
+
+
+def test_a_program_finds_the_interfaces_of_its_exercise_loaded(pair: list[Worker]) -> None:
+    """Those of a grader that the worker was told of, and those of one that it meets with the first job."""
+    looks = "import sys\nprint([one for one in ('course_interfaces.srv', 'geometry_msgs.msg') if one in sys.modules])\n"
+    found = []
+    for exercise in (EXERCISE, "robot_parameters"):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "looks.py"
+            path.write_text(looks, encoding="utf-8")
+            found.append(grading.grade(exercise, path, worker=pair[0]).stdout.splitlines()[0])
+    assert found == ["['course_interfaces.srv']", "['course_interfaces.srv', 'geometry_msgs.msg']"]
