@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import bounds, exercise, needs, submission
+from course_kit.grading import bounds, exercise, exercise_folders, needs, submission
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
 from course_kit.grading.job import Job
@@ -131,7 +131,8 @@ def grade_task(task: Task, worker: Worker | None = None, *, require_isolation: b
     Raises:
         GradingError: a broken installation, a lack of isolation, or the worker ended.
     """
-    job = replace(_job(task.exercise, task.text, task.seed, None), hidden=task.hidden)
+    job = _job(task.exercise, task.text, task.seed, None)
+    job = replace(job, hidden=(*job.hidden, *task.hidden))
     with Worker() if worker is None else nullcontext(worker) as used:
         return _grade(task.exercise, job, task.shown, used, require_isolation)
 
@@ -178,7 +179,18 @@ def _domain() -> int:
 
 
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
-    job = Job(task.grader, "attach", "", seed, class_name=task.class_name, variable=task.variable, limits=task.limits)
+    job = Job(
+        task.grader,
+        "attach",
+        "",
+        seed,
+        class_name=task.class_name,
+        variable=task.variable,
+        limits=task.limits,
+        hidden=tuple(dict.fromkeys((str(task.folder.resolve()), *exercise_folders.hidden()))),
+        interfaces=task.interfaces,
+        points=task.points,
+    )
     if text is not None:
         return replace(
             job,

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
-from course_kit import environment
-from course_kit.grading import sentences
+from course_kit.grading import exercise_folders, sentences
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
+from course_kit.grading.exercise_folders import FoundExercises
 from course_kit.grading.limits import Limits
 from course_kit.ros.names import did_you_mean
 
@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 
 FORMAT_VERSION = 1
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
-_TEXTS = ("id", "title", "starter", "notebook", "grader")
+_TEXTS = ("id", "title", "starter", "notebook")
+_OWN_MODULE = ".py"  # what the name of a grader ends in that lies in the exercise's folder
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,8 @@ class Exercise:
         pass_mark: the points from which it is passed.
         starter: the file name of the starter program.
         notebook: the file name of its notebook.
-        grader: the module with its checks.
+        solution: the file with its solution, which may be missing, as in a student edition.
+        grader: what checks it, see `workers.grader_module`: a module's name, or the path of a file in its folder.
         class_name: the Node class a submission defines.
         variable: what a submission sets instead, in exercises without ROS.
         seed: what the checks draw from when nobody gives a seed; drawn itself when None.
@@ -72,6 +74,7 @@ class Exercise:
     pass_mark: float
     starter: str
     notebook: str
+    solution: Path
     grader: str
     class_name: str
     variable: str
@@ -80,6 +83,12 @@ class Exercise:
     hints: tuple[Hint, ...]
     diagnoses: Mapping[str, Diagnosis]
     sentences: tuple[Sentence, ...] = ()
+
+    @property
+    def interfaces(self) -> str:
+        """The folder with the interfaces it brings, laid out package/kind/Name.kind; empty when it brings none."""
+        folder = self.folder.absolute() / exercise_folders.INTERFACES
+        return str(folder) if folder.is_dir() else ""
 
     def ladder(self, topic: str) -> tuple[str, ...]:
         """The hints for a check or a diagnosis, from a nudge to a push; empty when there are none."""
@@ -96,20 +105,39 @@ def exercises_folder() -> Path:
     Raises:
         GradingError: this installation has none.
     """
-    root = environment.checkout()
-    if root is None or not (root / "exercises").is_dir():
+    folder = exercise_folders.course_folder()
+    if folder is None:
         raise GradingError("There is no exercises folder here. Run this from a clone of the course.")
-    return root / "exercises"
+    return folder
+
+
+def find(folder: Path | None = None) -> FoundExercises:
+    """Where the exercises lie.
+
+    Args:
+        folder: the folder of exercises; when None the course's own, and all that were added.
+
+    Raises:
+        GradingError: there is none, as in an installation without the course's folder.
+    """
+    if folder is not None:
+        return FoundExercises(exercise_folders.within(folder))
+    found = exercise_folders.find()
+    if not found.folders and not found.problems:
+        exercises_folder()
+    return found
 
 
 def ids(folder: Path | None = None) -> list[str]:
     """The ids of all exercises, in the alphabet's order.
 
+    Args:
+        folder: see `find`.
+
     Raises:
         GradingError: this installation has none.
     """
-    folder = exercises_folder() if folder is None else folder
-    return sorted(path.parent.name for path in folder.glob("*/exercise.toml"))
+    return sorted(find(folder).folders)
 
 
 def load(exercise_id: str, folder: Path | None = None) -> Exercise:
@@ -117,19 +145,32 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
 
     Args:
         exercise_id: its id.
-        folder: the folder of exercises, the course's own when None.
+        folder: see `find`.
 
     Raises:
-        GradingError: there is none of this id, or its exercise.toml has a mistake.
+        GradingError: there is none of this id, or more than one, or its exercise.toml has a mistake.
     """
-    folder = exercises_folder() if folder is None else folder
-    known = ids(folder)
-    if exercise_id not in known:
+    found = find(folder)
+    places = found.folders.get(exercise_id, ())
+    if not places:
+        known = sorted(found.folders)
         guess = did_you_mean(exercise_id, known)
-        raise GradingError(f"There is no exercise '{exercise_id}'.{guess} There are: {', '.join(known) or 'none'}.")
-    path = folder / exercise_id / "exercise.toml"
+        there_are = f"There is no exercise '{exercise_id}'.{guess} There are: {', '.join(known) or 'none'}."
+        raise GradingError(" ".join((there_are, *found.problems)))
+    if exercise_id in found.doubles:
+        raise GradingError(found.doubles[exercise_id])
+    return read(places[0])
+
+
+def read(folder: Path) -> Exercise:
+    """Read the exercise in a folder.
+
+    Raises:
+        GradingError: its exercise.toml cannot be read, or has a mistake.
+    """
+    path = folder / exercise_folders.TOML
     try:
-        return _parse(tomllib.loads(path.read_text(encoding="utf-8")), path.parent)
+        return _parse(tomllib.loads(path.read_text(encoding="utf-8")), folder)
     except (OSError, ValueError, KeyError, TypeError) as problem:
         what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
         raise GradingError(f"{path} cannot be used: {what}.") from problem
@@ -165,10 +206,38 @@ def _parse(table: Record, folder: Path) -> Exercise:
         hints=hints,
         diagnoses=diagnoses,
         seed=seed,
+        solution=_solution(table, folder),
+        grader=_grader(table, folder),
         sentences=sentences.read(table.get("sentences", [])),
         **goal,
         **texts,
     )
+
+
+def _grader(table: Record, folder: Path) -> str:
+    """What checks it: its own exercise.toml where checks are declared there, else a file beside that, or a module."""
+    if table.get("checks"):
+        return str(folder.absolute() / exercise_folders.TOML)
+    grader = table["grader"]
+    if not isinstance(grader, str) or not grader:
+        raise ValueError("'grader' is not a text")
+    if not grader.endswith(_OWN_MODULE):
+        return grader
+    if not (folder / grader).is_file():
+        raise ValueError(f"the grader {grader} is not there")
+    if not (folder / grader).resolve().is_relative_to(folder.resolve()):
+        raise ValueError(f"the grader {grader} lies outside of the exercise's folder")
+    return str(folder.absolute() / grader)
+
+
+def _solution(table: Record, folder: Path) -> Path:
+    """Where the solution lies: the course's own beside all exercises, in a folder that a release leaves out."""
+    named = table.get("solution")
+    if named is None:
+        return folder.parent.parent / "solutions" / folder.name / str(table["starter"])
+    if not isinstance(named, str) or not named:
+        raise ValueError("'solution' is not a text")
+    return folder / named
 
 
 def _diagnoses(tables: object) -> dict[str, Diagnosis]:

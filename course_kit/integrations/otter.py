@@ -106,12 +106,12 @@ def _checks(exercise: str, seed: int | None) -> Sequence[Check]:
     from course_kit.grading.checks.check import in_order
     from course_kit.grading.exercise import load
     from course_kit.grading.job import Job
-    from course_kit.grading.workers import grader_process
+    from course_kit.grading.workers import grader_module
 
     task = load(exercise)
     drawn = seed if seed is not None else task.seed or 0
     job = Job(task.grader, "attach", "", drawn, limits=task.limits)
-    return in_order(grader_process.checks_of(grader_process.load(task.grader), job))
+    return in_order(grader_module.checks_of(grader_module.load(task.grader, task.interfaces), job))
 
 
 def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

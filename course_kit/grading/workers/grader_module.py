@@ -1,0 +1,124 @@
+"""What checks an exercise, out of what its exercise.toml names: a module, a file beside it, or the checks it declares.
+
+Only trusted processes load it. A file is loaded by its path, as a module of a package of its own: what lies beside it
+can be imported as `from .helpers import ...`, and no folder is put among those that Python searches.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import os
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, Protocol
+
+from course_kit.grading.errors import GradingError
+from course_kit.grading.exercise_folders import INTERFACES
+from course_kit.interfaces.sources import PATH_VARIABLE
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.grading.checks.check import Check
+    from course_kit.grading.job import Job
+
+_DIGITS = 16  # hexadecimal
+_TINY = 1e-6  # points
+
+
+class Grader(Protocol):
+    """What a grader is: it has `CHECKS`, or `checks_for(job)`, which makes them of the job's seed.
+
+    It may have `VARIABLES`, environment variables for the submission.
+    """
+
+    INTERFACES: Sequence[Any]
+
+
+def load(grader: str, interfaces: str = "") -> Grader:
+    """A grader, its interfaces loaded.
+
+    Args:
+        grader: the name of a module, or the path of a file.
+        interfaces: the folder of interfaces that its exercise brings; that beside the file when empty.
+
+    Raises:
+        GradingError: a file cannot be loaded, or is no grader.
+    """
+    from rclpy.type_support import check_for_type_support
+
+    path = Path(grader)
+    use_interfaces(interfaces or interfaces_beside(grader))
+    found: Grader = _of_file(path) if path.is_absolute() else importlib.import_module(grader)
+    for interface in found.INTERFACES:
+        check_for_type_support(interface)
+    return found
+
+
+def checks_of(grader: Grader, job: Job) -> Sequence[Check]:
+    """The checks of a grader.
+
+    Args:
+        grader: what `load` gave.
+        job: what is graded.
+
+    Raises:
+        GradingError: they are not worth what the exercise is.
+    """
+    made: Sequence[Check] = grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS  # type: ignore[attr-defined]
+    worth = sum(one.points for one in made)
+    if job.points and abs(worth - job.points) > _TINY:
+        raise GradingError(f"the checks are worth {worth:g} points together, but the exercise {job.points:g}")
+    return made
+
+
+def interfaces_beside(grader: str) -> str:
+    """The folder of interfaces beside a grader that is a file; empty where there is none."""
+    folder = Path(grader).with_name(INTERFACES)
+    return str(folder) if folder.is_absolute() and folder.is_dir() else ""
+
+
+def use_interfaces(folder: str) -> None:
+    """Have this process, and those it starts, find the interfaces in a folder before others of the same name."""
+    if not folder:
+        return
+    others = [one for one in os.environ.get(PATH_VARIABLE, "").split(os.pathsep) if one and one != folder]
+    os.environ[PATH_VARIABLE] = os.pathsep.join([folder, *others])
+
+
+def _of_file(path: Path) -> Grader:
+    found: Any = python_module(path)
+    if not hasattr(found, "CHECKS") and not hasattr(found, "checks_for"):
+        raise GradingError(f"{path} has neither CHECKS, a list of checks, nor checks_for(job), which makes one")
+    if not hasattr(found, "INTERFACES"):
+        found.INTERFACES = ()
+    graded: Grader = found
+    return graded
+
+
+def python_module(path: Path) -> ModuleType:
+    """The module in a file of an exercise's folder.
+
+    Raises:
+        GradingError: it cannot be loaded; the text names the line.
+    """
+    package = f"exercise_{hashlib.sha256(os.fsencode(path.parent)).hexdigest()[:_DIGITS]}"
+    if package not in sys.modules:
+        made = ModuleType(package)
+        made.__path__ = [str(path.parent)]
+        sys.modules[package] = made
+    try:
+        return importlib.import_module(f"{package}.{path.stem}")
+    except Exception as problem:
+        raise GradingError(f"{_place(path, problem)} cannot be run: {type(problem).__name__}: {problem}") from problem
+
+
+def _place(path: Path, problem: Exception) -> str:
+    """The file, and the last line of it that was run."""
+    if isinstance(problem, SyntaxError) and problem.filename:
+        return f"{problem.filename}, line {problem.lineno},"
+    lines = [frame.lineno for frame in traceback.extract_tb(problem.__traceback__) if frame.filename == str(path)]
+    return f"{path}, line {lines[-1]}," if lines else str(path)
