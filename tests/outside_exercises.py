@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -86,6 +87,24 @@ if __name__ == "__main__":
 STARTER = SOLUTION.replace("request.a + request.b + request.c", "0")
 
 
+def notebook(name: str) -> str:
+    """Its notebook: one cell to fill in, and one that grades it."""
+    metadata = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
+    texts = ["%load_ext course_kit", f"%%submission {name}\n{STARTER}", f"%grade {name}"]
+    cells = [
+        {
+            "cell_type": "code",
+            "id": f"cell-{number}",
+            "metadata": {},
+            "source": text,
+            "outputs": [],
+            "execution_count": None,
+        }
+        for number, text in enumerate(texts)
+    ]
+    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": metadata, "cells": cells})
+
+
 def write(folder: Path, name: str = ID) -> Path:
     """Make the exercise in `folder`; returns its own folder."""
     made = folder / name
@@ -94,6 +113,7 @@ def write(folder: Path, name: str = ID) -> Path:
         "checks.py": CHECKS,
         "samples.py": SAMPLES,
         "add_three.py": STARTER,
+        "add_three.ipynb": notebook(name),
         "solution/add_three.py": SOLUTION,
         "interfaces/three_interfaces/srv/Three.srv": INTERFACE,
     }

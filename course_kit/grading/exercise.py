@@ -168,12 +168,28 @@ def read(folder: Path) -> Exercise:
     Raises:
         GradingError: its exercise.toml cannot be read, or has a mistake.
     """
-    path = folder / exercise_folders.TOML
+    table = table_of(folder)
     try:
-        return _parse(tomllib.loads(path.read_text(encoding="utf-8")), folder)
-    except (OSError, ValueError, KeyError, TypeError) as problem:
-        what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
-        raise GradingError(f"{path} cannot be used: {what}.") from problem
+        return _parse(table, folder)
+    except (ValueError, KeyError, TypeError) as problem:
+        raise _unusable(folder, problem) from problem
+
+
+def table_of(folder: Path) -> Record:
+    """All that stands in the exercise.toml of a folder.
+
+    Raises:
+        GradingError: it cannot be read, or is no TOML.
+    """
+    try:
+        return tomllib.loads((folder / exercise_folders.TOML).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as problem:
+        raise _unusable(folder, problem) from problem
+
+
+def _unusable(folder: Path, problem: Exception) -> GradingError:
+    what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
+    return GradingError(f"{folder / exercise_folders.TOML} cannot be used: {what}.")
 
 
 def _parse(table: Record, folder: Path) -> Exercise:

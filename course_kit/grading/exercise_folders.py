@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
+from course_kit.interfaces.sources import path_with
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -109,10 +110,10 @@ def add(folders: Iterable[str]) -> list[str]:
     return told
 
 
-def interface_folders() -> list[str]:
-    """The folders with interfaces that the exercises that were added bring with them."""
-    folders = (folder for named, _ in _added() for folder in _exercises(named))
-    return [str(folder / INTERFACES) for folder in folders if (folder / INTERFACES).is_dir()]
+def interface_path() -> str:
+    """COURSE_KIT_INTERFACE_PATH for a learner's programs: with the interfaces that exercises bring with them."""
+    folders = (str(folder / INTERFACES) for places in find().folders.values() for folder in places)
+    return path_with(*filter(os.path.isdir, folders))
 
 
 def hidden() -> list[str]:

@@ -11,7 +11,7 @@ from course_kit import environment
 from course_kit.grading.sandbox import file_view
 from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions
-from course_kit.interfaces.sources import PATH_VARIABLE
+from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 from course_kit.process import tree
 
 if TYPE_CHECKING:
@@ -88,10 +88,7 @@ def _view(job: Job, view: FileView) -> FileView:
 
 def _interface_path(job: Job) -> dict[str, str]:
     """The variable with which the program finds the interfaces of its exercise before others of the same name."""
-    if not job.interfaces:
-        return {}
-    others = [one for one in os.environ.get(PATH_VARIABLE, "").split(os.pathsep) if one not in ("", job.interfaces)]
-    return {PATH_VARIABLE: os.pathsep.join([job.interfaces, *others])}
+    return {PATH_VARIABLE: path_with(job.interfaces)} if job.interfaces else {}
 
 
 def _user(job: Job) -> int:

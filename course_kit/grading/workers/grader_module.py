@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.exercise_folders import INTERFACES
-from course_kit.interfaces.sources import PATH_VARIABLE
+from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,7 +51,8 @@ def load(grader: str, interfaces: str = "") -> Grader:
     from rclpy.type_support import check_for_type_support
 
     path = Path(grader)
-    use_interfaces(interfaces or interfaces_beside(grader))
+    if folder := interfaces or interfaces_beside(grader):
+        os.environ[PATH_VARIABLE] = path_with(folder)  # of this process and those it starts
     found: Grader = _of_file(path) if path.is_absolute() else importlib.import_module(grader)
     for interface in found.INTERFACES:
         check_for_type_support(interface)
@@ -79,14 +80,6 @@ def interfaces_beside(grader: str) -> str:
     """The folder of interfaces beside a grader that is a file; empty where there is none."""
     folder = Path(grader).with_name(INTERFACES)
     return str(folder) if folder.is_absolute() and folder.is_dir() else ""
-
-
-def use_interfaces(folder: str) -> None:
-    """Have this process, and those it starts, find the interfaces in a folder before others of the same name."""
-    if not folder:
-        return
-    others = [one for one in os.environ.get(PATH_VARIABLE, "").split(os.pathsep) if one and one != folder]
-    os.environ[PATH_VARIABLE] = os.pathsep.join([folder, *others])
 
 
 def _of_file(path: Path) -> Grader:
