@@ -6,7 +6,7 @@ import secrets
 import shlex
 import time
 from contextlib import ExitStack, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -178,7 +178,16 @@ def _domain() -> int:
 
 
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
-    job = Job(task.grader, "attach", "", seed, class_name=task.class_name, variable=task.variable, limits=task.limits)
+    job = Job(
+        task.grader,
+        "attach",
+        "",
+        seed,
+        class_name=task.class_name,
+        variable=task.variable,
+        limits=task.limits,
+        declared=tuple(asdict(one) for one in task.declared),
+    )
     if text is not None:
         return replace(
             job,

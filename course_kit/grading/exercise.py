@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 from course_kit.grading import sentences
@@ -24,11 +24,13 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+    from course_kit.grading.checks.declared.declaration import Declaration
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.plain_data import Record
     from course_kit.grading.sentences import Sentence
 
 FORMAT_VERSION = 1
+_CHECKS = "checks"
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
 _TEXTS = ("id", "title", "starter", "notebook", "grader")
 
@@ -54,7 +56,7 @@ class Exercise:
         pass_mark: the points from which it is passed.
         starter: the file name of the starter program.
         notebook: the file name of its notebook.
-        grader: the module with its checks.
+        grader: the module with its checks; empty when all are declared.
         class_name: the Node class a submission defines.
         variable: what a submission sets instead, in exercises without ROS.
         seed: what the checks draw from when nobody gives a seed; drawn itself when None.
@@ -62,6 +64,7 @@ class Exercise:
         hints: the ladder, from a nudge to a push.
         diagnoses: by code, those that it words in its own way or links elsewhere.
         sentences: its task, sentence by sentence.
+        declared: the checks that its exercise.toml declares.
     """
 
     folder: Path
@@ -80,6 +83,7 @@ class Exercise:
     hints: tuple[Hint, ...]
     diagnoses: Mapping[str, Diagnosis]
     sentences: tuple[Sentence, ...] = ()
+    declared: tuple[Declaration, ...] = ()
 
     def ladder(self, topic: str) -> tuple[str, ...]:
         """The hints for a check or a diagnosis, from a nudge to a push; empty when there are none."""
@@ -129,16 +133,21 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
         raise GradingError(f"There is no exercise '{exercise_id}'.{guess} There are: {', '.join(known) or 'none'}.")
     path = folder / exercise_id / "exercise.toml"
     try:
-        return _parse(tomllib.loads(path.read_text(encoding="utf-8")), path.parent)
+        text = path.read_text(encoding="utf-8")
+        table = tomllib.loads(text)
+        found = _parse(table, path.parent)
     except (OSError, ValueError, KeyError, TypeError) as problem:
         what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
         raise GradingError(f"{path} cannot be used: {what}.") from problem
+    return found if _CHECKS not in table else _with_declared(found, text, table)
 
 
 def _parse(table: Record, folder: Path) -> Exercise:
     if table["format_version"] != FORMAT_VERSION:
         raise ValueError(f"its format_version is {table['format_version']}, but this kit reads {FORMAT_VERSION}")
     for name in _TEXTS:
+        if name == "grader" and name not in table and _CHECKS in table:
+            continue  # all checks are declared
         if not isinstance(table[name], str) or not table[name]:
             raise ValueError(f"'{name}' is not a text")
     if table["id"] != folder.name or not _IDENTIFIER.match(table["id"]):
@@ -148,8 +157,8 @@ def _parse(table: Record, folder: Path) -> Exercise:
         raise ValueError(f"the pass mark {pass_mark:g} is not between 0 and {points:g} points")
     hints = tuple(Hint(tuple(hint["for"]), str(hint["text"])) for hint in table.get("hints", []))
     diagnoses = _diagnoses(table.get("diagnoses", {}))
-    texts = {name: table[name] for name in _TEXTS}
-    goal = {name: str(table.get(name, "")) for name in ("class_name", "variable")}
+    texts: dict[str, Any] = {name: table.get(name, "") for name in _TEXTS}
+    goal: dict[str, Any] = {name: str(table.get(name, "")) for name in ("class_name", "variable")}
     if bool(goal["class_name"]) == bool(goal["variable"]):
         raise ValueError("it needs either a 'class_name' or a 'variable'")
     seed = table.get("seed")
@@ -169,6 +178,18 @@ def _parse(table: Record, folder: Path) -> Exercise:
         **goal,
         **texts,
     )
+
+
+def _with_declared(task: Exercise, text: str, table: Record) -> Exercise:
+    """The exercise with the checks that its exercise.toml declares.
+
+    Raises:
+        GradingError: they have mistakes, or do not agree with the rest.
+    """
+    from course_kit.grading.checks.declared import loading  # only for exercises that declare checks
+
+    path = task.folder / "exercise.toml"
+    return replace(task, declared=loading.load(text, table, path))
 
 
 def _diagnoses(tables: object) -> dict[str, Diagnosis]:

@@ -16,7 +16,6 @@ from course_kit.grading.workers.ipc import ChannelClosedError
 from course_kit.process.parent import set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from types import ModuleType
 
     from course_kit.grading.checks.check import Check
@@ -50,10 +49,33 @@ def load(module: str) -> ModuleType:
     return grader
 
 
-def checks_of(grader: ModuleType, job: Job) -> Sequence[Check]:
-    """The checks of a grader module: its `CHECKS`, or what its `checks_for(job)` makes of the job's seed."""
-    made: Sequence[Check] = grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS
-    return made
+def load_for(job: Job) -> ModuleType | None:
+    """The grader's module of a job, None without one; the interfaces of its declared checks are loaded, too."""
+    if job.declared:
+        from rclpy.type_support import check_for_type_support
+
+        from course_kit.grading.checks.declared import building
+
+        for interface in building.interfaces_of(building.around_of(job.declared).declarations):
+            check_for_type_support(interface)
+    return load(job.grader) if job.grader else None
+
+
+def checks_of(grader: ModuleType | None, job: Job) -> list[Check]:
+    """The checks of an exercise: those it declares, then those of its grader module.
+
+    Args:
+        grader: the module, with its `CHECKS` or a `checks_for(job)`, which makes them of the job's seed; None without.
+        job: the grading.
+    """
+    declared: list[Check] = []
+    if job.declared:
+        from course_kit.grading.checks.declared import building
+
+        declared = building.checks_of(building.around_of(job.declared))
+    if grader is None:
+        return declared
+    return [*declared, *(grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS)]
 
 
 def main(supervisor: Channel, job: Job) -> None:
@@ -75,8 +97,8 @@ def main(supervisor: Channel, job: Job) -> None:
 
 def _run(supervisor: Channel, job: Job) -> Record:
     began = time.monotonic()
-    grader = load(job.grader)
-    context = CheckContext(supervisor, job, getattr(grader, "VARIABLES", None))
+    grader = load_for(job)
+    context = CheckContext(supervisor, job, {**job.variables, **getattr(grader, "VARIABLES", {})})
     times = {}
     if not job.fault and not job.variable:
         context.launch()

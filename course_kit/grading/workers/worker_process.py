@@ -157,7 +157,7 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
         while True:
             job = Job.from_record(channel.receive()["job"])
             job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
-            _load(job.grader)
+            _prepare(job)
             for _ in range(_TRIES):
                 scratch.clear(folder)
                 outcome = _grade(job, channel, launcher, common.view, keep)
@@ -172,6 +172,11 @@ def _load(module: str) -> ModuleType | None:
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
         return grader_process.load(module)
     return None
+
+
+def _prepare(job: Job) -> None:
+    with suppress(Exception):  # as above
+        grader_process.load_for(job)
 
 
 def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> GradingOutcome:
