@@ -22,6 +22,18 @@ notebook = "add_three.ipynb"
 solution = "solution/add_three.py"
 grader = "checks.py"
 
+[[sentences]]
+id = "service"
+text = "A node offers the service `/add_three`."
+
+[[sentences]]
+id = "addition"
+text = "It answers with the sum of the three numbers."
+
+[[hints]]
+for = ["offered"]
+text = "Its name is add_three."
+
 [[hints]]
 for = ["adds"]
 text = "A sum has three parts here."
@@ -40,13 +52,13 @@ INTERFACES = (Three,)
 SERVICE = Service("/add_three", Three)
 
 
-@check(points=1.0, deadline_s=12.0)
+@check(points=1.0, deadline_s=12.0, proves=["service"])
 def offered(context):
     """The service is there."""
     return expect_offered(context, SERVICE, Three.Request())
 
 
-@check(points=2.0, depends_on=["offered"])
+@check(points=2.0, depends_on=["offered"], proves=["addition"])
 def adds(context):
     """It adds."""
     for a, b, c in SAMPLES:

@@ -51,7 +51,7 @@ def _fingerprint(paths: Iterable[Path]) -> str:
 
 def _sources_of(exercise: Exercise) -> list[Path]:
     """The files of an exercise's grader; one in the exercise's folder may use all that lies there, the solution too."""
-    if not Path(exercise.grader).is_absolute():
+    if exercise.grader and not Path(exercise.grader).is_absolute():
         return _grader_sources(exercise.grader)
     apart = {exercise.folder / exercise.starter, exercise.folder / "proof"}
     found = (path for path in exercise.folder.rglob("*") if path.suffix in _SOURCES_BESIDE and path.is_file())

@@ -6,7 +6,7 @@ import secrets
 import shlex
 import time
 from contextlib import ExitStack, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -178,8 +178,14 @@ def _domain() -> int:
         raise GradingError(str(problem)) from None
 
 
-def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
-    job = Job(
+def attach_job(task: Exercise, seed: int) -> Job:
+    """The job of grading the node that runs on the ROS graph of this environment.
+
+    Args:
+        task: the exercise.
+        seed: what the checks draw from.
+    """
+    return Job(
         task.grader,
         "attach",
         "",
@@ -190,7 +196,12 @@ def _job(task: Exercise, text: Submission | None, seed: int, command: str | None
         hidden=tuple(dict.fromkeys((str(task.folder.resolve()), *exercise_folders.hidden()))),
         interfaces=task.interfaces,
         points=task.points,
+        declared=tuple(asdict(one) for one in task.declared),
     )
+
+
+def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
+    job = attach_job(task, seed)
     if text is not None:
         return replace(
             job,

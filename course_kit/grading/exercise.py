@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import exercise_folders, sentences
 from course_kit.grading.diagnosis import catalogue
@@ -22,13 +23,14 @@ else:
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
+    from course_kit.grading.checks.declared.declaration import Declaration
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.plain_data import Record
     from course_kit.grading.sentences import Sentence
 
 FORMAT_VERSION = 1
+_CHECKS = "checks"
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
 _TEXTS = ("id", "title", "starter", "notebook")
 _OWN_MODULE = ".py"  # what the name of a grader ends in that lies in the exercise's folder
@@ -56,7 +58,8 @@ class Exercise:
         starter: the file name of the starter program.
         notebook: the file name of its notebook.
         solution: the file with its solution, which may be missing, as in a student edition.
-        grader: what checks it, see `workers.grader_module`: a module's name, or the path of a file in its folder.
+        grader: what checks it, see `workers.grader_module`: a module's name, or the path of a file in its folder; empty
+            when all checks are declared.
         class_name: the Node class a submission defines.
         variable: what a submission sets instead, in exercises without ROS.
         seed: what the checks draw from when nobody gives a seed; drawn itself when None.
@@ -64,6 +67,7 @@ class Exercise:
         hints: the ladder, from a nudge to a push.
         diagnoses: by code, those that it words in its own way or links elsewhere.
         sentences: its task, sentence by sentence.
+        declared: the checks that its exercise.toml declares.
     """
 
     folder: Path
@@ -83,6 +87,7 @@ class Exercise:
     hints: tuple[Hint, ...]
     diagnoses: Mapping[str, Diagnosis]
     sentences: tuple[Sentence, ...] = ()
+    declared: tuple[Declaration, ...] = ()
 
     @property
     def interfaces(self) -> str:
@@ -168,11 +173,12 @@ def read(folder: Path) -> Exercise:
     Raises:
         GradingError: its exercise.toml cannot be read, or has a mistake.
     """
-    table = table_of(folder)
+    text, table = _read(folder)
     try:
-        return _parse(table, folder)
+        found = _parse(table, folder)
     except (ValueError, KeyError, TypeError) as problem:
         raise _unusable(folder, problem) from problem
+    return _with_declared(found, text, table) if _CHECKS in table or Path(found.grader).is_absolute() else found
 
 
 def table_of(folder: Path) -> Record:
@@ -181,8 +187,13 @@ def table_of(folder: Path) -> Record:
     Raises:
         GradingError: it cannot be read, or is no TOML.
     """
+    return _read(folder)[1]
+
+
+def _read(folder: Path) -> tuple[str, Record]:
     try:
-        return tomllib.loads((folder / exercise_folders.TOML).read_text(encoding="utf-8"))
+        text = (folder / exercise_folders.TOML).read_text(encoding="utf-8")
+        return text, tomllib.loads(text)
     except (OSError, ValueError) as problem:
         raise _unusable(folder, problem) from problem
 
@@ -205,8 +216,8 @@ def _parse(table: Record, folder: Path) -> Exercise:
         raise ValueError(f"the pass mark {pass_mark:g} is not between 0 and {points:g} points")
     hints = tuple(Hint(tuple(hint["for"]), str(hint["text"])) for hint in table.get("hints", []))
     diagnoses = _diagnoses(table.get("diagnoses", {}))
-    texts = {name: table[name] for name in _TEXTS}
-    goal = {name: str(table.get(name, "")) for name in ("class_name", "variable")}
+    texts: dict[str, Any] = {name: table[name] for name in _TEXTS}
+    goal: dict[str, Any] = {name: str(table.get(name, "")) for name in ("class_name", "variable")}
     if bool(goal["class_name"]) == bool(goal["variable"]):
         raise ValueError("it needs either a 'class_name' or a 'variable'")
     seed = table.get("seed")
@@ -231,10 +242,10 @@ def _parse(table: Record, folder: Path) -> Exercise:
 
 
 def _grader(table: Record, folder: Path) -> str:
-    """What checks it: its own exercise.toml where checks are declared there, else a file beside that, or a module."""
-    if table.get("checks"):
-        return str(folder.absolute() / exercise_folders.TOML)
-    grader = table["grader"]
+    """What checks it beside what is declared: a module, or a file of its folder."""
+    grader = table.get("grader", "") if _CHECKS in table else table["grader"]
+    if grader == "" and _CHECKS in table:
+        return ""
     if not isinstance(grader, str) or not grader:
         raise ValueError("'grader' is not a text")
     if not grader.endswith(_OWN_MODULE):
@@ -254,6 +265,18 @@ def _solution(table: Record, folder: Path) -> Path:
     if not isinstance(named, str) or not named:
         raise ValueError("'solution' is not a text")
     return folder / named
+
+
+def _with_declared(task: Exercise, text: str, table: Record) -> Exercise:
+    """The exercise with the checks that its exercise.toml declares.
+
+    Raises:
+        GradingError: they have mistakes, or do not agree with the rest.
+    """
+    from course_kit.grading.checks.declared import loading  # only for exercises that declare checks
+
+    path = task.folder / exercise_folders.TOML
+    return replace(task, declared=loading.load(text, table, path))
 
 
 def _diagnoses(tables: object) -> dict[str, Diagnosis]:

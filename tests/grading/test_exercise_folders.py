@@ -126,7 +126,7 @@ def test_the_option_may_stand_anywhere(words: tuple[str, ...], tmp_path: Path) -
     outside_exercises.write(tmp_path)
     done = course_kit(*(word.format(tmp_path) for word in words), COURSE_KIT_PROGRESS="off")
     assert done.returncode == 0, done.stderr
-    assert "A sum has three parts here." in done.stdout
+    assert "Its name is add_three." in done.stdout
 
 
 @pytest.mark.parametrize(

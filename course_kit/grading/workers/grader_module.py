@@ -1,4 +1,4 @@
-"""What checks an exercise, out of what its exercise.toml names: a module, a file beside it, or the checks it declares.
+"""What checks an exercise: the checks that its exercise.toml declares, and the module or the file that it names.
 
 Only trusted processes load it. A file is loaded by its path, as a module of a package of its own: what lies beside it
 can be imported as `from .helpers import ...`, and no folder is put among those that Python searches.
@@ -38,12 +38,11 @@ class Grader(Protocol):
     INTERFACES: Sequence[Any]
 
 
-def load(grader: str, interfaces: str = "") -> Grader:
+def load(grader: str) -> Grader:
     """A grader, its interfaces loaded.
 
     Args:
         grader: the name of a module, or the path of a file.
-        interfaces: the folder of interfaces that its exercise brings; that beside the file when empty.
 
     Raises:
         GradingError: a file cannot be loaded, or is no grader.
@@ -51,25 +50,49 @@ def load(grader: str, interfaces: str = "") -> Grader:
     from rclpy.type_support import check_for_type_support
 
     path = Path(grader)
-    if folder := interfaces or interfaces_beside(grader):
-        os.environ[PATH_VARIABLE] = path_with(folder)  # of this process and those it starts
+    if folder := interfaces_beside(grader):
+        os.environ[PATH_VARIABLE] = path_with(folder)
     found: Grader = _of_file(path) if path.is_absolute() else importlib.import_module(grader)
     for interface in found.INTERFACES:
         check_for_type_support(interface)
     return found
 
 
-def checks_of(grader: Grader, job: Job) -> Sequence[Check]:
-    """The checks of a grader.
+def load_for(job: Job) -> Grader | None:
+    """The grader of a job, None where all checks are declared; the interfaces of these are loaded, too.
+
+    Raises:
+        GradingError: see `load`.
+    """
+    if job.interfaces:
+        os.environ[PATH_VARIABLE] = path_with(job.interfaces)  # of this process and those it starts
+    if job.declared:
+        from rclpy.type_support import check_for_type_support
+
+        from course_kit.grading.checks.declared import building
+
+        for interface in building.interfaces_of(building.around_of(job.declared).declarations):
+            check_for_type_support(interface)
+    return load(job.grader) if job.grader else None
+
+
+def checks_of(grader: Grader | None, job: Job) -> list[Check]:
+    """The checks of an exercise: those it declares, then those of its grader.
 
     Args:
-        grader: what `load` gave.
+        grader: what `load_for` gave.
         job: what is graded.
 
     Raises:
         GradingError: they are not worth what the exercise is.
     """
-    made: Sequence[Check] = grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS  # type: ignore[attr-defined]
+    made: list[Check] = []
+    if job.declared:
+        from course_kit.grading.checks.declared import building
+
+        made += building.checks_of(building.around_of(job.declared))
+    if grader is not None:
+        made += grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS  # type: ignore[attr-defined]
     worth = sum(one.points for one in made)
     if job.points and abs(worth - job.points) > _TINY:
         raise GradingError(f"the checks are worth {worth:g} points together, but the exercise {job.points:g}")
@@ -78,8 +101,8 @@ def checks_of(grader: Grader, job: Job) -> Sequence[Check]:
 
 def interfaces_beside(grader: str) -> str:
     """The folder of interfaces beside a grader that is a file; empty where there is none."""
-    folder = Path(grader).with_name(INTERFACES)
-    return str(folder) if folder.is_absolute() and folder.is_dir() else ""
+    path = Path(grader)
+    return str(folder) if path.is_absolute() and (folder := path.with_name(INTERFACES)).is_dir() else ""
 
 
 def _of_file(path: Path) -> Grader:

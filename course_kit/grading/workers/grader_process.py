@@ -55,9 +55,9 @@ def main(supervisor: Channel, job: Job) -> None:
 
 def _run(supervisor: Channel, job: Job) -> Record:
     began = time.monotonic()
-    grader = grader_module.load(job.grader, job.interfaces)
+    grader = grader_module.load_for(job)
     checks = grader_module.checks_of(grader, job)
-    context = CheckContext(supervisor, job, getattr(grader, "VARIABLES", None))
+    context = CheckContext(supervisor, job, {**job.variables, **getattr(grader, "VARIABLES", {})})
     times = {}
     if not job.fault and not job.variable:
         context.launch()

@@ -165,7 +165,7 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
             job = Job.from_record(channel.receive()["job"])
             job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
             if job.interfaces in ("", common.interfaces):
-                _load(job.grader)
+                _prepare(job)
             for _ in range(_TRIES):
                 scratch.clear(folder)
                 outcome = _grade(job, channel, launcher, common.view, keep)
@@ -180,6 +180,11 @@ def _load(grader: str) -> Grader | None:
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
         return grader_module.load(grader)
     return None
+
+
+def _prepare(job: Job) -> None:
+    with suppress(Exception):  # as above
+        grader_module.load_for(job)
 
 
 def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> GradingOutcome:
