@@ -31,7 +31,7 @@ from course_kit.graders._driving import (
     set_off,
     told,
 )
-from course_kit.graders._interrupting import cancel_midway, second_goal_of_two
+from course_kit.graders._interrupting import cancel_midway, second_goal_of_two, two_at_once
 from course_kit.graders._moves import (
     ARENA,
     ORIGIN,
@@ -54,6 +54,7 @@ VARIABLES = FAST
 NODE = "/move_robot_server"
 _SHORT_M = 0.4  # metres; a move where nothing but its end matters
 _AT_ONCE_S = 1.0  # a goal at the present position
+_TOO_STRICT = "validation.overzealous"
 _EDGE_M = 0.01  # how near outside the arena we test
 
 
@@ -133,7 +134,8 @@ def already_there(context: CheckContext) -> Evidence:
 
 @check(points=1.5, depends_on=["accepted"], deadline_s=30.0)
 def outside(context: CheckContext) -> Evidence:
-    """Goals outside the arena are rejected."""
+    """Goals outside the arena are rejected, goals on its edges are not."""
+    _require_edges(context)
     inside = context.random.uniform(1.0, 9.0)
     beyond = (-_EDGE_M, ARENA + _EDGE_M, context.random.uniform(20.0, 1000.0), -context.random.uniform(1.0, 50.0))
     targets = [MovePlace(value, inside) for value in beyond] + [MovePlace(inside, value) for value in beyond]
@@ -162,8 +164,9 @@ def progress(context: CheckContext) -> Evidence:
 
 @check(points=1.5, depends_on=["arrives"], deadline_s=60.0)
 def second_goal(context: CheckContext) -> Evidence:
-    """A second goal is rejected while one runs."""
-    return fairly(context, second_goal_of_two)
+    """A second goal is rejected while one runs, also when both are sent in the same instant."""
+    fairly(context, second_goal_of_two)
+    return fairly(context, two_at_once)
 
 
 @check(points=2.0, depends_on=["arrives"], deadline_s=60.0)
@@ -228,6 +231,21 @@ def _require_distance(context: CheckContext, move: Move) -> Evidence:
     else:
         message = "That is less than the straight line to the target."
     raise Failed(evidence, message)
+
+
+def _require_edges(context: CheckContext) -> None:
+    """Two opposite corners, which lie on all four edges, are accepted."""
+    for target in (MovePlace(ARENA, ARENA), ORIGIN):
+        begin = here(context) if context.job.mode == "attach" else ORIGIN
+        goal = send(context, target)
+        goal.wait_for_answer("the goal accepted")
+        if not goal.accepted:
+            message = "This target lies on an edge of the arena, and the edges belong to it."
+            raise Failed(Evidence(goal.shown, "the goal accepted", "the goal rejected"), message, _TOO_STRICT)
+        if context.job.mode == "attach":
+            arrive(context, goal, math.dist(begin, target))
+        else:
+            context.spoil()  # it is not waited for
 
 
 def _rejects(context: CheckContext, targets: Sequence[MovePlace], why: str) -> Evidence:
