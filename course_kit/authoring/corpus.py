@@ -36,6 +36,7 @@ class ProofSubmission:
         failed: the checks a slip fails, each with its diagnosis, None where none is established.
         says: a fact that the messages of a slip's failed checks name.
         breaks: the ids of the sentences of the task that it does not keep.
+        seed: what the checks draw from for it; as everywhere in this run when None.
     """
 
     exercise: str
@@ -46,6 +47,7 @@ class ProofSubmission:
     failed: frozenset[tuple[str, str | None]] = frozenset()
     says: str = ""
     breaks: tuple[str, ...] = ()
+    seed: int | None = None
 
     def text(self) -> str:
         """The program to grade.
@@ -140,4 +142,5 @@ def _slip(exercise_id: str, name: str, entry: dict[str, Any], tests: Path, solut
         failed=frozenset((check, code or None) for check, code in entry["failed"].items()),
         says=entry.get("says", ""),
         breaks=tuple(entry.get("breaks", ())),
+        seed=entry.get("seed"),
     )

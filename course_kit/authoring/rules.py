@@ -121,9 +121,8 @@ def checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmissi
 
 def told(sets: Corpus, reports: Reports) -> Iterator[str]:
     """Each sentence of the task is tested, and each test is told: see `sentences`."""
-    every_check = sentences.checks_of(sets.task)
-    yield from sentences.faults(sets.task, every_check)
-    yield from sentences.unproven(sets, reports, every_check)
+    yield from sentences.faults(sets.task, sentences.checks_of(sets.task))
+    yield from sentences.unproven(sets, reports)
 
 
 RULES: Mapping[str, Callable[[Corpus, Reports], Iterator[str | tuple[ProofSubmission, str]]]] = {

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.sentences import Sentence
 
-_RIGHT = ("solution", "variant")
-
 
 @dataclass(frozen=True)
 class ProvenSentence:
@@ -41,9 +39,10 @@ class ProvenSentence:
     right: ProofSubmission | None
 
 
-def checks_of(task: Exercise) -> Sequence[Check]:
-    """The checks of an exercise, as its grader makes them for its own seed."""
-    job = Job(task.grader, "attach", "", task.seed or 0, variable=task.variable, limits=task.limits)
+def checks_of(task: Exercise, seed: int | None = None) -> Sequence[Check]:
+    """The checks of an exercise, as its grader makes them for a seed; for the exercise's own when None."""
+    drawn = (task.seed or 0) if seed is None else seed
+    job = Job(task.grader, "attach", "", drawn, variable=task.variable, limits=task.limits)
     return grader_process.checks_of(grader_process.load(task.grader), job)
 
 
@@ -69,30 +68,31 @@ def faults(task: Exercise, checks: Sequence[Check]) -> list[str]:
     return found
 
 
-def proven(sets: Corpus, reports: Mapping[ProofSubmission, Report], checks: Sequence[Check]) -> list[ProvenSentence]:
+def proven(sets: Corpus, reports: Mapping[ProofSubmission, Report]) -> list[ProvenSentence]:
     """What a proof run has shown of each sentence.
 
     Args:
         sets: the submissions of an exercise.
         reports: by submission.
-        checks: of its grader.
     """
+    seeds = {submission.seed for submission in sets.submissions} | {None}
+    checks = {seed: checks_of(sets.task, seed) for seed in seeds}
     found = []
     for one in sets.task.sentences:
-        own = tuple(check.id for check in checks if one.id in check.proves)
+        own = {seed: tuple(check.id for check in made if one.id in check.proves) for seed, made in checks.items()}
         red = [
             (submission, failed)
             for submission in sets.submissions
-            if one.id in submission.breaks and (failed := _failed(reports[submission], own))
+            if one.id in submission.breaks and (failed := _failed(reports[submission], own[submission.seed]))
         ]
-        right = next((each for each in sets.submissions if each.kind in _RIGHT and each.path.stem == one.freedom), None)
+        right = next((each for each in sets.submissions if _is_right(each) and _name(each) == one.freedom), None)
         if right is not None and reports[right].score < reports[right].max_score:
             right = None
-        found.append(ProvenSentence(one, own, tuple(red), right))
+        found.append(ProvenSentence(one, own[None], tuple(red), right))
     return found
 
 
-def unproven(sets: Corpus, reports: Mapping[ProofSubmission, Report], checks: Sequence[Check]) -> Iterator[str]:
+def unproven(sets: Corpus, reports: Mapping[ProofSubmission, Report]) -> Iterator[str]:
     """The sentences that nothing proves, and what submissions break that no sentence is; arguments as of `proven`."""
     known = {one.id for one in sets.task.sentences}
     yield from (
@@ -101,7 +101,7 @@ def unproven(sets: Corpus, reports: Mapping[ProofSubmission, Report], checks: Se
         for name in one.breaks
         if name not in known
     )
-    for one in proven(sets, reports, checks):
+    for one in proven(sets, reports):
         name, freedom = one.sentence.id, one.sentence.freedom
         if freedom and one.right is None:
             yield f"the sentence '{name}' grants a freedom, and there is no right program '{freedom}' with full marks."
@@ -124,8 +124,17 @@ def _cell(sentence: Sentence) -> str:
 
 def _shown(one: ProvenSentence) -> str:
     if one.right is not None:
-        return f"a freedom: `{one.right.path.name}` gets full marks"
+        return f"a freedom: the right program `{_name(one.right)}` gets full marks"
     return "; ".join(f"{each.kind} `{each.name}` ({', '.join(failed)})" for each, failed in one.red)
+
+
+def _is_right(submission: ProofSubmission) -> bool:
+    """Whether full marks are expected: of solutions, variants, and right programs with a change that does no harm."""
+    return submission.kind in ("solution", "variant") or (submission.kind == "slip" and not submission.failed)
+
+
+def _name(submission: ProofSubmission) -> str:
+    return submission.name if submission.kind == "slip" else submission.path.stem
 
 
 def _failed(report: Report, checks: Sequence[str]) -> tuple[str, ...]:
