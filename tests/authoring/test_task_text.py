@@ -1,4 +1,4 @@
-"""What stands in exercise.toml is what learners read: in the notebook and in the starter, word for word and in order."""
+"""What stands in exercise.toml is what learners read in notebook and starter, word for word and in order."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_a_text_without_a_place_says_so() -> None:
 
 
 def test_a_row_of_another_length_is_named() -> None:
-    with pytest.raises(GradingError, match="'| y |' does not have 2 cells"):
+    with pytest.raises(GradingError, match=r"'\| y \|' does not have 2 cells"):
         task_text.blocks([ROW, Sentence("d", "| y |")])
 
 
