@@ -95,7 +95,7 @@ def _without_starters(
     groups: list[list[Record]], exercise: Exercise, texts: ProgramTexts
 ) -> list[tuple[list[Record], frozenset[int]]]:
     """Those who have written something, and its fingerprints: a starter handed in as it was is like every other one."""
-    starters = known_starters.read().get(exercise.id, frozenset())
+    starters = known_starters.of(exercise, known_starters.read())
     read = [(group, texts.fingerprints(group[0])) for group in groups]
     return [(group, found.prints) for group, found in read if found.identity not in starters]
 

@@ -22,18 +22,19 @@ from course_kit.grading.sandbox import file_view, isolation, namespaces, scratch
 from course_kit.grading.sandbox import launcher as launchers
 from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
 from course_kit.grading.sandbox.supervisor import Supervisor
-from course_kit.grading.workers import grader_process
+from course_kit.grading.workers import grader_module, grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import freezing, tree
 from course_kit.process.fork import fork
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Sequence
-    from types import ModuleType
+    from collections.abc import Container, Iterable, Sequence
 
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.isolation import Isolation
+    from course_kit.grading.workers.grader_module import Grader
     from course_kit.grading.workers.grading_outcome import GradingOutcome
 
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
@@ -48,13 +49,16 @@ class _Common:
         isolation: what isolates submissions.
         priority: the nice value they run at.
         view: the files they see.
-        graders: modules of checks whose interfaces are loaded where submissions are started.
+        interfaces: the folder whose interfaces are loaded, of those that exercises bring: only of one, because others
+            may define the same names in another way.
+        loaded: module and name of the interfaces that are loaded where submissions are started.
     """
 
     isolation: Isolation
     priority: int
     view: FileView
-    graders: frozenset[str]
+    interfaces: str
+    loaded: frozenset[tuple[str, str]]
 
 
 def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
@@ -62,7 +66,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
 
     Args:
         channels: the line to each worker. A single worker is this process; of several each is a fork of it.
-        graders: modules of checks that are loaded beforehand.
+        graders: what checks the exercises, loaded beforehand.
     """
     set_name("grade warm")
     usual = os.getpriority(os.PRIO_PROCESS, 0)
@@ -78,10 +82,14 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     for _, end in pairs:
         end.close()
     launchers = [launcher for launcher, _ in pairs]
-    loaded = [grader for module in graders if (grader := _load(module))]
-    names.send(json.dumps(_interfaces(loaded)).encode())
+    brought = {folder for one in graders if (folder := grader_module.interfaces_beside(one))}
+    interfaces = "".join(brought) if len(brought) == 1 else ""
+    wanted = (one for one in graders if grader_module.interfaces_beside(one) in ("", interfaces))
+    loaded = [grader for one in wanted if (grader := _load(one))]
+    known = _named(one for grader in loaded for one in grader.INTERFACES)
+    names.send(json.dumps([os.environ.get(PATH_VARIABLE, ""), known]).encode())
     names.close()
-    common = _Common(found, usual, file_view.of_a_program(), frozenset(graders))
+    common = _Common(found, usual, file_view.of_a_program(), interfaces, frozenset(known))
     freezing.freeze()
     if len(channels) == 1:
         _work(channels[0], launchers[0], common, keep=(starter,))
@@ -120,9 +128,9 @@ def _fork_launchers(
     return child, ours
 
 
-def _interfaces(graders: Sequence[ModuleType]) -> list[tuple[str, str]]:
-    """Module and name of each interface that some graders use, for a process that must not load the graders."""
-    return sorted({(one.__module__, one.__name__) for grader in graders for one in grader.INTERFACES})
+def _named(interfaces: Iterable[type]) -> list[tuple[str, str]]:
+    """Module and name of each, for a process that must not load the graders."""
+    return sorted({(one.__module__, one.__name__) for one in interfaces})
 
 
 def _work_apart(line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], common: _Common) -> None:
@@ -154,16 +162,16 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
     if user:
         folder.chmod(0o711)  # that user finds its own directory in it, and sees no other
     os.environ["ROS_LOG_DIR"] = str(folder)  # of the grader process, which logs nothing
-    known = set(common.graders)
+    loaded = set(common.loaded)
     try:
         channel.send({"isolation": asdict(found), "process": os.getpid()})
         while True:
             job = Job.from_record(channel.receive()["job"])
             job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
-            grader = _load(job.grader)
-            if grader is not None and job.grader not in known:
-                known.add(job.grader)
-                launcher.load(_interfaces([grader]))
+            if job.interfaces in ("", common.interfaces):
+                if new := [one for one in _prepare(job) if one not in loaded]:
+                    launcher.load(new)
+                    loaded.update(new)
             for _ in range(_TRIES):
                 scratch.clear(folder)
                 outcome = _grade(job, channel, launcher, common.view, keep)
@@ -174,10 +182,17 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
         scratch.remove(folder)
 
 
-def _load(module: str) -> ModuleType | None:
+def _load(grader: str) -> Grader | None:
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
-        return grader_process.load(module)
+        return grader_module.load(grader)
     return None
+
+
+def _prepare(job: Job) -> list[tuple[str, str]]:
+    """Load what checks a job, and name the interfaces that it needs."""
+    with suppress(Exception):  # as above
+        return _named(grader_module.interfaces_of(grader_module.load_for(job), job))
+    return []
 
 
 def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> GradingOutcome:
