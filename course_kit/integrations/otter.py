@@ -103,15 +103,13 @@ def case_file(exercise: str, seed: int | None = None) -> str:
 
 def _checks(exercise: str, seed: int | None) -> Sequence[Check]:
     """The checks in the order they are run."""
-    from course_kit.grading import engine
+    from course_kit.grading import exercise_job
     from course_kit.grading.checks.check import in_order
     from course_kit.grading.exercise import load
-    from course_kit.grading.workers import grader_module
 
     task = load(exercise)
     drawn = seed if seed is not None else task.seed or 0
-    job = engine.attach_job(task, drawn)
-    return in_order(grader_module.checks_of(grader_module.load_for(job), job))
+    return in_order(exercise_job.checks_of(task, drawn))
 
 
 def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
