@@ -168,10 +168,10 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
         while True:
             job = Job.from_record(channel.receive()["job"])
             job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
-            if job.interfaces in ("", common.interfaces):
-                if new := [one for one in _prepare(job) if one not in loaded]:
-                    launcher.load(new)
-                    loaded.update(new)
+            needed = _prepare(job) if job.interfaces in ("", common.interfaces) else []
+            if new := [one for one in needed if one not in loaded]:
+                launcher.load(new)
+                loaded.update(new)
             for _ in range(_TRIES):
                 scratch.clear(folder)
                 outcome = _grade(job, channel, launcher, common.view, keep)
