@@ -187,6 +187,8 @@ def _job(task: Exercise, text: Submission | None, seed: int, command: str | None
         variable=task.variable,
         limits=task.limits,
         declared=tuple(asdict(one) for one in task.declared),
+        variables=dict(task.variables),
+        solution=_solution(task),
     )
     if text is not None:
         return replace(
@@ -208,6 +210,21 @@ def _job(task: Exercise, text: Submission | None, seed: int, command: str | None
     if not words:
         raise GradingError("The command after --exec is empty.")
     return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
+
+
+def _solution(task: Exercise) -> str:
+    """The text of the exercise's solution, where a check compares with what that answers.
+
+    Raises:
+        GradingError: it is not there, as in a student's edition.
+    """
+    if task.asked is None:
+        return ""
+    try:
+        return task.asked.read_text(encoding="utf-8")
+    except (OSError, ValueError) as problem:
+        message = f"The exercise {task.id} compares with its own solution, and {task.asked} cannot be read"
+        raise GradingError(f"{message}: {problem}.") from None
 
 
 def _told(found: Isolation, mode: str) -> str:

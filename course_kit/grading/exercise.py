@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
@@ -65,6 +65,8 @@ class Exercise:
         diagnoses: by code, those that it words in its own way or links elsewhere.
         sentences: its task, sentence by sentence.
         declared: the checks that its exercise.toml declares.
+        variables: environment variables that a submission is started with, for these.
+        asked: the file of its solution, if a check compares with what that answers.
     """
 
     folder: Path
@@ -84,6 +86,8 @@ class Exercise:
     diagnoses: Mapping[str, Diagnosis]
     sentences: tuple[Sentence, ...] = ()
     declared: tuple[Declaration, ...] = ()
+    variables: Mapping[str, str] = field(default_factory=dict)
+    asked: Path | None = None
 
     def ladder(self, topic: str) -> tuple[str, ...]:
         """The hints for a check or a diagnosis, from a nudge to a push; empty when there are none."""
@@ -189,7 +193,11 @@ def _with_declared(task: Exercise, text: str, table: Record) -> Exercise:
     from course_kit.grading.checks.declared import loading  # only for exercises that declare checks
 
     path = task.folder / "exercise.toml"
-    return replace(task, declared=loading.load(text, table, path))
+    solution = table.get("solution")
+    declared = loading.load(text, table, path, oracle=isinstance(solution, str))
+    asked = task.folder / str(solution) if loading.asks_the_solution(declared) else None
+    variables = loading.variables(table)
+    return replace(task, declared=declared, variables=variables, asked=asked)
 
 
 def _diagnoses(tables: object) -> dict[str, Diagnosis]:

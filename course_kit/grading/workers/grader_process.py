@@ -61,18 +61,22 @@ def load_for(job: Job) -> ModuleType | None:
     return load(job.grader) if job.grader else None
 
 
-def checks_of(grader: ModuleType | None, job: Job) -> list[Check]:
+def checks_of(grader: ModuleType | None, job: Job, context: CheckContext | None = None) -> list[Check]:
     """The checks of an exercise: those it declares, then those of its grader module.
 
     Args:
         grader: the module, with its `CHECKS` or a `checks_for(job)`, which makes them of the job's seed; None without.
         job: the grading.
+        context: where the exercise's solution is asked for what it answers, if a check compares with that.
     """
     declared: list[Check] = []
     if job.declared:
-        from course_kit.grading.checks.declared import building
+        from course_kit.grading.checks.declared import building, oracle
 
-        declared = building.checks_of(building.around_of(job.declared))
+        around = building.around_of(job.declared)
+        if context is not None and not job.fault:
+            oracle.ask(context, around)
+        declared = building.checks_of(around)
     if grader is None:
         return declared
     return [*declared, *(grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS)]
@@ -100,10 +104,11 @@ def _run(supervisor: Channel, job: Job) -> Record:
     grader = load_for(job)
     context = CheckContext(supervisor, job, {**job.variables, **getattr(grader, "VARIABLES", {})})
     times = {}
+    checks = checks_of(grader, job, context)
     if not job.fault and not job.variable:
         context.launch()
     try:
-        for result in run_all(checks_of(grader, job), context):
+        for result in run_all(checks, context):
             supervisor.send({"do": "result", "result": bounds.results([asdict(result)])[0]})
             times[result.id] = time.monotonic() - began
     finally:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks.declared import agreement, reading
+from course_kit.grading.checks.declared import agreement, messages, reading
 from course_kit.grading.checks.declared.lines import Lines
 from course_kit.grading.checks.declared.mistakes import Mistakes
 from course_kit.grading.checks.declared.python_checks import CheckFacts, facts_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from course_kit.grading.checks.declared.declaration import Declaration
     from course_kit.grading.plain_data import Record
 
-_PYTHON = ".py"
+_PYTHON, _ENVIRONMENT = ".py", "environment"
 
 
 def load(text: str, table: Record, path: Path, *, oracle: bool = False) -> tuple[Declaration, ...]:
@@ -39,3 +40,14 @@ def load(text: str, table: Record, path: Path, *, oracle: bool = False) -> tuple
         agreement.require(facts, table, lines, mistakes, whole=python is not None)
     mistakes.require_none()
     return found
+
+
+def variables(table: Record) -> dict[str, str]:
+    """The environment variables that a submission is started with: the texts of `[environment]`."""
+    found = table.get(_ENVIRONMENT, {})
+    return {name: str(value) for name, value in found.items()} if isinstance(found, dict) else {}
+
+
+def asks_the_solution(checks: Sequence[Declaration]) -> bool:
+    """Whether a check compares with what the exercise's solution answers."""
+    return any(map(messages.check_asks_the_solution, checks))
