@@ -117,6 +117,7 @@ class CheckContext:
     @contextmanager
     def solution(self, deadline_s: float) -> Iterator[None]:
         """Run the exercise's own solution, for at most so many seconds; it has ended before the submission starts."""
+        began, spent = time.monotonic(), dict(self.spent)
         self._grader_node = GraderNode(self._start((), {}, {}, "launch solution"))
         self.begin(deadline_s)
         try:
@@ -125,6 +126,7 @@ class CheckContext:
             self.close()
             self._ask("end solution")
             self._clock, self._spoiled = None, False
+            self.spent = {**spent, "start": spent["start"] + time.monotonic() - began}
 
     def run_to_end(self) -> ProcessStatus:
         """Start the submission and wait until it has ended; for exercises that ask for a value, not for a node.

@@ -72,6 +72,7 @@ class Supervisor:
         self._launches = 0
         self._arguments: tuple[str, ...] = ()
         self._asking_since: float | None = None  # when the exercise's own solution was started, while that runs
+        self._asked_s = 0.0  # for how long it ran, which is not the submission's time
         self._results: list[Record] = []
         self._extra: Record = {}
         self._fault = ""
@@ -157,9 +158,8 @@ class Supervisor:
         Raises:
             _BrokenOffError: the sandbox has failed, or the grader's process hangs.
         """
-        now, wall_s = time.monotonic(), self._job.limits.wall_s
-        asked = self._asking_since
-        deadline = self._began + wall_s if asked is None else asked + min(_SOLUTION_S, wall_s)
+        now, asking = time.monotonic(), self._asking_since
+        deadline = self._wall_end() if asking is None else asking + _SOLUTION_S
         if self._collector is not None and (fault := self._collector.fault()):
             raise _BrokenOffError(fault)
         if now > deadline and self._collector is not None and not self._collector.over:
@@ -204,17 +204,18 @@ class Supervisor:
         return {"domain": domain, "queued_s": queued_s}
 
     def _end_solution(self) -> None:
-        """End the exercise's own solution; its time is not the submission's."""
+        """End the exercise's own solution."""
         self._stop()
         if self._asking_since is not None:
-            self._began += time.monotonic() - self._asking_since
+            self._asked_s += time.monotonic() - self._asking_since
         self._asking_since = None
+
+    def _wall_end(self) -> float:
+        return self._began + self._asked_s + self._job.limits.wall_s
 
     def _finish(self, seconds: float) -> None:
         """Wait until the submission has ended, at most for so many seconds, or end it when its time is up."""
-        self._pump_until(
-            lambda collector: collector.over, min(seconds, self._began + self._job.limits.wall_s - time.monotonic())
-        )
+        self._pump_until(lambda collector: collector.over, min(seconds, self._wall_end() - time.monotonic()))
         self._look_after_everything()
 
     def _domain(self) -> tuple[int, float]:
