@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import bounds, exercise, needs, submission
+from course_kit.grading import bounds, exercise, exercise_folders, needs, submission
+from course_kit.grading.checks.declared import solutions
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
 from course_kit.grading.job import Job
@@ -131,7 +132,8 @@ def grade_task(task: Task, worker: Worker | None = None, *, require_isolation: b
     Raises:
         GradingError: a broken installation, a lack of isolation, or the worker ended.
     """
-    job = replace(_job(task.exercise, task.text, task.seed, None), hidden=task.hidden)
+    job = _job(task.exercise, task.text, task.seed, None)
+    job = replace(job, hidden=(*job.hidden, *task.hidden))
     with Worker() if worker is None else nullcontext(worker) as used:
         return _grade(task.exercise, job, task.shown, used, require_isolation)
 
@@ -177,8 +179,9 @@ def _domain() -> int:
         raise GradingError(str(problem)) from None
 
 
-def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
-    job = Job(
+def attach_job(task: Exercise, seed: int) -> Job:
+    """The job of grading the node that runs on the ROS graph of this environment, with values drawn from a seed."""
+    return Job(
         task.grader,
         "attach",
         "",
@@ -186,10 +189,17 @@ def _job(task: Exercise, text: Submission | None, seed: int, command: str | None
         class_name=task.class_name,
         variable=task.variable,
         limits=task.limits,
+        hidden=tuple(dict.fromkeys((str(task.folder.resolve()), *exercise_folders.hidden()))),
+        interfaces=task.interfaces,
+        points=task.points,
         declared=tuple(asdict(one) for one in task.declared),
         variables=dict(task.variables),
-        solution=_solution(task),
+        solution=solutions.text_for(task),
     )
+
+
+def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
+    job = attach_job(task, seed)
     if text is not None:
         return replace(
             job,
@@ -210,21 +220,6 @@ def _job(task: Exercise, text: Submission | None, seed: int, command: str | None
     if not words:
         raise GradingError("The command after --exec is empty.")
     return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
-
-
-def _solution(task: Exercise) -> str:
-    """The text of the exercise's solution, where a check compares with what that answers.
-
-    Raises:
-        GradingError: it is not there, as in a student's edition.
-    """
-    if task.asked is None:
-        return ""
-    try:
-        return task.asked.read_text(encoding="utf-8")
-    except (OSError, ValueError) as problem:
-        message = f"The exercise {task.id} compares with its own solution, and {task.asked} cannot be read"
-        raise GradingError(f"{message}: {problem}.") from None
 
 
 def _told(found: Isolation, mode: str) -> str:

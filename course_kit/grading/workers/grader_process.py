@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 import time
 from dataclasses import asdict
@@ -12,13 +11,11 @@ from course_kit.grading import bounds, limits, machine
 from course_kit.grading.checks.check import run_all
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.errors import GradingError
+from course_kit.grading.workers import grader_module
 from course_kit.grading.workers.ipc import ChannelClosedError
 from course_kit.process.parent import set_name
 
 if TYPE_CHECKING:
-    from types import ModuleType
-
-    from course_kit.grading.checks.check import Check
     from course_kit.grading.job import Job
     from course_kit.grading.plain_data import Record
     from course_kit.grading.workers.ipc import Channel
@@ -37,49 +34,6 @@ def warm_up() -> None:
     machine.processor_share()
     check_for_type_support(GetTypeDescription)
     del rclpy, course_kit
-
-
-def load(module: str) -> ModuleType:
-    """A grader's module, its interfaces loaded."""
-    from rclpy.type_support import check_for_type_support
-
-    grader = importlib.import_module(module)
-    for interface in grader.INTERFACES:
-        check_for_type_support(interface)
-    return grader
-
-
-def load_for(job: Job) -> ModuleType | None:
-    """The grader's module of a job, None without one; the interfaces of its declared checks are loaded, too."""
-    if job.declared:
-        from rclpy.type_support import check_for_type_support
-
-        from course_kit.grading.checks.declared import building
-
-        for interface in building.interfaces_of(building.around_of(job.declared).declarations):
-            check_for_type_support(interface)
-    return load(job.grader) if job.grader else None
-
-
-def checks_of(grader: ModuleType | None, job: Job, context: CheckContext | None = None) -> list[Check]:
-    """The checks of an exercise: those it declares, then those of its grader module.
-
-    Args:
-        grader: the module, with its `CHECKS` or a `checks_for(job)`, which makes them of the job's seed; None without.
-        job: the grading.
-        context: where the exercise's solution is asked for what it answers, if a check compares with that.
-    """
-    declared: list[Check] = []
-    if job.declared:
-        from course_kit.grading.checks.declared import building, oracle
-
-        around = building.around_of(job.declared)
-        if context is not None and not job.fault:
-            oracle.ask(context, around)
-        declared = building.checks_of(around)
-    if grader is None:
-        return declared
-    return [*declared, *(grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS)]
 
 
 def main(supervisor: Channel, job: Job) -> None:
@@ -101,10 +55,10 @@ def main(supervisor: Channel, job: Job) -> None:
 
 def _run(supervisor: Channel, job: Job) -> Record:
     began = time.monotonic()
-    grader = load_for(job)
+    grader = grader_module.load_for(job)
     context = CheckContext(supervisor, job, {**job.variables, **getattr(grader, "VARIABLES", {})})
     times = {}
-    checks = checks_of(grader, job, context)
+    checks = grader_module.checks_of(grader, job, context)
     if not job.fault and not job.variable:
         context.launch()
     try:

@@ -23,16 +23,15 @@ if TYPE_CHECKING:
 CHECKS = "checks"
 
 
-def read(table: Record, lines: Lines, mistakes: Mistakes, *, oracle: bool) -> tuple[Declaration, ...]:
+def read(table: Record, lines: Lines, mistakes: Mistakes) -> tuple[Declaration, ...]:
     """The declared checks of an exercise, in their order; those with mistakes are left out.
 
     Args:
         table: the whole exercise.toml.
         lines: where its parts stand.
         mistakes: gets what is wrong.
-        oracle: whether the exercise has a solution to ask.
     """
-    reading = _Reading(table, lines, mistakes, oracle=oracle)
+    reading = _Reading(table, lines, mistakes)
     return tuple(one for number in range(len(tables_of(table, CHECKS))) if (one := reading.check(number)) is not None)
 
 
@@ -45,9 +44,9 @@ def tables_of(table: Record, name: str) -> list[Record]:
 class _Reading:
     """One exercise that is being read."""
 
-    def __init__(self, table: Record, lines: Lines, mistakes: Mistakes, *, oracle: bool) -> None:
+    def __init__(self, table: Record, lines: Lines, mistakes: Mistakes) -> None:
         self._checks = tables_of(table, CHECKS)
-        self._lines, self._mistakes, self._oracle = lines, mistakes, oracle
+        self._lines, self._mistakes = lines, mistakes
         self._endpoints = endpoints_of(tables_of(table, ENDPOINTS), lines, mistakes)
         self.types = rules.types_of(self._checks)
         named = [one.get("node") for one in self._checks if one.get("kind") == "node_name"]
@@ -85,10 +84,6 @@ class _Reading:
         """The parameters that checks declare, as fields whose values may be anything; None when none does."""
         known = dict.fromkeys(self.types, cast("FieldType", None))  # which nobody looks at
         return _Parameters("the node's parameters", known) if known else None
-
-    def has_oracle(self) -> bool:
-        """Whether there is a solution to ask."""
-        return self._oracle
 
 
 class _Parameters(Fields):
@@ -269,7 +264,7 @@ class _OneCheck:
             found["parameters"] = self._around.parameters()
         elif "parameters" in found:
             del found["parameters"]  # of whom is not known
-        if self._around.has_oracle() and kind.oracle:
+        if kind.oracle:
             found[kinds.ORACLE] = part_of(kind.receives, "expect", endpoints)
         return found
 
