@@ -83,6 +83,7 @@ requests = [{from_unit = "kelvin", to_unit = "celsius"}]
 refused = {success = false}
 reason = "message"
 """
+SENTENCE = '[[sentences]]\nid = "one"\ntext = "One."\n'
 # The checks, what is changed in them, what stands on the line that is named, and what is said.
 MISTAKES = [
     (ADDS, ('kind = "answers"', 'kind = "answer"'), 'kind = "answer"', "no kind 'answer'. Did you mean 'answers'?"),
@@ -156,14 +157,11 @@ def test_what_is_right_is_loaded(load: Callable[..., Exercise], checks: str) -> 
     assert task.grader == ""
 
 
-@pytest.mark.parametrize(
-    ("checks", "change", "line", "said"),
-    MISTAKES,
-    ids=[case[3] for case in MISTAKES],
-)
+@pytest.mark.parametrize("case", MISTAKES, ids=[case[3] for case in MISTAKES])
 def test_a_mistake_is_told_with_its_line(
-    load: Callable[..., Exercise], tmp_path: Path, checks: str, change: tuple[str, str], line: str, said: str
+    load: Callable[..., Exercise], tmp_path: Path, case: tuple[str, tuple[str, str], str, str]
 ) -> None:
+    checks, change, line, said = case
     assert change[0] in checks
     text = told(load, checks.replace(*change, 1))
     path = tmp_path / "exercises" / "all_kinds" / "exercise.toml"
@@ -185,27 +183,19 @@ def test_all_mistakes_are_told_at_once(load: Callable[..., Exercise]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("more", "head", "line", "said"),
+    "case",
     [
         (HINTS, HEAD.replace("{points}", "3.0"), "points = 3.0", "the points of the checks are 1 + 1 = 2"),
         (HINTS.replace('"*"', '"adds"'), HEAD, "[[checks]]", "The check 'limits' has no hint"),
-        (
-            HINTS + '[[sentences]]\nid = "one"\ntext = "One."\n',
-            HEAD,
-            "[[checks]]",
-            "The check 'adds' proves no sentence",
-        ),
-        (
-            HINTS + '[[sentences]]\nid = "other"\ntext = "One."\n',
-            HEAD,
-            "[[sentences]]",
-            "No check proves the sentence 'other'",
-        ),
+        (f"{HINTS}{SENTENCE}", HEAD, "[[checks]]", "The check 'adds' proves no sentence"),
+        (f"{HINTS}{SENTENCE}", HEAD, "[[sentences]]", "No check proves the sentence 'one'"),
     ],
+    ids=["points", "hint", "check without a sentence", "sentence without a check"],
 )
 def test_parts_that_do_not_agree_are_told(
-    load: Callable[..., Exercise], tmp_path: Path, more: str, head: str, line: str, said: str
+    load: Callable[..., Exercise], tmp_path: Path, case: tuple[str, str, str, str]
 ) -> None:
+    more, head, line, said = case
     text = told(load, ADDS + LIMITS, more=more, head=head)
     lines = (tmp_path / "exercises" / "all_kinds" / "exercise.toml").read_text().splitlines()
     number = next(int(found[1]) for found in re.finditer(r"line (\d+): ([^\n]*)", text) if said in found[2])
@@ -263,9 +253,7 @@ CHECKS = (more,)
 
 
 @pytest.mark.parametrize(("points", "fits"), [("1.0", True), ("2.0", False)])
-def test_the_points_of_python_checks_count_as_well(
-    load: Callable[..., Exercise], tmp_path: Path, points: str, fits: bool
-) -> None:
+def test_the_points_of_python_checks_count_as_well(tmp_path: Path, points: str, fits: bool) -> None:
     path = written(tmp_path / "other", ADDS)  # to know where the file goes
     folder = tmp_path / "exercises" / "all_kinds"
     folder.mkdir(parents=True)
