@@ -51,7 +51,7 @@ class Lines:
         return found[number].line if number < len(found) else self.of_key(name)
 
     def within(self, name: str, number: int, key: str, *words: str) -> int:
-        """The line of a key in `[[name]]`, or within its value the first line with some words, at least the first of them.
+        """The line of a key in `[[name]]`, or within its value the first line with some words, at least with the first.
 
         Args:
             name: of the table.
