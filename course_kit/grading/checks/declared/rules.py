@@ -48,7 +48,7 @@ def problems(table: Record, types: Mapping[str, str]) -> Iterator[tuple[str, str
     if table["kind"] == "parameter_acts":
         yield from _of_acting(table, types)
     for key in ("messages", "requests", "goals"):
-        if key in table and len(list(inputs.drawn(as_list(table[key]), 0, ""))) > inputs.MOST:
+        if key in table and sum(map(inputs.count_of, as_list(table[key]))) > inputs.MOST:
             yield f"'{key}' makes more than {inputs.MOST} of them.", key
 
 
