@@ -81,7 +81,7 @@ def _class_of(starter: str) -> str:
 
 
 def _cell(name: str, kind: str, source: str) -> dict[str, Any]:
-    more = {"execution_count": None, "outputs": []} if kind == "code" else {}
+    more: dict[str, Any] = {"execution_count": None, "outputs": []} if kind == "code" else {}
     return {"cell_type": kind, "id": name, "metadata": {}, **more, "source": source.splitlines(keepends=True)}
 
 
