@@ -69,6 +69,8 @@ class Exercise:
         sentences: its task, sentence by sentence.
         declared: the checks that its exercise.toml declares.
         variables: environment variables that a submission is started with, for these.
+        practice: whether it counts for nothing: a drill.
+        symptom: of a drill, what somebody who uses its program sees.
     """
 
     folder: Path
@@ -90,6 +92,8 @@ class Exercise:
     sentences: tuple[Sentence, ...] = ()
     declared: tuple[Declaration, ...] = ()
     variables: Mapping[str, str] = field(default_factory=dict)
+    practice: bool = False
+    symptom: str = ""
 
     @property
     def interfaces(self) -> str:
@@ -226,6 +230,9 @@ def _parse(table: Record, folder: Path) -> Exercise:
     if seed is not None and not isinstance(seed, int):
         raise ValueError("'seed' is not a whole number")
     limits = Limits.from_mapping(table.get("limits", {}))
+    practice = table.get("practice", False)
+    if not isinstance(practice, bool):
+        raise ValueError("'practice' is neither true nor false")  # noqa: TRY004 - a file's mistakes are all of one kind
     return Exercise(
         folder=folder,
         order=int(table["order"]),
@@ -238,6 +245,8 @@ def _parse(table: Record, folder: Path) -> Exercise:
         solution=_solution(table, folder),
         grader=_grader(table, folder),
         sentences=sentences.read(table.get("sentences", [])),
+        practice=practice,
+        symptom=str(table.get("symptom", "")),
         **goal,
         **texts,
     )

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 VARIABLE = "COURSE_EXERCISES"
 GROUP = "course_kit.exercises"
 TOML = "exercise.toml"
+DRILLS = "drills"  # a folder of exercises for practice, in the course's own folder of exercises
 INTERFACES = "interfaces"  # in an exercise's folder: package/kind/Name.kind
 _OPTION = "--exercises"
 
@@ -56,12 +57,13 @@ def course_folder() -> Path | None:
 def is_added(folder: Path) -> bool:
     """Whether an exercise's folder is none of the course's own."""
     own = course_folder()
-    return own is None or folder.parent != own
+    return own is None or folder.parent not in (own, own / DRILLS)
 
 
 def within(folder: Path) -> dict[str, tuple[Path, ...]]:
-    """The exercises in one folder, by their ids."""
-    return {toml.parent.name: (toml.parent,) for toml in sorted(folder.glob(f"*/{TOML}"))}
+    """The exercises in one folder, and the drills in it, by their ids."""
+    tomls = (*sorted(folder.glob(f"*/{TOML}")), *sorted(folder.glob(f"{DRILLS}/*/{TOML}")))
+    return {toml.parent.name: (toml.parent,) for toml in tomls}
 
 
 def find() -> FoundExercises:

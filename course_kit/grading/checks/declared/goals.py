@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.declared.around import made
 from course_kit.grading.checks.declared.explaining import Exchanged, explained
 from course_kit.grading.checks.declared.messages import Tolerance, differences, plain, shown, shown_part, worked_out
+from course_kit.grading.checks.declared.services import require_not_before
 from course_kit.grading.checks.declared.starting import action_of
 from course_kit.grading.checks.goals import SUCCEEDED, CheckedGoal, Ended
 from course_kit.grading.diagnosis import goals
@@ -34,12 +36,14 @@ def goal_succeeds(context: CheckContext, check: Declaration, around: Around) -> 
     tolerance, exchanges = Tolerance.of(check.keys.get("tolerance")), []
     cases = around.cases(check, context.job.seed)
     for number, case in enumerate(cases):
+        began = time.monotonic()
         goal = send(context, check, case.fields)
         wait_for_acceptance(context, check, goal, [one.fields for one in cases[number + 1 :]] if number == 0 else None)
         message = plain(made(_goal_type(check), case.fields, "the goal"))
         expected = {} if case.expected is None else case.expected
         wanted = worked_out(expected, {"goal": message, **around.oracle(check, number)})
         ended = succeed(context, check, goal, wanted)
+        require_not_before(check, time.monotonic() - began, Evidence(goal.shown, REACHED))
         exchanges.append(Exchanged(message, wanted, ended.result))
     for one in exchanges:
         if next(differences(one.wanted, plain(one.got), tolerance), None) is not None:

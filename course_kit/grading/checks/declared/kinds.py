@@ -104,7 +104,7 @@ KINDS: dict[str, Kind] = {
     "node_name": Kind("the node has its name", {"node": Key(TEXT, required=True)}),
     "answers": Kind(
         "a service answers these requests in this way",
-        _exchange("request", "response", within_s=Key(NUMBER), clients=Key(COUNT)),
+        _exchange("request", "response", within_s=Key(NUMBER), not_before_s=Key(NUMBER), clients=Key(COUNT)),
         endpoints=("service",),
         sends="request",
         receives="response",
@@ -163,7 +163,7 @@ KINDS: dict[str, Kind] = {
     ),
     "goal_succeeds": Kind(
         "goals are accepted and end SUCCEEDED",
-        {**_exchange("goal", "result", within_s=Key(NUMBER)), "expect": Key(EXPECT, "result")},
+        {**_exchange("goal", "result", within_s=Key(NUMBER), not_before_s=Key(NUMBER)), "expect": Key(EXPECT, "result")},
         endpoints=("action",),
         sends="goal",
         receives="result",
