@@ -5,7 +5,9 @@ appears anywhere.
 
 The program runs. Repair what is wrong with it:
 
-- .
+- Topics. The program listens to the slider, which publishes `std_msgs/msg/Float64` on `/brightness`, and publishes
+  `/lamp` (`std_msgs/msg/Bool`).
+- The lamp. For each brightness comes one message on `/lamp`: whether it is above 0.5.
 """
 
 import rclpy

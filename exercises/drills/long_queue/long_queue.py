@@ -5,7 +5,10 @@ half.
 
 The program runs. Repair what is wrong with it:
 
-- .
+- Names. The program offers the service `/weigh` (`example_interfaces/srv/AddTwoInts`).
+- The weight. It answers with `a + b`.
+- Half a second. The scale needs half a second: no answer comes sooner than 0.4 s after its request.
+- Together. Five clients that ask together all have their answers within 1.5 s.
 """
 
 import time

@@ -4,7 +4,11 @@ The arm rejects a goal while it paints. Send two goals quickly, one after the ot
 
 The program runs. Repair what is wrong with it:
 
-- .
+- Names. The program offers the action `/paint` (`example_interfaces/action/Fibonacci`).
+- Painting. A goal plans for a second, makes `order` strokes, and succeeds with their numbers in `sequence`: 0, 1, 2,
+  ...
+- One arm. From the moment one goal is accepted until it has ended, every other goal is rejected.
+- And then. After that the next one is accepted.
 """
 
 import time
