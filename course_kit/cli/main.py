@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import added_exercises, autograde, streams
+from course_kit.cli import added_exercises, autograde, drills_command, streams
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,6 +77,8 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     listing = verbs.add_parser("list", help="show the exercises and your results")
     listing.add_argument("--format", choices=("text", "json"), default="text")
     listing.set_defaults(run=_list)
+
+    drills_command.add_to(verbs)
 
     hint = verbs.add_parser("hint", help="give one more hint for what failed last")
     hint.add_argument("exercise", help="the exercise's id")

@@ -155,17 +155,18 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
     """Read one exercise.
 
     Args:
-        exercise_id: its id.
+        exercise_id: its id, or a drill's.
         folder: see `find`.
 
     Raises:
         GradingError: there is none of this id, or more than one, or its exercise.toml has a mistake.
     """
     found = find(folder)
-    places = found.folders.get(exercise_id, ())
+    drills = exercise_folders.drills(folder)
+    places = found.folders.get(exercise_id, ()) or drills.get(exercise_id, ())
     if not places:
         known = sorted(found.folders)
-        guess = did_you_mean(exercise_id, known)
+        guess = did_you_mean(exercise_id, [*known, *sorted(drills)])
         there_are = f"There is no exercise '{exercise_id}'.{guess} There are: {', '.join(known) or 'none'}."
         raise GradingError(" ".join((there_are, *found.problems)))
     if exercise_id in found.doubles:

@@ -61,9 +61,20 @@ def is_added(folder: Path) -> bool:
 
 
 def within(folder: Path) -> dict[str, tuple[Path, ...]]:
-    """The exercises in one folder, and the drills in it, by their ids."""
-    tomls = (*sorted(folder.glob(f"*/{TOML}")), *sorted(folder.glob(f"{DRILLS}/*/{TOML}")))
-    return {toml.parent.name: (toml.parent,) for toml in tomls}
+    """The exercises in one folder, by their ids."""
+    return {toml.parent.name: (toml.parent,) for toml in sorted(folder.glob(f"*/{TOML}"))}
+
+
+def drills(folder: Path | None = None) -> dict[str, tuple[Path, ...]]:
+    """The drills of the course, or of another folder of exercises, by their ids: found only when asked for."""
+    own = course_folder() if folder is None else folder
+    return {} if own is None else within(own / DRILLS)
+
+
+def place(folder: Path) -> Path:
+    """Where an exercise lies in a folder of exercises: under its id, or among the drills."""
+    own = course_folder()
+    return Path(DRILLS, folder.name) if own is not None and folder.parent == own / DRILLS else Path(folder.name)
 
 
 def find() -> FoundExercises:

@@ -163,7 +163,10 @@ KINDS: dict[str, Kind] = {
     ),
     "goal_succeeds": Kind(
         "goals are accepted and end SUCCEEDED",
-        {**_exchange("goal", "result", within_s=Key(NUMBER), not_before_s=Key(NUMBER)), "expect": Key(EXPECT, "result")},
+        {
+            **_exchange("goal", "result", within_s=Key(NUMBER), not_before_s=Key(NUMBER)),
+            "expect": Key(EXPECT, "result"),
+        },
         endpoints=("action",),
         sends="goal",
         receives="result",
