@@ -43,6 +43,7 @@ class Task:
         shown: what the report calls it.
         seed: what the checks draw their random values from.
         hidden: folders the submission must not see, wherever they lie: what others have handed in, and their results.
+        first_failure: stop at the first failed check; the report has no more than those run by then.
     """
 
     exercise: Exercise
@@ -50,6 +51,7 @@ class Task:
     shown: str
     seed: int
     hidden: tuple[str, ...] = ()
+    first_failure: bool = False
 
 
 def grade(  # noqa: PLR0913 - the options of one verb
@@ -131,7 +133,8 @@ def grade_task(task: Task, worker: Worker | None = None, *, require_isolation: b
     Raises:
         GradingError: a broken installation, a lack of isolation, or the worker ended.
     """
-    job = replace(_job(task.exercise, task.text, task.seed, None), hidden=task.hidden)
+    job = _job(task.exercise, task.text, task.seed, None)
+    job = replace(job, hidden=task.hidden, first_failure=task.first_failure)
     with Worker() if worker is None else nullcontext(worker) as used:
         return _grade(task.exercise, job, task.shown, used, require_isolation)
 
