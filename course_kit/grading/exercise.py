@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.grading import sentences
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
 from course_kit.grading.limits import Limits
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.plain_data import Record
+    from course_kit.grading.sentences import Sentence
 
 FORMAT_VERSION = 1
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
@@ -59,6 +61,7 @@ class Exercise:
         limits: what a submission may use.
         hints: the ladder, from a nudge to a push.
         diagnoses: by code, those that it words in its own way or links elsewhere.
+        sentences: its task, sentence by sentence.
     """
 
     folder: Path
@@ -76,6 +79,7 @@ class Exercise:
     limits: Limits
     hints: tuple[Hint, ...]
     diagnoses: Mapping[str, Diagnosis]
+    sentences: tuple[Sentence, ...] = ()
 
     def ladder(self, topic: str) -> tuple[str, ...]:
         """The hints for a check or a diagnosis, from a nudge to a push; empty when there are none."""
@@ -161,6 +165,7 @@ def _parse(table: Record, folder: Path) -> Exercise:
         hints=hints,
         diagnoses=diagnoses,
         seed=seed,
+        sentences=sentences.read(table.get("sentences", [])),
         **goal,
         **texts,
     )

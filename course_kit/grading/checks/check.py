@@ -62,6 +62,7 @@ class Check:
         depends_on: ids of checks without which it makes no sense; it is skipped unless they passed.
         deadline_s: seconds for all its waiting together.
         run: the function.
+        proves: ids of the sentences of the task that it proves; they stand in the exercise's exercise.toml.
     """
 
     id: str
@@ -70,10 +71,15 @@ class Check:
     depends_on: tuple[str, ...]
     deadline_s: float
     run: Callable[[CheckContext], Evidence]
+    proves: tuple[str, ...] = ()
 
 
 def check(
-    *, points: float, depends_on: Sequence[str] = (), deadline_s: float = DEFAULT_DEADLINE_S
+    *,
+    points: float,
+    depends_on: Sequence[str] = (),
+    deadline_s: float = DEFAULT_DEADLINE_S,
+    proves: Sequence[str] = (),
 ) -> Callable[[Callable[[CheckContext], Evidence]], Check]:
     """Decorator that makes a function a `Check`.
 
@@ -81,6 +87,7 @@ def check(
         points: what it is worth.
         depends_on: checks without which it cannot pass.
         deadline_s: seconds for all its waiting together.
+        proves: ids of the sentences of the task that it proves.
 
     Raises:
         ValueError: the function has no docstring, or is worth nothing.
@@ -92,7 +99,7 @@ def check(
             raise ValueError(f"the check {function.__name__} needs a docstring: its first line is shown as the title")
         if points <= 0:
             raise ValueError(f"the check {function.__name__} needs points above 0")
-        return Check(function.__name__, title, float(points), tuple(depends_on), deadline_s, function)
+        return Check(function.__name__, title, float(points), tuple(depends_on), deadline_s, function, tuple(proves))
 
     return declare
 

@@ -111,3 +111,13 @@ def test_declaration_needs_a_title_and_points() -> None:
     silent.__doc__ = "Title."
     with pytest.raises(ValueError, match="points"):
         check(points=0)(silent)
+
+
+def test_declared_check_names_the_sentences_it_proves() -> None:
+    @check(points=1.0, proves=["answers", "in_time"])
+    def answers(context: Any) -> Evidence:
+        """It answers."""
+        del context
+        return Evidence()
+
+    assert answers.proves == ("answers", "in_time")
