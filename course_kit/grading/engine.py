@@ -263,6 +263,7 @@ def _check(task: Exercise, result: Record) -> CheckReport:
     more = {
         "message": catalogue.complete(result["message"], found),
         "steps": tuple(Arrow(**step) for step in result["steps"]),
+        "proves": tuple(result["proves"]),
     }
     return CheckReport(
         **{**result, **more},

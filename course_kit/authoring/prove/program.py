@@ -111,7 +111,9 @@ class Program:
 
     def function(self, node: ast.AST) -> Function | None:
         """The function that a node stands in."""
-        return next((one for one in self.around(node) if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef))), None)
+        return next(
+            (one for one in self.around(node) if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef))), None
+        )
 
     @cached_property
     def methods(self) -> dict[str, Function]:
@@ -185,7 +187,7 @@ class Program:
             and node not in self.out_of_sight
             and (node not in inside_texts or isinstance(node, ast.JoinedStr))
         ]
-        yield from sorted(found, key=lambda node: (_line(node), node.col_offset))  # type: ignore[attr-defined]
+        yield from sorted(found, key=lambda node: (_line(node), getattr(node, "col_offset", 0)))
 
     def replace(self, node: ast.AST, text: str) -> Edit:
         """A node replaced; the further lines of `text` are set under the first one."""
@@ -213,13 +215,33 @@ class Program:
         _, end = self.span(statement)
         return Edit(end, end, f"\n{textwrap.indent(text, self.indent(statement))}")
 
+    def without(self, call: ast.Call, argument: ast.expr | ast.keyword) -> Edit:
+        """An argument of a call taken out, with the comma that belongs to it."""
+        given = sorted([*call.args, *call.keywords], key=lambda one: (one.lineno, one.col_offset))
+        place = given.index(argument)
+        start, end = self.span(argument)
+        if place + 1 < len(given):
+            end = self.span(given[place + 1])[0]
+        elif place:
+            start = self.span(given[place - 1])[1]
+        return Edit(start, end, "")
+
+    def with_keyword(self, call: ast.Call, text: str) -> Edit:
+        """A keyword added to a call: `name=value`."""
+        _, end = self.span(call)
+        before = self.source[: end - 1].rstrip()
+        start = len(before)
+        return Edit(start, start, text if before.endswith("(") else f" {text}" if before.endswith(",") else f", {text}")
+
     def imported(self, module: str) -> tuple[Edit, ...]:
         """What makes a module known by its name, where the program has not imported it yet."""
         for node in self.tree.body:
             if isinstance(node, ast.Import) and any(alias.name == module and not alias.asname for alias in node.names):
                 return ()
         first = next(
-            node for node in self.tree.body if not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
+            node
+            for node in self.tree.body
+            if not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
             and not (isinstance(node, ast.ImportFrom) and node.module == "__future__")
         )
         return (self.before(first, f"import {module}"),)

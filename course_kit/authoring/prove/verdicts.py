@@ -190,10 +190,18 @@ class ProgramGrader(Closing):
                     under_way[self._executor.submit(self._task(following))] = following
             done, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
             for future in done:
-                request, verdict = under_way.pop(future), _verdict(future.result())
+                request, verdict = under_way.pop(future), verdict_of(future.result())
                 if not verdict.problem:
                     self._store.put(request, verdict)
                 yield request, verdict
+
+    def report(self, request: Request) -> Report:
+        """Grade one program, and wait for its report.
+
+        Raises:
+            GradingError: it cannot be read.
+        """
+        return self._executor.submit(self._task(request)).result()
 
     def _task(self, request: Request) -> Task:
         path = Path(self._folder.name) / f"{self._exercise.id}.py"
@@ -206,7 +214,8 @@ class ProgramGrader(Closing):
         return Task(self._exercise, text, request.name, request.seed, first_failure=request.first_failure)
 
 
-def _verdict(report: Report) -> Verdict:
+def verdict_of(report: Report) -> Verdict:
+    """What a report comes to."""
     failed = [check for check in report.checks if check.status == "failed"]
     return Verdict(
         full_marks=report.status == "graded" and report.score >= report.max_score - _TINY,

@@ -58,7 +58,8 @@ def endpoint_names(program: Program) -> Iterator[Change]:
     for call, kind in _endpoints(program):
         name = _name_argument(call, kind)
         if name is not None:
-            for other in (f"{name.value}s", f"~/{str(name.value).lstrip('/')}"):
+            written = str(name.value)
+            for other in (f"{written}s", f"~/{written.lstrip('/')}"):
                 yield Change("endpoint's name", name.lineno, (program.replace(name, repr(other)),))
 
 
@@ -73,8 +74,8 @@ def endpoint_types(program: Program) -> Iterator[Change]:
     for call, _ in _endpoints(program):
         other = _FALLBACK.get(program.name_of(call), "")
         place = 1 if program.name_of(call).startswith("Action") else 0
-        if other and len(call.args) > place:
-            module, _, name = other.rpartition(".")
+        module, _, name = other.rpartition(".")
+        if other and len(call.args) > place and program.text(call.args[place]) != name:
             imported = f'__import__("{module}", fromlist=["*"]).{name}'
             yield Change("another type", call.lineno, (program.replace(call.args[place], imported),))
 
@@ -91,9 +92,8 @@ def quality_of_service(program: Program) -> Iterator[Change]:
                 yield Change("quality of service", given[0].lineno, (program.replace(given[0], qos), *rclpy))
         elif kind == "service" and not any(keyword.arg == "qos_profile" for keyword in call.keywords):
             for qos in _SERVICE_QOS:
-                keywords = [*call.keywords, ast.keyword("qos_profile", ast.parse(qos, mode="eval").body)]
-                changed = ast.Call(call.func, call.args, keywords)
-                yield Change("quality of service", call.lineno, (program.swap(call, changed), *rclpy))
+                edit = program.with_keyword(call, f"qos_profile={qos}")
+                yield Change("quality of service", call.lineno, (edit, *rclpy))
 
 
 def destroyed(program: Program) -> Iterator[Change]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.program import Change
+from course_kit.authoring.prove.program import Change, Edit
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -85,10 +85,8 @@ def comparisons(program: Program) -> Iterator[Change]:
 def numbers(program: Program) -> Iterator[Change]:
     """Another number: one more, one less, 0, the other sign, slightly off."""
     for node in program.nodes():
-        if not isinstance(node, ast.Constant) or isinstance(node.value, bool):
-            continue
-        value = node.value
-        if not isinstance(value, (int, float)):
+        value = _number(node)
+        if value is None or _number(program.parents[node]) is not None:  # -1.0 is changed as a whole
             continue
         others: list[int | float] = [value + 1, value - 1, -value, type(value)(0)]
         if isinstance(value, float):
@@ -96,7 +94,18 @@ def numbers(program: Program) -> Iterator[Change]:
         for other in dict.fromkeys(others):
             if other != value:
                 name = "number slightly off" if other in others[4:] else "another number"
-                yield _swapped(program, name, node, ast.Constant(round(other, 9) if isinstance(other, float) else other))
+                new = ast.parse(repr(round(other, 9)), mode="eval").body
+                yield _swapped(program, name, node, new)  # type: ignore[arg-type]  # a number is an expression
+
+
+def _number(node: ast.AST) -> int | float | None:
+    """The number that stands there, with its sign; None where there is none."""
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        value = _number(node.operand)
+        return None if value is None else -value
+    if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)) and not isinstance(node.value, bool):
+        return node.value
+    return None
 
 
 def texts(program: Program) -> Iterator[Change]:
@@ -137,10 +146,14 @@ def names(program: Program) -> Iterator[Change]:
                 yield _swapped(program, "another field", node, ast.Attribute(node.value, other, node.ctx))
         elif isinstance(node, ast.Name) and node.id in _MIXED_UP:
             yield _swapped(program, "another function", node, ast.Name(_MIXED_UP[node.id]))
-        elif isinstance(node, ast.Call) and len(node.args) > 1 and program.name_of(node) not in _SYMMETRIC:
-            if not any(isinstance(one, ast.Starred) for one in node.args):
-                swapped = [node.args[1], node.args[0], *node.args[2:]]
-                yield _swapped(program, "arguments swapped", node, ast.Call(node.func, swapped, node.keywords))
+        elif isinstance(node, ast.Call) and _can_be_swapped(program, node):
+            swapped = [node.args[1], node.args[0], *node.args[2:]]
+            yield _swapped(program, "arguments swapped", node, ast.Call(node.func, swapped, node.keywords))
+
+
+def _can_be_swapped(program: Program, call: ast.Call) -> bool:
+    plain = not any(isinstance(one, ast.Starred) for one in call.args)
+    return plain and len(call.args) > 1 and program.name_of(call) not in _SYMMETRIC
 
 
 def _swapped(program: Program, operator: str, node: ast.expr, new: ast.expr) -> Change:
@@ -153,7 +166,7 @@ def _formatted(program: Program, node: ast.JoinedStr) -> Iterator[Change]:
     for place, part in enumerate(node.values):
         rest = [*node.values[:place], *node.values[place + 1 :]]
         if isinstance(part, ast.Constant):
-            parts = [*node.values[:place], ast.Constant(f"{part.value}_"), *node.values[place + 1 :]]
+            parts = [*node.values[:place], ast.Constant(f"{part.value!s}_"), *node.values[place + 1 :]]
             yield _swapped(program, "another text", node, ast.JoinedStr(parts))
         elif rest:
             yield _swapped(program, "value left out of a text", node, ast.JoinedStr(rest))
@@ -171,14 +184,12 @@ def _entry(program: Program, node: ast.Dict, place: int) -> Iterator[Change]:
     start, end = program.span(key)[0], program.span(value)[1]
     more = program.source[end:]
     end += len(more) - len(more.lstrip(", \n")) if more.lstrip().startswith(",") else 0
-    from course_kit.authoring.prove.program import Edit
-
     yield Change("entry left out", key.lineno, (Edit(start, end, ""),))
     if not isinstance(value, ast.Tuple):
         return
     for column, part in enumerate(value.elts):
         others = _column(node, column)
-        for other in [one for one in others if one != ast.unparse(part)][: _OTHER_FIELDS]:
+        for other in [one for one in others if one != ast.unparse(part)][:_OTHER_FIELDS]:
             yield Change("another answer", part.lineno, (program.replace(part, other),))
 
 

@@ -151,5 +151,3 @@ def _outermost(program: Program, node: ast.expr) -> ast.expr:
     while isinstance(above, (ast.Attribute, ast.Call)) and getattr(above, "func", node) is node:
         node, above = above, program.parents[above]
     return node
-
-

@@ -58,15 +58,11 @@ def arguments(program: Program) -> Iterator[Change]:
         if call in program.out_of_sight or not _has_place(program, call):
             continue
         for keyword in call.keywords:
-            left = [one for one in call.keywords if one is not keyword]
-            changed = ast.Call(call.func, call.args, left)
-            yield _expression(program, "keyword left out", call, changed, keyword.value.lineno)
+            yield Change("keyword left out", keyword.value.lineno, (program.without(call, keyword),))
         if len(call.args) > 1:
-            shorter = ast.Call(call.func, call.args[:-1], call.keywords)
-            yield _expression(program, "argument left out", call, shorter, call.args[-1].lineno)
+            yield Change("argument left out", call.args[-1].lineno, (program.without(call, call.args[-1]),))
         elif len(call.args) == 1 and not call.keywords and not isinstance(program.parents[call], ast.Expr):
-            if not isinstance(call.args[0], ast.Starred):
-                yield _expression(program, "function left out", call, call.args[0])
+            yield _expression(program, "function left out", call, call.args[0])
 
 
 def _expression(program: Program, operator: str, node: ast.expr, new: ast.expr, line: int = 0) -> Change:
