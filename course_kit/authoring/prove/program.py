@@ -183,11 +183,11 @@ class Program:
         found = [
             node
             for node in ast.walk(self.tree)
-            if hasattr(node, "lineno")
+            if _line(node)
             and node not in self.out_of_sight
             and (node not in inside_texts or isinstance(node, ast.JoinedStr))
         ]
-        yield from sorted(found, key=lambda node: (_line(node), getattr(node, "col_offset", 0)))
+        yield from sorted(found, key=lambda node: (_line(node), int(getattr(node, "col_offset", 0))))
 
     def replace(self, node: ast.AST, text: str) -> Edit:
         """A node replaced; the further lines of `text` are set under the first one."""
@@ -217,7 +217,8 @@ class Program:
 
     def without(self, call: ast.Call, argument: ast.expr | ast.keyword) -> Edit:
         """An argument of a call taken out, with the comma that belongs to it."""
-        given = sorted([*call.args, *call.keywords], key=lambda one: (one.lineno, one.col_offset))
+        given: list[ast.expr | ast.keyword] = [*call.args, *call.keywords]
+        given.sort(key=lambda one: (one.lineno, one.col_offset))
         place = given.index(argument)
         start, end = self.span(argument)
         if place + 1 < len(given):
