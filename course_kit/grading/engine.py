@@ -43,7 +43,7 @@ class Task:
         shown: what the report calls it.
         seed: what the checks draw their random values from.
         hidden: folders the submission must not see, wherever they lie: what others have handed in, and their results.
-        first_failure: stop at the first failed check; the report has no more than those run by then.
+        first_failure: stop at the first failed check that costs points; the report has those that were run by then.
     """
 
     exercise: Exercise

@@ -36,7 +36,7 @@ class Job:
         scratch: the folder for the scratch directory; filled in by the worker.
         user: the number of the user that submissions run as; 0 for the grader's own; filled in by the worker.
         hidden: folders to keep out of the submission's sight, wherever they lie.
-        first_failure: stop at the first failed check, for whoever only asks whether there is one.
+        first_failure: stop at the first failed check that costs points, for whoever only asks whether there is one.
     """
 
     grader: str

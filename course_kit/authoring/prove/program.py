@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 Function = ast.FunctionDef | ast.AsyncFunctionDef
+_WHOLE = (ast.Constant, ast.Name, ast.Attribute, ast.Call, ast.Tuple, ast.List, ast.JoinedStr)  # never in parentheses
 # Calls that are handed a callback, by how the callback's keyword is called where it is given by name.
 _TAKE_CALLBACKS = ("create_", "add_", "ActionServer", "ActionClient", "Timer")
 
@@ -200,6 +201,8 @@ class Program:
     def swap(self, node: ast.expr, new: ast.expr) -> Edit:
         """An expression replaced, in parentheses only where it would be read in another way without them."""
         bare = ast.unparse(new)
+        if isinstance(new, _WHOLE) or not isinstance(self.parents[node], ast.expr):
+            return self.replace(node, bare)
         edits = [self.replace(node, bare), self.replace(node, f"({bare})")]
         trees = [parsed(self.apply([edit])) for edit in edits]
         return edits[0] if trees[0] == trees[1] else edits[1]

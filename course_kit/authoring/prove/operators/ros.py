@@ -46,13 +46,14 @@ def goal_status(program: Program) -> Iterator[Change]:
 
 def messages(program: Program) -> Iterator[Change]:
     """What is published twice, once in all, or seldom."""
-    for call in program.calls():
+    published = [call for call in program.calls() if program.name_of(call) in _MESSAGES]
+    for number, call in enumerate(published, start=1):
         statement = program.parents[call]
-        if program.name_of(call) not in _MESSAGES or not isinstance(statement, ast.Expr):
+        if not isinstance(statement, ast.Expr):
             continue
         text = program.text(statement)
         yield Change("published twice", call.lineno, (program.after(statement, text),))
-        name = f"{program.name_of(call)}_{call.lineno}"
+        name = f"published_{number}"
         owner = _owner(program, call)
         count = f"{owner}.{name} = getattr({owner}, {name!r}, -1) + 1"
         for operator, test in (
