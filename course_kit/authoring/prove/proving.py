@@ -108,17 +108,17 @@ class _Proving:
 
     def with_other_seeds(self, survivors: Sequence[Mutant], verdicts: dict[str, list[Verdict]]) -> None:
         """Grade what has got full marks again, until it does not, or often enough."""
-        answers = bool(self._exercise.variable)
-        left = list(survivors)
-        for number in range(1, (_SEEDS_OF_ANSWERS if answers else _MORE_SEEDS) + 1):
-            if not left or (self._how.quick and time.monotonic() > self._began + _BEGIN_S):
-                return
-            seed = self._how.seed + number
-            requests = [Request(one.key, one.source, seed, first_failure=True) for one in left]
-            found = self.verdicts(f"survivors with seed {seed}", requests, sample=True)
+        left, seed = list(survivors), self._how.seed
+        last = seed + (_SEEDS_OF_ANSWERS if self._exercise.variable else _MORE_SEEDS)
+        at_once = 1
+        while left and seed < last and not (self._how.quick and time.monotonic() > self._began + _BEGIN_S):
+            seeds = range(seed + 1, min(seed + at_once, last) + 1)
+            requests = [Request(one.key, one.source, each, first_failure=True) for each in seeds for one in left]
+            found = self.verdicts("survivors with other seeds", requests, sample=True)
             for request, verdict in found.items():
                 verdicts[request.source].append(verdict)
             left = [one for one in left if all(verdict.full_marks for verdict in verdicts[one.source])]
+            seed, at_once = seeds[-1], 2 * at_once
 
     def under_load(self, right: Mapping[str, str]) -> dict[str, list[Verdict]]:
         """The verdicts on right programs, by name, while every processor is kept busy."""

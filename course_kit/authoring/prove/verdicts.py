@@ -98,8 +98,11 @@ class Store:
         if not resume:
             path.write_text("")
         elif path.exists():
-            for line in path.read_text(encoding="utf-8").splitlines():
+            kept = path.read_text(encoding="utf-8")
+            for line in kept.splitlines():
                 self._take(line)
+            if kept and not kept.endswith("\n"):  # half a line, written as the machine went down
+                path.write_text(f"{kept}\n", encoding="utf-8")
 
     def get(self, request: Request) -> Verdict | None:
         """The verdict on a program, if there is one."""
@@ -122,7 +125,7 @@ class Store:
             key = told.pop("key")
             told["failed"] = tuple(told["failed"])
             self._known[key] = Verdict(**told)
-        except (ValueError, TypeError, KeyError, AttributeError):  # half a line, written as the machine went down
+        except (ValueError, TypeError, KeyError, AttributeError):  # half a line, or of another kit
             return
 
     def _key(self, request: Request) -> str:

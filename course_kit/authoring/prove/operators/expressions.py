@@ -83,19 +83,18 @@ def comparisons(program: Program) -> Iterator[Change]:
 
 
 def numbers(program: Program) -> Iterator[Change]:
-    """Another number: one more, one less, 0, the other sign, slightly off."""
+    """Another number: one more, one less, 0, the other sign, slightly off. One with a sign is changed as a whole."""
     for node in program.nodes():
         value = _number(node)
-        if value is None or _number(program.parents[node]) is not None:  # -1.0 is changed as a whole
+        if value is None or not isinstance(node, ast.expr) or _number(program.parents[node]) is not None:
             continue
-        others: list[int | float] = [value + 1, value - 1, -value, type(value)(0)]
+        others = [("another number", value + 1), ("another number", value - 1)]
+        others += [("another sign", -value), ("zero", type(value)(0))]
         if isinstance(value, float):
-            others += [float(f"{value * (1 + _SLIGHTLY):.9g}"), float(f"{value * (1 - _SLIGHTLY):.9g}")]
-        for other in dict.fromkeys(others):
-            if other != value:
-                name = "number slightly off" if other in others[4:] else "another number"
-                new = ast.parse(repr(round(other, 9)), mode="eval").body
-                yield _swapped(program, name, node, new)  # type: ignore[arg-type]  # a number is an expression
+            others += [("number slightly off", float(f"{value * by:.9g}")) for by in (1 + _SLIGHTLY, 1 - _SLIGHTLY)]
+        for name, other in others:
+            new = ast.parse(repr(round(other, 9)), mode="eval").body
+            yield _swapped(program, name, node, new)
 
 
 def _number(node: ast.AST) -> int | float | None:
