@@ -93,6 +93,12 @@ class Program:
         start, end = self.span(node)
         return self.source[start:end]
 
+    def statement_text(self, statement: ast.stmt) -> str:
+        """A statement as it is written, its further lines moved to the left as far as the first one."""
+        first, *more = self.text(statement).split("\n")
+        indent = self.indent(statement)
+        return "\n".join([first, *(line.removeprefix(indent) for line in more)])
+
     def indent(self, node: ast.AST) -> str:
         """What stands before the first statement on the line where a statement begins."""
         line = self.lines[_line(node) - 1]
@@ -158,7 +164,7 @@ class Program:
     def out_of_sight(self) -> set[ast.AST]:
         """Nodes in which nothing can go wrong that is worth grading.
 
-        Docstrings, annotations, the guard around `main()`, and the words of what is only printed or logged.
+        Docstrings, annotations, the guard around `main()`, and what is only printed or logged.
         """
         found: set[ast.AST] = set()
         for node in ast.walk(self.tree):
@@ -172,8 +178,8 @@ class Program:
                 found.add(node.annotation)
             elif isinstance(node, ast.If) and "__name__" in ast.dump(node.test):
                 found.add(node.test)
-            elif isinstance(node, ast.Call) and is_told(node):
-                found |= {*node.args, *node.keywords}
+            elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and is_told(node.value):
+                found.add(node)
         return {inside for node in found for inside in ast.walk(node)}
 
     def nodes(self) -> Iterator[ast.AST]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import textwrap
 from typing import TYPE_CHECKING
 
 from course_kit.authoring.prove.program import Change
@@ -51,7 +52,7 @@ def messages(program: Program) -> Iterator[Change]:
         statement = program.parents[call]
         if not isinstance(statement, ast.Expr):
             continue
-        text = program.text(statement)
+        text = program.statement_text(statement)
         yield Change("published twice", call.lineno, (program.after(statement, text),))
         name = f"published_{number}"
         owner = _owner(program, call)
@@ -60,7 +61,7 @@ def messages(program: Program) -> Iterator[Change]:
             ("published once", f"{owner}.{name} == 0"),
             ("published seldom", f"{owner}.{name} % {_SELDOM} == 0"),
         ):
-            changed = f"{count}\nif {test}:\n    {text}"
+            changed = f"{count}\nif {test}:\n{textwrap.indent(text, '    ')}"
             yield Change(operator, call.lineno, (program.replace(statement, changed),))
 
 
