@@ -105,7 +105,12 @@ def _grade(pool: gradings.Gradings, chosen: Sequence[Corpus], runs: Sequence[Run
     for run in runs:
         for one in chosen:
             seed = run.seed if one.task.seed is None else None
-            begun.update({pool.begin(each, seed): (run, each) for each in _longest_first(one)})
+            begun.update(
+                {
+                    pool.begin(each, seed if each.seed is None else each.seed): (run, each)
+                    for each in _longest_first(one)
+                }
+            )
     for number, future in enumerate(as_completed(begun), start=1):
         run, submission = begun[future]
         try:

@@ -35,6 +35,8 @@ class ProofSubmission:
         changes: what a slip replaces by what.
         failed: the checks a slip fails, each with its diagnosis, None where none is established.
         says: a fact that the messages of a slip's failed checks name.
+        breaks: the ids of the sentences of the task that it does not keep.
+        seed: what the checks draw from for it; as everywhere in this run when None.
     """
 
     exercise: str
@@ -44,6 +46,8 @@ class ProofSubmission:
     changes: tuple[tuple[str, str], ...] = ()
     failed: frozenset[tuple[str, str | None]] = frozenset()
     says: str = ""
+    breaks: tuple[str, ...] = ()
+    seed: int | None = None
 
     def text(self) -> str:
         """The program to grade.
@@ -93,23 +97,35 @@ def load(exercise_id: str, root: Path) -> Corpus:
     solution = root / "solutions" / task.id / f"{task.id}.py"
     if solution.is_file():
         found.append(ProofSubmission(task.id, "solution", solution.name, solution))
+    slips, breaks = _slips(task.id, tests, solution)
     for kind, folder in (("variant", tests / "grading" / "correct"), ("broken", tests / "broken")):
         paths = sorted((folder / task.id).glob("*.py"))
-        found += [ProofSubmission(task.id, kind, path.stem, path) for path in paths]
-    found += _slips(task.id, tests, solution)
+        found += [
+            ProofSubmission(
+                task.id, kind, path.stem, path, breaks=breaks.pop(path.stem, ()) if kind == "broken" else ()
+            )
+            for path in paths
+        ]
+    if breaks:
+        raise GradingError(
+            f"tests/broken/{task.id} has no {next(iter(breaks))}.py, though [broken] says what it breaks."
+        )
+    found += slips
     for one in found:
         if one.changes:
             one.text()
     return Corpus(task, tuple(found))
 
 
-def _slips(exercise_id: str, tests: Path, solution: Path) -> list[ProofSubmission]:
+def _slips(exercise_id: str, tests: Path, solution: Path) -> tuple[list[ProofSubmission], dict[str, tuple[str, ...]]]:
+    """The slips, and by the names of broken programs the sentences that those do not keep: the table `broken`."""
     path = tests / "slips" / f"{exercise_id}.toml"
     if not path.is_file():
-        return []
+        return [], {}
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
-        return [_slip(exercise_id, name, entry, tests, solution) for name, entry in table.items()]
+        breaks = {name: tuple(ids) for name, ids in table.pop("broken", {}).items()}
+        return [_slip(exercise_id, name, entry, tests, solution) for name, entry in table.items()], breaks
     except (ValueError, KeyError, TypeError) as problem:
         what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
         raise GradingError(f"{path} cannot be used: {what}.") from problem
@@ -125,4 +141,6 @@ def _slip(exercise_id: str, name: str, entry: dict[str, Any], tests: Path, solut
         changes=tuple((change["old"], change["new"]) for change in entry["changes"]),
         failed=frozenset((check, code or None) for check, code in entry["failed"].items()),
         says=entry.get("says", ""),
+        breaks=tuple(entry.get("breaks", ())),
+        seed=entry.get("seed"),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.authoring import styles
+from course_kit.authoring import sentences, styles
 from course_kit.grading import exit_code
 from course_kit.grading.diagnosis import catalogue
 
@@ -119,6 +119,12 @@ def checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmissi
     yield from (f"no submission makes the check '{check}' fail." for check in known if check not in red)
 
 
+def told(sets: Corpus, reports: Reports) -> Iterator[str]:
+    """Each sentence of the task is tested, and each test is told: see `sentences`."""
+    yield from sentences.faults(sets.task, sentences.checks_of(sets.task))
+    yield from sentences.unproven(sets, reports)
+
+
 RULES: Mapping[str, Callable[[Corpus, Reports], Iterator[str | tuple[ProofSubmission, str]]]] = {
     "starter": starter,
     "solution": solution,
@@ -126,6 +132,7 @@ RULES: Mapping[str, Callable[[Corpus, Reports], Iterator[str | tuple[ProofSubmis
     "broken": broken,
     "slips": slips,
     "checks": checks,
+    "sentences": told,
 }
 
 
