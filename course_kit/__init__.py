@@ -13,11 +13,14 @@ if TYPE_CHECKING:
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
     """Called by `%load_ext course_kit`."""
+    import os
     import sys
 
     from course_kit import environment
+    from course_kit.grading import exercise_folders
     from course_kit.integrations import grade_magics, magics
     from course_kit.integrations.hint_magic import hint_line
+    from course_kit.interfaces.sources import PATH_VARIABLE
     from course_kit.ros2cli.magic import ros2_line
 
     magics.register(shell)
@@ -25,6 +28,8 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     shell.register_magic_function(hint_line, "line", "hint")
     shell.register_magic_function(ros2_line, "line", "ros2")
     environment.put_scripts_first()  # !ros2, %%bash and subprocess find the programs of this Python
+    if path := exercise_folders.interface_path():  # of exercises that bring types of their own
+        os.environ[PATH_VARIABLE] = path
     environment.apply()  # before rclpy is imported; grading works also where this finds no ROS domain
     if told := environment.middleware.unsupported():
         sys.stderr.write(f"{told}\n")

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import exercise
+from course_kit.authoring import carried_exercises
+from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def gradescope(exercise_id: str, target: Path, seed: int | None = None) -> Path:
         GradingError: there is no such exercise, the file is there already, or this is not the course's folder.
         OSError: it cannot be written.
     """
-    files = [*_scripts(exercise_id, seed, "gradescope", "setup.sh", "run_autograder"), *_kit(prefix=f"{_KIT}/")]
+    files = [*_scripts(exercise_id, seed, "gradescope", "setup.sh", "run_autograder"), *_kit(exercise_id)]
     return _write(target, _zipped(files))
 
 
@@ -65,7 +66,7 @@ def classroom50(exercise_id: str, target: Path, seed: int | None = None) -> Path
         OSError: it cannot be written.
     """
     scripts = list(_scripts(exercise_id, seed, "classroom50", "autograder.py"))
-    kit = _zipped(list(_kit(prefix=f"{_KIT}/")))
+    kit = _zipped(list(_kit(exercise_id)))
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise GradingError(f"{target} is there already. Name a new folder.")
     for name, content, _ in scripts:
@@ -83,15 +84,17 @@ def _scripts(exercise_id: str, seed: int | None, platform: str, *names: str) -> 
         yield name, filled_in.encode(), _EXECUTABLE
 
 
-def _kit(prefix: str) -> Iterator[tuple[str, bytes, int]]:
-    """Name, content and mode of each file of the kit that grading needs.
+def _kit(exercise_id: str) -> Iterator[tuple[str, bytes, int]]:
+    """Name, content and mode of each file of the kit that grading an exercise needs.
 
     Raises:
         GradingError: this is not the course's folder.
     """
+    prefix = f"{_KIT}/"
     root = environment.checkout()
     if root is None:
         raise GradingError("An autograder is made from the course's folder. Run ./course export there.")
+    yield from _exercise(exercise_id, prefix)
     for part in _PARTS:
         top = root / part
         for path in sorted(top.rglob("*")) if top.is_dir() else [top]:
@@ -99,6 +102,19 @@ def _kit(prefix: str) -> Iterator[tuple[str, bytes, int]]:
             if path.is_file() and not _NOT_THESE & set(inside.parts) and path.suffix not in _NOT_SUCH:
                 mode = _EXECUTABLE if path.stat().st_mode & 0o100 else _ORDINARY
                 yield f"{prefix}{inside.as_posix()}", path.read_bytes(), mode
+
+
+def _exercise(exercise_id: str, prefix: str) -> Iterator[tuple[str, bytes, int]]:
+    """Of an exercise of another folder its files, which are not among those of the kit."""
+    task = exercise.load(exercise_id)
+    if not exercise_folders.is_added(task.folder):
+        return
+    found = carried_exercises.files(task)
+    if carried_exercises.asks_its_solution(task):
+        inside = task.solution.relative_to(task.folder).as_posix()
+        found[f"{carried_exercises.FOLDER}/{task.id}/{inside}"] = task.solution
+    for name, path in found.items():
+        yield f"{prefix}{name}", path.read_bytes(), _ORDINARY
 
 
 def _zipped(files: list[tuple[str, bytes, int]]) -> bytes:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.authoring import course_files, parts
+from course_kit.authoring import carried_exercises, course_files, parts
 from course_kit.authoring.parts import Owner
 from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
@@ -45,6 +45,9 @@ class EditionPlan:
         changed: what goes in, or would, and differs from the last commit.
         git: why git could not be asked; empty where it answered.
         of_exercises: the files of exercises that are left out.
+        added: the exercises of other folders that go in, and where they lie.
+        asking: exercises of other folders left out, because their checks ask the solution.
+        solutions: by exercise the file of its solution.
     """
 
     files: dict[str, Path] = field(default_factory=dict)
@@ -59,6 +62,9 @@ class EditionPlan:
     changed: list[str] = field(default_factory=list)
     git: str = ""
     of_exercises: list[str] = field(default_factory=list)
+    added: dict[str, Path] = field(default_factory=dict)
+    asking: list[str] = field(default_factory=list)
+    solutions: dict[str, Path] = field(default_factory=dict)
 
     @property
     def left_out(self) -> list[str]:
@@ -100,7 +106,8 @@ class _Planner:
                 of_exercises.setdefault(exercise_id, []).append(name)
             else:
                 self._put_known(name)
-        _require_all(without, of_exercises)
+        added = carried_exercises.added()
+        _require_all(without, {*of_exercises, *added})
         for exercise_id, names in of_exercises.items():
             if exercise_id in without:
                 self._leave_out(exercise_id, names, self._made.unwanted)
@@ -108,6 +115,8 @@ class _Planner:
                 self._put_exercise(exercise.load(exercise_id, self._root / _EXERCISES), names)
             else:
                 self._put_no_exercise(names)
+        for exercise_id in added:
+            self._put_added(exercise_id, is_wanted=exercise_id not in without)
         self._made.files["README.md"] = README
         self._made.changed = sorted(name for name in self._found.changed if self._parts.owner(name) is Owner.STUDENTS)
         return self._made
@@ -143,6 +152,7 @@ class _Planner:
             self._leave_out(task.id, names, self._made.without_starter)
             return
         self._made.exercises.append(task.id)
+        self._made.solutions[task.id] = task.solution
         self._put(toml)
         for name, pristine in starters.items():
             self._put(pristine)
@@ -155,6 +165,23 @@ class _Planner:
         for name in names:
             if name not in self._made.files:
                 self._put_known(name)
+
+    def _put_added(self, exercise_id: str, *, is_wanted: bool) -> None:
+        """An exercise of another folder, whose starter there is what students get."""
+        if not is_wanted:
+            self._made.unwanted.append(exercise_id)
+            return
+        task = exercise.load(exercise_id)
+        if carried_exercises.asks_its_solution(task):
+            self._made.asking.append(exercise_id)
+            return
+        self._made.exercises.append(exercise_id)
+        self._made.added[exercise_id] = task.folder
+        self._made.solutions[exercise_id] = task.solution
+        self._made.files.update(carried_exercises.files(task))
+        for name in (task.starter, task.notebook):
+            self._made.files[f"{_STARTERS}/{exercise_id}/{name}{PRISTINE}"] = task.folder / name
+        self._made.of_exercises += carried_exercises.left_behind(task)
 
     def _put_grader(self, task: Exercise) -> None:
         """An exercise that git does not know brings its module of checks, which git may not know either."""

@@ -75,24 +75,23 @@ class EditionProof:
     duration_s: float
 
 
-def prove(edition: Path, exercises: Sequence[str], solutions: Path, watcher: ProofWatcher) -> EditionProof:
+def prove(edition: Path, solutions: Mapping[str, Path], watcher: ProofWatcher) -> EditionProof:
     """Grade every program in a student edition.
 
     Args:
         edition: its folder.
-        exercises: the ids of its exercises.
-        solutions: the folder with their solutions, which say what to look for; it need not be there.
+        solutions: by the ids of its exercises their solutions, which say what to look for; they need not be there.
         watcher: told how it goes.
 
     Raises:
         GradingError: something cannot be graded here, so that nothing is proven.
     """
     began = time.monotonic()
-    tasks = {name: exercise.load(name, edition / "exercises") for name in exercises}
+    tasks = {name: exercise.load(name, edition / "exercises") for name in solutions}
     for task in tasks.values():
         needs.require(task.limits)
     starters = {name: _starters(task) for name, task in tasks.items()}
-    wanted = [ExerciseClues(task, starters[name][0].source, _solution(task, solutions)) for name, task in tasks.items()]
+    wanted = [ExerciseClues(task, starters[name][0].source, _solution(solutions[name])) for name, task in tasks.items()]
     known = {one.program for pair in starters.values() for one in pair}
     found = [one for one in edition_programs.find(edition, wanted) if one.program not in known]
     watcher.begin(len({one.program for one in found}))
@@ -153,9 +152,9 @@ def _read(reader: Reader, file: Path, task: Exercise) -> Submission:
         return reader.read(copy, task)
 
 
-def _solution(task: Exercise, solutions: Path) -> str:
+def _solution(path: Path) -> str:
     try:
-        return (solutions / task.id / f"{task.id}.py").read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except (OSError, ValueError):
         return ""
 

@@ -96,7 +96,7 @@ def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan
     with tempfile.TemporaryDirectory(prefix=".release-", dir=target.parent) as workshop:
         built = Path(workshop) / NAME
         build(planned, built)
-        proven = proof.prove(built, planned.exercises, root / "solutions", release_text.ProofProgress(sys.stderr))
+        proven = proof.prove(built, planned.solutions, release_text.ProofProgress(sys.stderr))
         if proven.findings:
             raise AnswersFoundError(release_text.answers_found(proven))
         if _is_zip(target):

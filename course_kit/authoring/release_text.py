@@ -56,7 +56,6 @@ def made(path: Path, planned: EditionPlan, proven: EditionProof) -> str:
 
 
 def _lines(planned: EditionPlan, proven: EditionProof) -> Iterator[str]:
-    command = environment.command()
     yield (
         f"It holds {_count(len(planned.files), 'file')} and {_count(len(planned.exercises), 'exercise')}: "
         f"{', '.join(planned.exercises) or 'none'}."
@@ -64,20 +63,7 @@ def _lines(planned: EditionPlan, proven: EditionProof) -> Iterator[str]:
     graded = f"{_count(proven.programs, 'program')} found in it {'was' if proven.programs == 1 else 'were'} graded"
     yield f"{graded} in {proven.duration_s:.0f} s: none scores more than its exercise's starter."
     yield f"Left out: {_by_folder(planned.instructors)}."
-    if planned.unwanted:
-        yield f"Left out, as you asked: {', '.join(planned.unwanted)}."
-    if planned.without_starter:
-        pristine = f".venv/bin/python -m course_kit.authoring.pristine {' '.join(planned.without_starter)}"
-        yield (
-            f"Exercises left out, because no copy of their starters is kept: {_named(planned.without_starter)}. "
-            f"To put them in, see that exercises/ holds the starter and not its solution, then run {pristine}"
-        )
-    if planned.new_exercises:
-        without = " ".join(f"--without {name}" for name in planned.new_exercises)
-        yield (
-            f"Put in, although git does not know them: {', '.join(planned.new_exercises)}. "
-            f"To leave them out: {command} release TARGET {without}"
-        )
+    yield from _of_exercises(planned)
     if planned.untracked:
         yield f"Left out, because git does not know them: {_named(planned.untracked)}. To put them in: git add FILE"
     if planned.undecided:
@@ -91,6 +77,30 @@ def _lines(planned: EditionPlan, proven: EditionProof) -> Iterator[str]:
         yield f"Differ from the last commit: {_named(planned.changed)}."
     if planned.git:
         yield f"Git could not be asked ({planned.git}): all files on the list went in, and no changes are known."
+
+
+def _of_exercises(planned: EditionPlan) -> Iterator[str]:
+    if planned.unwanted:
+        yield f"Left out, as you asked: {', '.join(planned.unwanted)}."
+    for name, folder in planned.added.items():
+        yield f"Put in from another folder: {name} ({folder})."
+    if planned.asking:
+        yield (
+            f"Exercises left out, because checks of theirs ask the solution, which students do not get: "
+            f"{', '.join(planned.asking)}. Write what is expected as an expression instead of `oracle`."
+        )
+    if planned.without_starter:
+        pristine = f".venv/bin/python -m course_kit.authoring.pristine {' '.join(planned.without_starter)}"
+        yield (
+            f"Exercises left out, because no copy of their starters is kept: {_named(planned.without_starter)}. "
+            f"To put them in, see that exercises/ holds the starter and not its solution, then run {pristine}"
+        )
+    if planned.new_exercises:
+        without = " ".join(f"--without {name}" for name in planned.new_exercises)
+        yield (
+            f"Put in, although git does not know them: {', '.join(planned.new_exercises)}. "
+            f"To leave them out: {environment.command()} release TARGET {without}"
+        )
 
 
 def answers_found(proven: EditionProof) -> str:

@@ -7,13 +7,12 @@ and moves the results of what is gone to `superseded`.
 
 from __future__ import annotations
 
-import json
 import secrets
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom import submissions
+from course_kit.classroom import run_note, submissions
 from course_kit.classroom.concurrency import early
 from course_kit.classroom.gradebook import Gradebook
 from course_kit.classroom.grading_loop import GradingLoop
@@ -21,11 +20,9 @@ from course_kit.classroom.intake import collecting, roster, table
 from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart, require_submissions
 from course_kit.classroom.records import Records
 from course_kit.classroom.rules import instructor
-from course_kit.environment import remove_half_written, write_atomically
-from course_kit.grading import exercise
+from course_kit.environment import remove_half_written
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader, ReadingStoppedError
-from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -37,9 +34,6 @@ if TYPE_CHECKING:
     from course_kit.classroom.rules.seeds import Seeds
     from course_kit.classroom.submissions import Handed
     from course_kit.grading.exercise import Exercise
-
-RUN_FILE = "run.json"
-FORMAT_VERSION = 1
 
 
 @dataclass(frozen=True)
@@ -107,7 +101,7 @@ class ClassRun:
         table.write(self.intake, plan.out)
         require_submissions(self.intake, plan.sources, plan.exercises)
         self._require_everybody_known()
-        self._note_run()
+        run_note.write(plan, self.seed)
         self._loop = GradingLoop(self._records, watcher, stops, hidden_folders(plan))
         self._kept: list[Record] = []
         self.gone: list[str] = []
@@ -149,7 +143,7 @@ class ClassRun:
     def _choose_seed(self) -> int:
         """The run's seed: that of the earlier run when it is gone on with."""
         asked = self._plan.seed
-        before = _seed_of_run(self._plan.out / RUN_FILE)
+        before = run_note.seed_of(self._plan.out)
         if not self._plan.resume and (before is not None or any(self._records)):
             raise GradingError(
                 f"{self._plan.out} holds the results of an earlier run. Add --resume to continue it, or name "
@@ -178,18 +172,6 @@ class ClassRun:
         if self._plan.seeds is not None:
             names = {name for _, name in absent}
             self._plan.seeds.require_for(self.intake.entries, students | names)
-
-    def _note_run(self) -> None:
-        listed = self._plan.roster.path if self._plan.roster else None
-        noted = {
-            "format_version": FORMAT_VERSION,
-            "seed": self.seed,
-            "sources": [str(source.resolve()) for source in self._plan.sources],
-            "roster": str(listed.resolve()) if listed else None,
-            "layout": self._plan.layout,
-            "exercises": [one.id for one in self._plan.exercises],
-        }
-        write_atomically(self._plan.out / RUN_FILE, f"{encodable(json.dumps(noted))}\n")
 
     def _take_away_what_is_gone(self) -> None:
         """Results of submissions that are not in the inbox any more count no longer; nor does what a crash has left."""
@@ -260,29 +242,21 @@ def hidden_folders(plan: Plan) -> tuple[str, ...]:
 
 
 def plan_of(out: Path) -> Plan:
-    """The plan of the run that has written into a folder, to go on with; see `ClassRun._note_run`.
+    """The plan of the run that has written into a folder, to go on with; see `run_note`.
 
     Raises:
         GradingError: there was none, or its exercises are not here any more.
     """
     try:
-        noted = json.loads((out / RUN_FILE).read_text(encoding="utf-8"))
+        noted = run_note.read(out)
         source, *more = (Path(one) for one in noted["sources"])
         layout, ids = str(noted["layout"]), [str(one) for one in noted["exercises"]]
         listed = Path(noted["roster"]) if noted["roster"] else None
-    except (OSError, ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError):
         raise GradingError(
             f"{out} does not hold the results of a class run, or of one by an earlier version of the course kit. Name "
             "the folder that you gave as --out; with an earlier version run course-kit class with --resume once."
         ) from None
-    exercises = tuple(exercise.load(one) for one in ids)
+    exercises = tuple(run_note.exercise_of(out, one) for one in ids)
     everybody = roster.read(listed) if listed else None
     return Plan(source, out, exercises, layout=layout, resume=True, more=tuple(more), roster=everybody)
-
-
-def _seed_of_run(path: Path) -> int | None:
-    """The seed an earlier run has noted; None if there was none."""
-    try:
-        return int(json.loads(path.read_text(encoding="utf-8"))["seed"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return None

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from course_kit.classroom import run_note
 from course_kit.classroom.gradebook import Gradebook
 from course_kit.classroom.records import Records
-from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ def gradebook(out: Path) -> Gradebook:
     if not records:
         raise GradingError(f"{out} holds no results of a class. Name the folder that --out named.")
     found = sorted(
-        (exercise.load(one) for one in {record.entry.exercise for record in records}), key=lambda one: one.order
+        (run_note.exercise_of(out, one) for one in {record.entry.exercise for record in records}),
+        key=lambda one: one.order,
     )
     return Gradebook(tuple(found), records)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _DISTRIBUTION = "ros2-course-kit"
 _DIGITS = 12  # hexadecimal
 _SOURCES = (".py", ".toml")
+_SOURCES_BESIDE = (*_SOURCES, ".msg", ".srv", ".action")
 _SHARED = ("course_kit.grading", "course_kit.ros", "course_kit.environment", "course_kit.text")  # in `kit`, or no rules
 
 
@@ -36,7 +37,7 @@ def of(exercise: Exercise) -> dict[str, str]:
     return {
         "kit": f"{version}+{_fingerprint(kit)}",
         "exercise": _fingerprint([exercise.folder / "exercise.toml"]),
-        "grader": _fingerprint(_grader_sources(exercise.grader)),
+        "grader": _fingerprint(_sources_of(exercise)),
     }
 
 
@@ -46,6 +47,15 @@ def _fingerprint(paths: Iterable[Path]) -> str:
         digest.update(f"{path.name}\0".encode(errors="surrogateescape"))
         digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()[:_DIGITS]
+
+
+def _sources_of(exercise: Exercise) -> list[Path]:
+    """The files of an exercise's grader; one in the exercise's folder may use all that lies there, the solution too."""
+    if exercise.grader and not Path(exercise.grader).is_absolute():
+        return _grader_sources(exercise.grader)
+    apart = {exercise.folder / exercise.starter, exercise.folder / "proof"}
+    found = (path for path in exercise.folder.rglob("*") if path.suffix in _SOURCES_BESIDE and path.is_file())
+    return sorted(path for path in found if not apart & {path, *path.parents})
 
 
 def _grader_sources(module: str) -> list[Path]:

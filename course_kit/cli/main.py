@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import autograde, streams
+from course_kit.cli import added_exercises, autograde, streams
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -63,6 +63,7 @@ def build_parser() -> argparse.ArgumentParser:
 
     doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
     doctor.set_defaults(run=_doctor)
+    added_exercises.describe_in(parser)
     return parser
 
 
@@ -112,14 +113,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         streams.read_names_as_utf_8()
     parser = build_parser()
     arguments = spelled_out(sys.argv[1:] if arguments is None else arguments)
-    options, others = parser.parse_known_args(arguments)
+    folders, words = added_exercises.taken_out(arguments)
+    options, others = parser.parse_known_args(words)
     if others and "others" not in options:
         parser.error(f"unrecognized arguments: {' '.join(others)}")
     options.others = others
     options.arguments = list(arguments)
     streams.speak_to_any_terminal()
     try:
-        code = int(options.run(options))
+        if (code := _add_exercises(folders)) == 0:
+            code = int(options.run(options))
         sys.stdout.flush()
         return code  # noqa: TRY300 - no more can go wrong
     except environment.DomainError as problem:
@@ -130,6 +133,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output has gone, as in `course-kit doctor | head`
         sys.stderr.close()
         return 0
+
+
+def _add_exercises(folders: Sequence[str]) -> int:
+    """Add the folders that `--exercises` names; 2 where that cannot be done."""
+    if not folders:
+        return 0
+    from course_kit.grading import GradingError, exercise_folders
+
+    try:
+        for sentence in exercise_folders.add(folders):
+            _tell(sentence)
+    except GradingError as problem:
+        return _cannot(problem)
+    return 0
 
 
 def spelled_out(arguments: Sequence[str]) -> Sequence[str]:

@@ -6,12 +6,12 @@ import secrets
 import shlex
 import time
 from contextlib import ExitStack, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import bounds, exercise, needs, submission
+from course_kit.grading import bounds, exercise, exercise_folders, needs, submission
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
 from course_kit.grading.job import Job
@@ -134,7 +134,7 @@ def grade_task(task: Task, worker: Worker | None = None, *, require_isolation: b
         GradingError: a broken installation, a lack of isolation, or the worker ended.
     """
     job = _job(task.exercise, task.text, task.seed, None)
-    job = replace(job, hidden=task.hidden, first_failure=task.first_failure)
+    job = replace(job, hidden=(*job.hidden, *task.hidden), first_failure=task.first_failure)
     with Worker() if worker is None else nullcontext(worker) as used:
         return _grade(task.exercise, job, task.shown, used, require_isolation)
 
@@ -180,8 +180,30 @@ def _domain() -> int:
         raise GradingError(str(problem)) from None
 
 
+def attach_job(task: Exercise, seed: int) -> Job:
+    """The job of grading the node that runs on the ROS graph of this environment.
+
+    Args:
+        task: the exercise.
+        seed: what the checks draw from.
+    """
+    return Job(
+        task.grader,
+        "attach",
+        "",
+        seed,
+        class_name=task.class_name,
+        variable=task.variable,
+        limits=task.limits,
+        hidden=tuple(dict.fromkeys((str(task.folder.resolve()), *exercise_folders.hidden()))),
+        interfaces=task.interfaces,
+        points=task.points,
+        declared=tuple(asdict(one) for one in task.declared),
+    )
+
+
 def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
-    job = Job(task.grader, "attach", "", seed, class_name=task.class_name, variable=task.variable, limits=task.limits)
+    job = attach_job(task, seed)
     if text is not None:
         return replace(
             job,

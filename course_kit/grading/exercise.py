@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from course_kit import environment
-from course_kit.grading import sentences
+from course_kit.grading import exercise_folders, sentences
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
+from course_kit.grading.exercise_folders import FoundExercises
 from course_kit.grading.limits import Limits
 from course_kit.ros.names import did_you_mean
 
@@ -22,15 +23,17 @@ else:
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
+    from course_kit.grading.checks.declared.declaration import Declaration
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.plain_data import Record
     from course_kit.grading.sentences import Sentence
 
 FORMAT_VERSION = 1
+_CHECKS = "checks"
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
-_TEXTS = ("id", "title", "starter", "notebook", "grader")
+_TEXTS = ("id", "title", "starter", "notebook")
+_OWN_MODULE = ".py"  # what the name of a grader ends in that lies in the exercise's folder
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,9 @@ class Exercise:
         pass_mark: the points from which it is passed.
         starter: the file name of the starter program.
         notebook: the file name of its notebook.
-        grader: the module with its checks.
+        solution: the file with its solution, which may be missing, as in a student edition.
+        grader: what checks it, see `workers.grader_module`: a module's name, or the path of a file in its folder; empty
+            when all checks are declared.
         class_name: the Node class a submission defines.
         variable: what a submission sets instead, in exercises without ROS.
         seed: what the checks draw from when nobody gives a seed; drawn itself when None.
@@ -62,6 +67,7 @@ class Exercise:
         hints: the ladder, from a nudge to a push.
         diagnoses: by code, those that it words in its own way or links elsewhere.
         sentences: its task, sentence by sentence.
+        declared: the checks that its exercise.toml declares.
     """
 
     folder: Path
@@ -72,6 +78,7 @@ class Exercise:
     pass_mark: float
     starter: str
     notebook: str
+    solution: Path
     grader: str
     class_name: str
     variable: str
@@ -80,6 +87,13 @@ class Exercise:
     hints: tuple[Hint, ...]
     diagnoses: Mapping[str, Diagnosis]
     sentences: tuple[Sentence, ...] = ()
+    declared: tuple[Declaration, ...] = ()
+
+    @property
+    def interfaces(self) -> str:
+        """The folder with the interfaces it brings, laid out package/kind/Name.kind; empty when it brings none."""
+        folder = self.folder.absolute() / exercise_folders.INTERFACES
+        return str(folder) if folder.is_dir() else ""
 
     def ladder(self, topic: str) -> tuple[str, ...]:
         """The hints for a check or a diagnosis, from a nudge to a push; empty when there are none."""
@@ -96,20 +110,39 @@ def exercises_folder() -> Path:
     Raises:
         GradingError: this installation has none.
     """
-    root = environment.checkout()
-    if root is None or not (root / "exercises").is_dir():
+    folder = exercise_folders.course_folder()
+    if folder is None:
         raise GradingError("There is no exercises folder here. Run this from a clone of the course.")
-    return root / "exercises"
+    return folder
+
+
+def find(folder: Path | None = None) -> FoundExercises:
+    """Where the exercises lie.
+
+    Args:
+        folder: the folder of exercises; when None the course's own, and all that were added.
+
+    Raises:
+        GradingError: there is none, as in an installation without the course's folder.
+    """
+    if folder is not None:
+        return FoundExercises(exercise_folders.within(folder))
+    found = exercise_folders.find()
+    if not found.folders and not found.problems:
+        exercises_folder()
+    return found
 
 
 def ids(folder: Path | None = None) -> list[str]:
     """The ids of all exercises, in the alphabet's order.
 
+    Args:
+        folder: see `find`.
+
     Raises:
         GradingError: this installation has none.
     """
-    folder = exercises_folder() if folder is None else folder
-    return sorted(path.parent.name for path in folder.glob("*/exercise.toml"))
+    return sorted(find(folder).folders)
 
 
 def load(exercise_id: str, folder: Path | None = None) -> Exercise:
@@ -117,22 +150,57 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
 
     Args:
         exercise_id: its id.
-        folder: the folder of exercises, the course's own when None.
+        folder: see `find`.
 
     Raises:
-        GradingError: there is none of this id, or its exercise.toml has a mistake.
+        GradingError: there is none of this id, or more than one, or its exercise.toml has a mistake.
     """
-    folder = exercises_folder() if folder is None else folder
-    known = ids(folder)
-    if exercise_id not in known:
+    found = find(folder)
+    places = found.folders.get(exercise_id, ())
+    if not places:
+        known = sorted(found.folders)
         guess = did_you_mean(exercise_id, known)
-        raise GradingError(f"There is no exercise '{exercise_id}'.{guess} There are: {', '.join(known) or 'none'}.")
-    path = folder / exercise_id / "exercise.toml"
+        there_are = f"There is no exercise '{exercise_id}'.{guess} There are: {', '.join(known) or 'none'}."
+        raise GradingError(" ".join((there_are, *found.problems)))
+    if exercise_id in found.doubles:
+        raise GradingError(found.doubles[exercise_id])
+    return read(places[0])
+
+
+def read(folder: Path) -> Exercise:
+    """Read the exercise in a folder.
+
+    Raises:
+        GradingError: its exercise.toml cannot be read, or has a mistake.
+    """
+    text, table = _read(folder)
     try:
-        return _parse(tomllib.loads(path.read_text(encoding="utf-8")), path.parent)
-    except (OSError, ValueError, KeyError, TypeError) as problem:
-        what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
-        raise GradingError(f"{path} cannot be used: {what}.") from problem
+        found = _parse(table, folder)
+    except (ValueError, KeyError, TypeError) as problem:
+        raise _unusable(folder, problem) from problem
+    return _with_declared(found, text, table) if _CHECKS in table or Path(found.grader).is_absolute() else found
+
+
+def table_of(folder: Path) -> Record:
+    """All that stands in the exercise.toml of a folder.
+
+    Raises:
+        GradingError: it cannot be read, or is no TOML.
+    """
+    return _read(folder)[1]
+
+
+def _read(folder: Path) -> tuple[str, Record]:
+    try:
+        text = (folder / exercise_folders.TOML).read_text(encoding="utf-8")
+        return text, tomllib.loads(text)
+    except (OSError, ValueError) as problem:
+        raise _unusable(folder, problem) from problem
+
+
+def _unusable(folder: Path, problem: Exception) -> GradingError:
+    what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
+    return GradingError(f"{folder / exercise_folders.TOML} cannot be used: {what}.")
 
 
 def _parse(table: Record, folder: Path) -> Exercise:
@@ -148,8 +216,8 @@ def _parse(table: Record, folder: Path) -> Exercise:
         raise ValueError(f"the pass mark {pass_mark:g} is not between 0 and {points:g} points")
     hints = tuple(Hint(tuple(hint["for"]), str(hint["text"])) for hint in table.get("hints", []))
     diagnoses = _diagnoses(table.get("diagnoses", {}))
-    texts = {name: table[name] for name in _TEXTS}
-    goal = {name: str(table.get(name, "")) for name in ("class_name", "variable")}
+    texts: dict[str, Any] = {name: table[name] for name in _TEXTS}
+    goal: dict[str, Any] = {name: str(table.get(name, "")) for name in ("class_name", "variable")}
     if bool(goal["class_name"]) == bool(goal["variable"]):
         raise ValueError("it needs either a 'class_name' or a 'variable'")
     seed = table.get("seed")
@@ -165,10 +233,50 @@ def _parse(table: Record, folder: Path) -> Exercise:
         hints=hints,
         diagnoses=diagnoses,
         seed=seed,
+        solution=_solution(table, folder),
+        grader=_grader(table, folder),
         sentences=sentences.read(table.get("sentences", [])),
         **goal,
         **texts,
     )
+
+
+def _grader(table: Record, folder: Path) -> str:
+    """What checks it beside what is declared: a module, or a file of its folder."""
+    grader = table.get("grader", "") if _CHECKS in table else table["grader"]
+    if grader == "" and _CHECKS in table:
+        return ""
+    if not isinstance(grader, str) or not grader:
+        raise ValueError("'grader' is not a text")
+    if not grader.endswith(_OWN_MODULE):
+        return grader
+    if not (folder / grader).is_file():
+        raise ValueError(f"the grader {grader} is not there")
+    if not (folder / grader).resolve().is_relative_to(folder.resolve()):
+        raise ValueError(f"the grader {grader} lies outside of the exercise's folder")
+    return str(folder.absolute() / grader)
+
+
+def _solution(table: Record, folder: Path) -> Path:
+    """Where the solution lies: the course's own beside all exercises, in a folder that a release leaves out."""
+    named = table.get("solution")
+    if named is None:
+        return folder.parent.parent / "solutions" / folder.name / str(table["starter"])
+    if not isinstance(named, str) or not named:
+        raise ValueError("'solution' is not a text")
+    return folder / named
+
+
+def _with_declared(task: Exercise, text: str, table: Record) -> Exercise:
+    """The exercise with the checks that its exercise.toml declares.
+
+    Raises:
+        GradingError: they have mistakes, or do not agree with the rest.
+    """
+    from course_kit.grading.checks.declared import loading  # only for exercises that declare checks
+
+    path = task.folder / exercise_folders.TOML
+    return replace(task, declared=loading.load(text, table, path))
 
 
 def _diagnoses(tables: object) -> dict[str, Diagnosis]:

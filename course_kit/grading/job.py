@@ -16,7 +16,7 @@ class Job:
     """One grading.
 
     Attributes:
-        grader: the module with the exercise's checks.
+        grader: what checks it beside what is declared, see `workers.grader_module`; empty when all is declared.
         mode: "run" for source text, "exec" for a command, "attach" for what is already on the graph.
         name: the submission's file name as it appears in tracebacks.
         source: Python text.
@@ -37,6 +37,11 @@ class Job:
         user: the number of the user that submissions run as; 0 for the grader's own; filled in by the worker.
         hidden: folders to keep out of the submission's sight, wherever they lie.
         first_failure: stop at the first failed check that costs points, for whoever only asks whether there is one.
+        interfaces: the folder with the interfaces that the exercise brings, which the submission sees; empty for none.
+        points: the exercise's full marks, which its checks have to add up to; 0 when nobody asks.
+        declared: the checks that the exercise declares in its exercise.toml; see `checks.declared.declaration`.
+        variables: environment variables that the submission is started with.
+        solution: the text of the exercise's solution, where it is asked as an oracle; no submission ever sees it.
     """
 
     grader: str
@@ -55,10 +60,15 @@ class Job:
     limits: Limits = field(default_factory=Limits)
     isolation: Isolation = field(default_factory=Isolation)
     hidden: tuple[str, ...] = ()
+    interfaces: str = ""
+    points: float = 0.0
     user: int = 0
     priority: int = 0
     scratch: str = ""
     first_failure: bool = False
+    declared: tuple[Record, ...] = ()
+    variables: Record = field(default_factory=dict)
+    solution: str = ""
 
     @property
     def start_cpu_s(self) -> float:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from course_kit.grading import Report
 
 NBGRADER = "NBGRADER_EXECUTION"  # set by it for the kernels it starts
-USAGE = "Use it as %grade EXERCISE, for example %grade temperature_service, or %grade EXERCISE FILE [--seed N]."
+USAGE = "Use it as %grade EXERCISE, or %grade EXERCISE FILE [--seed N]."
 
 
 class Card:
@@ -98,7 +98,7 @@ class GradeMagics(Magics):
         """Run the cell as usual, and keep it for `%grade`: `%%submission EXERCISE`."""
         exercise = line.strip()
         if not exercise:
-            complain("Name the exercise: %%submission temperature_service")
+            complain(f"Name the exercise: %%submission EXERCISE. {the_exercises()}")
             return
         try:
             require(exercise)
@@ -121,7 +121,7 @@ class GradeMagics(Magics):
         try:
             exercise, file, seed = parse(line)
         except ValueError:
-            complain(USAGE)
+            complain(f"{USAGE} {the_exercises()}")
             return
         from course_kit import grading
         from course_kit.learner import progress
@@ -227,6 +227,16 @@ def require(exercise: str) -> None:
     from course_kit.grading.exercise import load
 
     load(exercise)
+
+
+def the_exercises() -> str:
+    """A sentence that names the exercises there are."""
+    from course_kit.grading.exercise import ids
+
+    try:
+        return f"There are: {', '.join(ids())}."
+    except GradingError as problem:
+        return str(problem)
 
 
 def complain(sentence: str) -> None:

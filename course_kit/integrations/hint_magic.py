@@ -6,10 +6,9 @@ import shlex
 import sys
 
 from course_kit.grading.errors import GradingError
+from course_kit.integrations.grade_magics import the_exercises
 
-USAGE = (
-    "Use it as %hint EXERCISE, for example %hint temperature_service. --again repeats those you have already seen.\n"
-)
+USAGE = "Use it as %hint EXERCISE. --again repeats those you have already seen."
 
 
 def hint_line(line: str) -> None:
@@ -23,7 +22,7 @@ def hint_line(line: str) -> None:
     again = "--again" in words
     names = [word for word in words if word != "--again"]
     if len(names) != 1 or names[0].startswith("-"):
-        sys.stderr.write(USAGE)
+        sys.stderr.write(f"{USAGE} {the_exercises()}\n")
         return
     try:
         text, trouble = hints.hint(names[0], "%hint", again=again)

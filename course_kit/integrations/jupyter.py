@@ -7,7 +7,9 @@ import sys
 from typing import TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.grading import exercise_folders
 from course_kit.integrations import jupyter_folders, terminals
+from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.learner import workspace
 from course_kit.text.console import cannot, tell
 
@@ -50,7 +52,7 @@ def serve(root: Path, first: str, arguments: Sequence[str], **variables: str) ->
     """
     try:
         as_root = root_arguments(arguments, os.geteuid(), environment.sign_of_container())
-        environ = environment.child_environment(**{**_folders(), **terminals.variables(), **variables})
+        environ = environment.child_environment(**{**_folders(), **_interfaces(), **terminals.variables(), **variables})
     except (LabStartError, environment.DomainError) as problem:
         return cannot(problem)
     tell(environment.middleware.unsupported())
@@ -103,6 +105,12 @@ def _own_folder(root: Path) -> Path:
     workspace.make_copy(root, target)
     tell(f"{root} is read-only for you, so JupyterLab opens your copy: {target}. Your changes there are kept.")
     return target
+
+
+def _interfaces() -> dict[str, str]:
+    """The variable by which programs in terminals find the types that exercises bring, where any do."""
+    path = exercise_folders.interface_path()
+    return {PATH_VARIABLE: path} if path else {}
 
 
 def _folders() -> dict[str, str]:

@@ -103,15 +103,15 @@ def case_file(exercise: str, seed: int | None = None) -> str:
 
 def _checks(exercise: str, seed: int | None) -> Sequence[Check]:
     """The checks in the order they are run."""
+    from course_kit.grading import engine
     from course_kit.grading.checks.check import in_order
     from course_kit.grading.exercise import load
-    from course_kit.grading.job import Job
-    from course_kit.grading.workers import grader_process
+    from course_kit.grading.workers import grader_module
 
     task = load(exercise)
     drawn = seed if seed is not None else task.seed or 0
-    job = Job(task.grader, "attach", "", drawn, limits=task.limits)
-    return in_order(grader_process.checks_of(grader_process.load(task.grader), job))
+    job = engine.attach_job(task, drawn)
+    return in_order(grader_module.checks_of(grader_module.load_for(job), job))
 
 
 def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -30,6 +30,12 @@ def folders() -> Iterator[str]:
         yield saved
 
 
+def path_with(*first: str) -> str:
+    """COURSE_KIT_INTERFACE_PATH with some folders before those that it names."""
+    named = os.environ.get(PATH_VARIABLE, "").split(os.pathsep)
+    return os.pathsep.join(dict.fromkeys(folder for folder in (*first, *named) if folder))
+
+
 def saved_folder() -> str | None:
     """Where definitions are saved for other processes of this checkout, None where nothing can be written.
 

@@ -58,9 +58,10 @@ def rows(folder: Path | None = None) -> tuple[list[Row], list[str]]:
         GradingError: this installation has no exercises.
     """
     records, trouble = progress.read_or_tell()
-    loaded = [_load(name, folder) for name in exercise.ids(folder)]
+    found_folders = exercise.find(folder)
+    loaded = [_load(name, folder) for name in sorted(found_folders.folders)]
     found = [Row(task, records.get(task.id, progress.ProgressRecord())) for task in loaded if not isinstance(task, str)]
-    told = [trouble, *(problem for problem in loaded if isinstance(problem, str))]
+    told = [trouble, *(problem for problem in loaded if isinstance(problem, str)), *found_folders.problems]
     return sorted(found, key=lambda row: (row.task.order, row.task.id)), [sentence for sentence in told if sentence]
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import exercise
+from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 from course_kit.learner import progress, workspace
 from course_kit.learner.workspace import PRISTINE, STARTERS, shown
@@ -69,19 +69,33 @@ def changed(task: Exercise, place: Path | None = None) -> list[Return]:
     """
     found = []
     for name, file in _files(task, task.folder if place is None else place).items():
-        pristine = STARTERS / task.id / f"{name}{PRISTINE}"
-        if not pristine.is_file():
-            raise GradingError(
-                f"The course kit has no copy of the starter {name}. The author of the exercise makes one with: "
-                "python -m course_kit.authoring.pristine"
-            )
-        content = pristine.read_bytes()
+        content = _pristine(task, name)
         try:
             if not file.exists() or file.read_bytes() != content:
                 found.append(Return(file, content))
         except OSError as problem:
             raise GradingError(f"{file} cannot be read: {problem.strerror}. Nothing was changed.") from None
     return found
+
+
+def _pristine(task: Exercise, name: str) -> bytes:
+    """A starter as it is given out: the course's own from the kit, others from their exercise's folder.
+
+    Raises:
+        GradingError: there is none.
+    """
+    if exercise_folders.is_added(task.folder) and not (STARTERS / task.id).is_dir():
+        try:
+            return (task.folder / name).read_bytes()
+        except OSError as problem:
+            raise GradingError(f"The starter {task.folder / name} cannot be read: {problem.strerror}.") from None
+    pristine = STARTERS / task.id / f"{name}{PRISTINE}"
+    if not pristine.is_file():
+        raise GradingError(
+            f"The course kit has no copy of the starter {name}. The author of the exercise makes one with: "
+            "python -m course_kit.authoring.pristine"
+        )
+    return pristine.read_bytes()
 
 
 def _files(task: Exercise, place: Path) -> dict[str, Path]:
@@ -180,7 +194,7 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | 
         GradingError: there is none here, or it could not be written.
     """
     task = exercise.load(exercise_id, folder)
-    source = task.folder.parent.parent / "solutions" / task.id / task.starter
+    source = task.solution
     if not source.is_file():
         raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
     records, trouble = progress.read_or_tell()

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.grading import exercise_folders
 from course_kit.grading.errors import GradingError
 from course_kit.text.console import cannot
 
@@ -102,7 +103,8 @@ def exercise_folder(task: Exercise) -> Path | None:
     """
     course = task.folder
     here = _working_folder()
-    if here is None or here.is_relative_to(course.parent.parent):
+    around = course if exercise_folders.is_added(course) else course.parent.parent
+    if here is None or here.is_relative_to(around):
         found = None  # within the course: another folder there may hold a file of this name that is no starter
     else:
         found = next((folder for folder in _places(here, task.id) if _has_one(folder, task)), None)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.authoring.prove import equivalent
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from course_kit.grading.exercise import Exercise
 
 
@@ -30,15 +31,6 @@ class ProofPlaces:
 
 def of(exercise: Exercise) -> ProofPlaces:
     """The files of an exercise; its declarations lie in its own proof set, or else beside its solution."""
-    solution = _solution(exercise)
-    own = solution.is_relative_to(exercise.folder)
-    declared = (exercise.folder / "proof" if own else solution.parent) / equivalent.FILE
-    return ProofPlaces(solution, declared, environment.state_dir() / "prove" / f"{exercise.id}.jsonl")
-
-
-def _solution(exercise: Exercise) -> Path:
-    named = getattr(exercise, "solution", None)
-    if isinstance(named, Path):
-        return named
-    root = environment.checkout() or exercise.folder.parent.parent
-    return root / "solutions" / exercise.id / f"{exercise.id}.py"
+    own = exercise.solution.is_relative_to(exercise.folder)
+    declared = (exercise.folder / "proof" if own else exercise.solution.parent) / equivalent.FILE
+    return ProofPlaces(exercise.solution, declared, environment.state_dir() / "prove" / f"{exercise.id}.jsonl")

@@ -89,7 +89,7 @@ def _groups(records: list[Record]) -> list[list[Record]]:
 
 def _without_starters(groups: list[list[Record]], book: Gradebook, exercise: Exercise) -> list[list[Record]]:
     """Those who have written something: a starter handed in as it was is like every other one."""
-    starters = known_starters.read().get(exercise.id, frozenset())
+    starters = known_starters.of(exercise, known_starters.read())
     if book.root is None:
         return groups
     with Reader() as reader:

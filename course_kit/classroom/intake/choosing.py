@@ -52,7 +52,8 @@ class Chooser:
         self._listing = opened.listing
         self._may_unpack = opened.is_copy
         self._exercises = exercises
-        self._starters = known_starters.read()
+        known = known_starters.read()
+        self._starters = {one.id: known_starters.of(one, known) for one in exercises}
         self.entries: list[Entry] = []
         self.left: Left = []
         self.missing: list[tuple[str, str]] = []
@@ -161,7 +162,7 @@ class Chooser:
             seen = self._glance(file, exercise, opened=place < _MOST_OPENED)
             sureness = _sureness(file, exercise, seen) or (ONLY_ONE if alone else 0)
             if sureness:  # whatever it is, its student gets a report that says what is wrong with it
-                is_starter = seen.identity in self._starters.get(exercise.id, ())
+                is_starter = seen.identity in self._starters[exercise.id]
                 yield Candidate(file, sureness, _changed(self._root / file.path), seen, is_starter)
 
     def _glance(self, file: File, exercise: Exercise, *, opened: bool) -> Glance:

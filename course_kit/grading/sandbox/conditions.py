@@ -11,6 +11,7 @@ from course_kit import environment
 from course_kit.grading.sandbox import file_view
 from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions
+from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 from course_kit.process import tree
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def of(job: Job, variables: Mapping[str, str], view: FileView) -> Conditions:
         isolation=job.isolation,
         scratch=job.scratch,
         view=_view(job, view),
-        environment=variables,
+        environment={**variables, **_interface_path(job)},
         priority=job.priority,
         others=0 if user else _others(job),
         user=user,
@@ -78,9 +79,16 @@ def expect_few_participants() -> dict[str, str]:
 
 def _view(job: Job, view: FileView) -> FileView:
     """The files that the submission sees."""
+    hidden = job.hidden
     if job.command:
         view = file_view.of_a_command(job.command, job.folder)
-    return view.with_more(masked=job.hidden)
+        hidden = tuple(one for one in hidden if not Path(job.folder).is_relative_to(one))  # a user's own choice
+    return view.with_more(shown=filter(None, (job.interfaces,)), masked=hidden)
+
+
+def _interface_path(job: Job) -> dict[str, str]:
+    """The variable with which the program finds the interfaces of its exercise before others of the same name."""
+    return {PATH_VARIABLE: path_with(job.interfaces)} if job.interfaces else {}
 
 
 def _user(job: Job) -> int:

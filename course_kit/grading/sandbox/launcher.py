@@ -28,6 +28,7 @@ from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions, Streams
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import freezing, tree
 from course_kit.process.fork import fork
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
@@ -109,12 +110,12 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
     """The process: load the interfaces that exercises use, then serve each line in a process of its own.
 
     Args:
-        names: brings one message, the names of the interfaces' classes, each as module and class.
+        names: brings one message: where else interfaces lie, and the names of their classes, each as module and class.
         lines: the ends that `Launcher.pair` made.
     """
     set_name("grade launchers")
     die_with_parent()
-    _load(json.loads(names.recv(_LARGEST_ORDER) or b"[]"))
+    _load(*json.loads(names.recv(_LARGEST_ORDER) or b'["", []]'))
     names.close()
     freezing.freeze()
     if len(lines) == 1:
@@ -137,11 +138,13 @@ def _serve_one(line: socket.socket, lines: Sequence[socket.socket]) -> None:
     _serve(line)
 
 
-def _load(names: Sequence[Sequence[str]]) -> None:
+def _load(folders: str, names: Sequence[Sequence[str]]) -> None:
     from importlib import import_module
 
     from rclpy.type_support import check_for_type_support
 
+    if folders:
+        os.environ[PATH_VARIABLE] = folders
     for module, name in names:
         with suppress(Exception):  # the submission meets it again when it imports it, and is told then
             check_for_type_support(getattr(import_module(module), name))

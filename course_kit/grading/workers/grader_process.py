@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 import time
 from dataclasses import asdict
@@ -12,14 +11,11 @@ from course_kit.grading import bounds, limits, machine
 from course_kit.grading.checks.check import run_all
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.errors import GradingError
+from course_kit.grading.workers import grader_module
 from course_kit.grading.workers.ipc import ChannelClosedError
 from course_kit.process.parent import set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from types import ModuleType
-
-    from course_kit.grading.checks.check import Check
     from course_kit.grading.job import Job
     from course_kit.grading.plain_data import Record
     from course_kit.grading.workers.ipc import Channel
@@ -38,22 +34,6 @@ def warm_up() -> None:
     machine.processor_share()
     check_for_type_support(GetTypeDescription)
     del rclpy, course_kit
-
-
-def load(module: str) -> ModuleType:
-    """A grader's module, its interfaces loaded."""
-    from rclpy.type_support import check_for_type_support
-
-    grader = importlib.import_module(module)
-    for interface in grader.INTERFACES:
-        check_for_type_support(interface)
-    return grader
-
-
-def checks_of(grader: ModuleType, job: Job) -> Sequence[Check]:
-    """The checks of a grader module: its `CHECKS`, or what its `checks_for(job)` makes of the job's seed."""
-    made: Sequence[Check] = grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS
-    return made
 
 
 def main(supervisor: Channel, job: Job) -> None:
@@ -75,13 +55,14 @@ def main(supervisor: Channel, job: Job) -> None:
 
 def _run(supervisor: Channel, job: Job) -> Record:
     began = time.monotonic()
-    grader = load(job.grader)
-    context = CheckContext(supervisor, job, getattr(grader, "VARIABLES", None))
+    grader = grader_module.load_for(job)
+    checks = grader_module.checks_of(grader, job)
+    context = CheckContext(supervisor, job, {**job.variables, **getattr(grader, "VARIABLES", {})})
     times = {}
     if not job.fault and not job.variable:
         context.launch()
     try:
-        for result in run_all(checks_of(grader, job), context):
+        for result in run_all(checks, context):
             supervisor.send({"do": "result", "result": bounds.results([asdict(result)])[0]})
             times[result.id] = time.monotonic() - began
             if job.first_failure and result.status == "failed" and result.max_points:

@@ -22,18 +22,19 @@ from course_kit.grading.sandbox import file_view, isolation, namespaces, scratch
 from course_kit.grading.sandbox import launcher as launchers
 from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
 from course_kit.grading.sandbox.supervisor import Supervisor
-from course_kit.grading.workers import grader_process
+from course_kit.grading.workers import grader_module, grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import freezing, tree
 from course_kit.process.fork import fork
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence
-    from types import ModuleType
 
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.isolation import Isolation
+    from course_kit.grading.workers.grader_module import Grader
     from course_kit.grading.workers.grading_outcome import GradingOutcome
 
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
@@ -48,11 +49,14 @@ class _Common:
         isolation: what isolates submissions.
         priority: the nice value they run at.
         view: the files they see.
+        interfaces: the folder whose interfaces are loaded, of those that exercises bring: only of one, because others
+            may define the same names in another way.
     """
 
     isolation: Isolation
     priority: int
     view: FileView
+    interfaces: str = ""
 
 
 def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
@@ -60,7 +64,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
 
     Args:
         channels: the line to each worker. A single worker is this process; of several each is a fork of it.
-        graders: modules of checks that are loaded beforehand.
+        graders: what checks the exercises, loaded beforehand.
     """
     set_name("grade warm")
     usual = os.getpriority(os.PRIO_PROCESS, 0)
@@ -76,10 +80,13 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     for _, end in pairs:
         end.close()
     launchers = [launcher for launcher, _ in pairs]
-    loaded = [grader for module in graders if (grader := _load(module))]
-    names.send(json.dumps(_interfaces(loaded)).encode())
+    brought = {folder for one in graders if (folder := grader_module.interfaces_beside(one))}
+    interfaces = "".join(brought) if len(brought) == 1 else ""
+    wanted = (one for one in graders if grader_module.interfaces_beside(one) in ("", interfaces))
+    loaded = [grader for one in wanted if (grader := _load(one))]
+    names.send(json.dumps([os.environ.get(PATH_VARIABLE, ""), _interfaces(loaded)]).encode())
     names.close()
-    common = _Common(found, usual, file_view.of_a_program())
+    common = _Common(found, usual, file_view.of_a_program(), interfaces)
     freezing.freeze()
     if len(channels) == 1:
         _work(channels[0], launchers[0], common, keep=(starter,))
@@ -118,7 +125,7 @@ def _fork_launchers(
     return child, ours
 
 
-def _interfaces(graders: Sequence[ModuleType]) -> list[tuple[str, str]]:
+def _interfaces(graders: Sequence[Grader]) -> list[tuple[str, str]]:
     """Module and name of each interface that some graders use, for a process that must not load the graders."""
     return sorted({(one.__module__, one.__name__) for grader in graders for one in grader.INTERFACES})
 
@@ -157,7 +164,8 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
         while True:
             job = Job.from_record(channel.receive()["job"])
             job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
-            _load(job.grader)
+            if job.interfaces in ("", common.interfaces):
+                _prepare(job)
             for _ in range(_TRIES):
                 scratch.clear(folder)
                 outcome = _grade(job, channel, launcher, common.view, keep)
@@ -168,10 +176,15 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
         scratch.remove(folder)
 
 
-def _load(module: str) -> ModuleType | None:
+def _load(grader: str) -> Grader | None:
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
-        return grader_process.load(module)
+        return grader_module.load(grader)
     return None
+
+
+def _prepare(job: Job) -> None:
+    with suppress(Exception):  # as above
+        grader_module.load_for(job)
 
 
 def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> GradingOutcome:

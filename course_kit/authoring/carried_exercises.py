@@ -1,0 +1,90 @@
+"""Exercises of other folders on their way into a student edition or an autograder: which of their files go along.
+
+Only what an exercise is known to need: its exercise.toml, starter and notebook, its checks with the modules beside them
+that they import, its interfaces and pictures. Its solution, its proof set and whatever else lies there stay behind.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from typing import TYPE_CHECKING
+
+from course_kit.grading import exercise, exercise_folders
+from course_kit.grading.exercise_folders import INTERFACES, TOML
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from course_kit.grading.exercise import Exercise
+
+FOLDER = "exercises"
+_PICTURES = (".png", ".svg", ".jpg", ".jpeg", ".gif")
+_ORACLE = re.compile(r"\boracle\b")  # the name of the solution in an expression
+_KINDS = (".msg", ".srv", ".action")
+
+
+def files(task: Exercise) -> dict[str, Path]:
+    """The files of an added exercise, by the names they get in a course's folder."""
+    found = {task.folder / TOML, task.folder / task.starter, task.folder / task.notebook, *_checks(task.folder)}
+    found |= {path for path in (task.folder / INTERFACES).rglob("*") if path.suffix in _KINDS}
+    found |= {path for path in task.folder.glob("*") if path.suffix.lower() in _PICTURES}
+    return {f"{FOLDER}/{task.id}/{path.relative_to(task.folder).as_posix()}": path for path in sorted(found)}
+
+
+def asks_its_solution(task: Exercise) -> bool:
+    """Whether checks that its exercise.toml declares compare with what its solution answers."""
+    return any(_ORACLE.search(text) for text in _texts(exercise.table_of(task.folder).get("checks", [])))
+
+
+def left_behind(task: Exercise) -> list[str]:
+    """The other files of an added exercise."""
+    taken = set(files(task).values())
+    others = (path for path in task.folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
+    return sorted(str(path) for path in others if path not in taken)
+
+
+def added() -> list[str]:
+    """The ids of the exercises that lie in other folders, those too that the course has itself.
+
+    Whoever loads one of these is told that it is there twice.
+    """
+    found = exercise_folders.find().folders
+    return sorted(name for name, places in found.items() if any(map(exercise_folders.is_added, places)))
+
+
+def _checks(folder: Path) -> set[Path]:
+    """The exercise's file of checks and what that imports from beside it, in any number of steps."""
+    found: set[Path] = set()
+    waiting = [folder / name for name in _grader_of(folder)]
+    while waiting:
+        path = waiting.pop()
+        if path not in found and path.is_file():
+            found.add(path)
+            waiting += [path.parent / name for name in _imported(path)]
+    return found
+
+
+def _grader_of(folder: Path) -> Iterator[str]:
+    grader = exercise.table_of(folder).get("grader")
+    if isinstance(grader, str) and grader.endswith(".py"):
+        yield grader
+
+
+def _imported(path: Path) -> Iterator[str]:
+    """The files that `from .module import ...` and `from . import module` of a file may name."""
+    for node in ast.walk(ast.parse(path.read_bytes())):
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            yield from ([f"{node.module}.py"] if node.module else [f"{alias.name}.py" for alias in node.names])
+
+
+def _texts(value: object) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict):
+        for name, inside in value.items():
+            yield from () if name == "title" else _texts(inside)
+    elif isinstance(value, list):
+        for inside in value:
+            yield from _texts(inside)

@@ -1,0 +1,89 @@
+"""The lines on which the tables and keys of a TOML text stand, which its reader does not tell.
+
+Only for texts that the reader has read: whatever is odd was refused there, so looking for brackets, quotes and the
+ends of lines is enough here.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+_HEADER = re.compile(r"\s*(?P<many>\[\[|\[)\s*(?P<name>[^\]]+?)\s*\]")
+_KEY = re.compile(r"""\s*(?P<name>"[^"]*"|'[^']*'|[\w-]+)\s*(?:\.[^=]*)?=""")
+# What is no bracket: a comment, or a string in one of its four forms.
+_OPAQUE = re.compile(
+    r'#[^\n]*|"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'',
+    re.DOTALL,
+)
+
+
+@dataclass
+class _Table:
+    line: int
+    keys: dict[str, tuple[int, int]] = field(default_factory=dict)  # first and last line of each
+
+
+class Lines:
+    """Where things stand in one text."""
+
+    def __init__(self, text: str) -> None:
+        self._lines = text.split("\n")
+        self._root = _Table(1)
+        self._tables: dict[str, list[_Table]] = {}
+        bare = _OPAQUE.sub(_blanked, text).split("\n")
+        table, number = self._root, 0
+        while number < len(bare):
+            first, number = number, _end(bare, number)
+            if header := _HEADER.match(bare[first]):
+                table = _Table(first + 1)
+                self._tables.setdefault(header["name"], []).append(table)
+            elif key := _KEY.match(bare[first]):
+                table.keys.setdefault(key["name"].strip("\"'"), (first + 1, number))
+
+    def of_key(self, key: str) -> int:
+        """The line of a key at the top; of the beginning when there is none."""
+        return self._root.keys.get(key, (1, 1))[0]
+
+    def of_table(self, name: str, number: int = 0) -> int:
+        """The line of the header of `[[name]]`, the one of that number; of the key of that name when there is none."""
+        found = self._tables.get(name, [])
+        return found[number].line if number < len(found) else self.of_key(name)
+
+    def within(self, name: str, number: int, key: str, *words: str) -> int:
+        """The line of a key in `[[name]]`, or within its value the first line with one of some words.
+
+        Args:
+            name: of the table.
+            number: which one of that name.
+            key: the key; without it, the line of the table is returned.
+            words: what to look for in the value.
+        """
+        found = self._tables.get(name, [])
+        if number >= len(found):
+            return self.of_key(name)
+        first, last = found[number].keys.get(key, (found[number].line, found[number].line))
+        for word in words:
+            for line in range(first, last + 1):
+                if word and re.search(rf"(?<!\w){re.escape(word)}(?!\w)", self._lines[line - 1]):
+                    return line
+        return first
+
+
+def _blanked(found: re.Match[str]) -> str:
+    """Without what could be taken for structure; a quoted name on one line stays readable."""
+    plain = "\n" not in found[0] and not found[0].startswith("#")
+    return re.sub(r"[\[\]{}=]" if plain else r"[^\n]", " ", found[0])
+
+
+def _end(bare: list[str], first: int) -> int:
+    """The number after the last line of what begins on a line: a value goes on while a bracket of it is open."""
+    if _HEADER.match(bare[first]) or "=" not in bare[first]:
+        return first + 1
+    depth, number = 0, first
+    while number < len(bare):
+        depth += sum(bare[number].count(one) for one in "[{") - sum(bare[number].count(one) for one in "]}")
+        number += 1
+        if depth <= 0:
+            break
+    return number

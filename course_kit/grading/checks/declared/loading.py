@@ -1,0 +1,41 @@
+"""The declared checks of an exercise that is being loaded, and everything in which its parts do not agree."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from course_kit.grading.checks.declared import agreement, reading
+from course_kit.grading.checks.declared.lines import Lines
+from course_kit.grading.checks.declared.mistakes import Mistakes
+from course_kit.grading.checks.declared.python_checks import CheckFacts, facts_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.grading.checks.declared.declaration import Declaration
+    from course_kit.grading.plain_data import Record
+
+_PYTHON = ".py"
+
+
+def load(text: str, table: Record, path: Path, *, oracle: bool = False) -> tuple[Declaration, ...]:
+    """The declared checks of an exercise.
+
+    Args:
+        text: of its exercise.toml.
+        table: what that says.
+        path: of that file.
+        oracle: whether the exercise has a solution to ask.
+
+    Raises:
+        GradingError: the author has made mistakes; with all of them, each with its line.
+    """
+    lines, mistakes = Lines(text), Mistakes(path)
+    found = reading.read(table, lines, mistakes, oracle=oracle)
+    grader = str(table.get("grader", ""))
+    python = facts_of(path.parent / grader) if grader.endswith(_PYTHON) else [] if not grader else None
+    facts = agreement.declared_facts(table, lines, CheckFacts) + (python or [])
+    if facts or not grader:
+        agreement.require(facts, table, lines, mistakes, whole=python is not None)
+    mistakes.require_none()
+    return found

@@ -1,0 +1,205 @@
+"""Where exercises lie: in the course's own folder, and in any that somebody has added.
+
+`--exercises DIR`, the variable COURSE_EXERCISES and the entry points of installed packages (group
+`course_kit.exercises`) each add a folder: an exercise, or a folder of exercises. Here is found where they are; nothing
+is read.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.grading.errors import GradingError
+from course_kit.interfaces.sources import path_with
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+VARIABLE = "COURSE_EXERCISES"
+GROUP = "course_kit.exercises"
+TOML = "exercise.toml"
+INTERFACES = "interfaces"  # in an exercise's folder: package/kind/Name.kind
+_OPTION = "--exercises"
+
+
+@dataclass(frozen=True)
+class FoundExercises:
+    """What lies in the folders.
+
+    Attributes:
+        folders: by id the folder of the exercise; several where that id is there more than once.
+        problems: what is wrong with the folders that were added, a sentence each.
+    """
+
+    folders: Mapping[str, tuple[Path, ...]]
+    problems: tuple[str, ...] = ()
+
+    @property
+    def doubles(self) -> dict[str, str]:
+        """By id a sentence for each exercise that is there more than once."""
+        return {name: _double(name, places) for name, places in self.folders.items() if len(places) > 1}
+
+
+def course_folder() -> Path | None:
+    """The course's own folder of exercises; None where only the package is installed."""
+    root = environment.checkout()
+    return None if root is None or not (root / "exercises").is_dir() else root / "exercises"
+
+
+def is_added(folder: Path) -> bool:
+    """Whether an exercise's folder is none of the course's own."""
+    own = course_folder()
+    return own is None or folder.parent != own
+
+
+def within(folder: Path) -> dict[str, tuple[Path, ...]]:
+    """The exercises in one folder, by their ids."""
+    return {toml.parent.name: (toml.parent,) for toml in sorted(folder.glob(f"*/{TOML}"))}
+
+
+def find() -> FoundExercises:
+    """The course's own exercises and those that were added."""
+    own = course_folder()
+    found = {} if own is None else within(own)
+    problems = []
+    for folder, named_by in _added():
+        exercises = list(_exercises(folder))
+        if not exercises:
+            problems.append(_nothing(folder, named_by))
+        for exercise in exercises:
+            known = found.get(exercise.name, ())
+            if not any(_is_same(exercise, other) for other in known):
+                found[exercise.name] = (*known, exercise)
+    problems += _not_absolute()
+    return FoundExercises(found, tuple(problems))
+
+
+def add(folders: Iterable[str]) -> list[str]:
+    """Add folders for this process and all that it starts.
+
+    Args:
+        folders: as a user has named them.
+
+    Returns:
+        a sentence for each that was there already; it counts once.
+
+    Raises:
+        GradingError: there is no such folder, or no exercise in it.
+    """
+    told = []
+    for named in folders:
+        folder = Path(os.path.abspath(os.path.expanduser(named)))  # noqa: PTH100, PTH111 - as typed, links kept
+        if not any(_exercises(folder)):
+            raise GradingError(_nothing(folder, _OPTION))
+        if os.pathsep in str(folder):
+            raise GradingError(f"The name {folder} has a '{os.pathsep}' in it, which divides folders. Rename it.")
+        before = [one for one in _entries() if _is_same(folder, Path(one))]
+        if before:
+            told.append(
+                f"the folder {folder} is named twice, as {before[0]} by {_OPTION} or {VARIABLE}; it counts once."
+            )
+            continue
+        os.environ[VARIABLE] = os.pathsep.join([*_entries(), str(folder)])
+    return told
+
+
+def interface_path() -> str:
+    """COURSE_KIT_INTERFACE_PATH for a learner's programs: with the interfaces that exercises bring with them."""
+    folders = (str(folder / INTERFACES) for places in find().folders.values() for folder in places)
+    return path_with(*filter(os.path.isdir, folders))
+
+
+def hidden() -> list[str]:
+    """The folders of all exercises that were added: no submission may see what lies in them."""
+    return [str(folder.resolve()) for named, _ in _added() for folder in _exercises(named)]
+
+
+def _added() -> Iterator[tuple[Path, str]]:
+    """Each folder that was added, and who names it."""
+    yield from ((Path(entry), VARIABLE) for entry in _entries() if os.path.isabs(entry))  # noqa: PTH117
+    yield from _of_packages()
+
+
+def _entries() -> list[str]:
+    return [os.path.expanduser(entry) for entry in os.environ.get(VARIABLE, "").split(os.pathsep) if entry]  # noqa: PTH111
+
+
+def _not_absolute() -> Iterator[str]:
+    """A relative name would mean another folder in each place, one with submissions, perhaps."""
+    for entry in _entries():
+        if not os.path.isabs(entry):  # noqa: PTH117
+            yield f"{VARIABLE} names the folder {entry}, which counts for nothing. Write its whole path, from / on."
+
+
+def _exercises(folder: Path) -> Iterator[Path]:
+    """A folder itself if it is an exercise, else those in it."""
+    with suppress(OSError):  # a folder of somebody else's
+        if (folder / TOML).is_file():
+            yield folder
+            return
+        for exercise in sorted(folder.iterdir()):
+            if (exercise / TOML).is_file():
+                yield exercise
+
+
+def _of_packages() -> Iterator[tuple[Path, str]]:
+    """The folders of the packages that an entry point names.
+
+    Loading importlib.metadata and asking it for one group takes longer than all other work of `course-kit list`. So it
+    is asked only about a distribution whose entry points have the group's name in them.
+    """
+    for listed in _listings():
+        from importlib.metadata import Distribution
+
+        for point in Distribution.at(listed.parent).entry_points:
+            if point.group == GROUP:
+                named_by = f"the entry point {point.name} in {listed}"
+                yield _folder_of(point.value) or Path(point.value), named_by
+
+
+def _listings() -> Iterator[Path]:
+    """The lists of entry points that name our group."""
+    for place in dict.fromkeys(entry for entry in sys.path if os.path.isabs(entry)):  # noqa: PTH117 - none in "" itself
+        with suppress(OSError), os.scandir(place) as entries:
+            for entry in entries:
+                if entry.name.endswith(".dist-info"):
+                    listed = Path(entry.path, "entry_points.txt")
+                    with suppress(OSError):
+                        if GROUP.encode() in listed.read_bytes():
+                            yield listed
+
+
+def _folder_of(package: str) -> Path | None:
+    """Where a package lies; found without running anything of it."""
+    with suppress(ImportError, ValueError):
+        spec = find_spec(package)
+        if spec is not None and spec.submodule_search_locations:
+            return Path(next(iter(spec.submodule_search_locations)))
+    return None
+
+
+def _is_same(one: Path, other: Path) -> bool:
+    try:
+        return one.samefile(other)
+    except OSError:
+        return one == other
+
+
+def _nothing(folder: Path, named_by: str) -> str:
+    if not folder.is_dir():
+        return f"There is no folder {folder}, which {named_by} names."
+    return f"There is no exercise in {folder}, which {named_by} names: no {TOML}, neither in it nor in a folder in it."
+
+
+def _double(name: str, places: tuple[Path, ...]) -> str:
+    return (
+        f"There are {len(places)} exercises '{name}': in {' and in '.join(map(str, places))}. Rename one, its folder "
+        f"and the id in its {TOML}, or leave one out."
+    )

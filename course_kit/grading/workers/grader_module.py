@@ -1,0 +1,140 @@
+"""What checks an exercise: the checks that its exercise.toml declares, and the module or the file that it names.
+
+Only trusted processes load it. A file is loaded by its path, as a module of a package of its own: what lies beside it
+can be imported as `from .helpers import ...`, and no folder is put among those that Python searches.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import os
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, Protocol
+
+from course_kit.grading.errors import GradingError
+from course_kit.grading.exercise_folders import INTERFACES
+from course_kit.interfaces.sources import PATH_VARIABLE, path_with
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.grading.checks.check import Check
+    from course_kit.grading.job import Job
+
+_DIGITS = 16  # hexadecimal
+_TINY = 1e-6  # points
+
+
+class Grader(Protocol):
+    """What a grader is: it has `CHECKS`, or `checks_for(job)`, which makes them of the job's seed.
+
+    It may have `VARIABLES`, environment variables for the submission.
+    """
+
+    INTERFACES: Sequence[Any]
+
+
+def load(grader: str) -> Grader:
+    """A grader, its interfaces loaded.
+
+    Args:
+        grader: the name of a module, or the path of a file.
+
+    Raises:
+        GradingError: a file cannot be loaded, or is no grader.
+    """
+    from rclpy.type_support import check_for_type_support
+
+    path = Path(grader)
+    if folder := interfaces_beside(grader):
+        os.environ[PATH_VARIABLE] = path_with(folder)
+    found: Grader = _of_file(path) if path.is_absolute() else importlib.import_module(grader)
+    for interface in found.INTERFACES:
+        check_for_type_support(interface)
+    return found
+
+
+def load_for(job: Job) -> Grader | None:
+    """The grader of a job, None where all checks are declared; the interfaces of these are loaded, too.
+
+    Raises:
+        GradingError: see `load`.
+    """
+    if job.interfaces:
+        os.environ[PATH_VARIABLE] = path_with(job.interfaces)  # of this process and those it starts
+    if job.declared:
+        from rclpy.type_support import check_for_type_support
+
+        from course_kit.grading.checks.declared import building
+
+        for interface in building.interfaces_of(building.around_of(job.declared).declarations):
+            check_for_type_support(interface)
+    return load(job.grader) if job.grader else None
+
+
+def checks_of(grader: Grader | None, job: Job) -> list[Check]:
+    """The checks of an exercise: those it declares, then those of its grader.
+
+    Args:
+        grader: what `load_for` gave.
+        job: what is graded.
+
+    Raises:
+        GradingError: they are not worth what the exercise is.
+    """
+    made: list[Check] = []
+    if job.declared:
+        from course_kit.grading.checks.declared import building
+
+        made += building.checks_of(building.around_of(job.declared))
+    if grader is not None:
+        made += grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS  # type: ignore[attr-defined]
+    worth = sum(one.points for one in made)
+    if job.points and abs(worth - job.points) > _TINY:
+        raise GradingError(f"the checks are worth {worth:g} points together, but the exercise {job.points:g}")
+    return made
+
+
+def interfaces_beside(grader: str) -> str:
+    """The folder of interfaces beside a grader that is a file; empty where there is none."""
+    path = Path(grader)
+    return str(folder) if path.is_absolute() and (folder := path.with_name(INTERFACES)).is_dir() else ""
+
+
+def _of_file(path: Path) -> Grader:
+    found: Any = python_module(path)
+    if not hasattr(found, "CHECKS") and not hasattr(found, "checks_for"):
+        raise GradingError(f"{path} has neither CHECKS, a list of checks, nor checks_for(job), which makes one")
+    if not hasattr(found, "INTERFACES"):
+        found.INTERFACES = ()
+    graded: Grader = found
+    return graded
+
+
+def python_module(path: Path) -> ModuleType:
+    """The module in a file of an exercise's folder.
+
+    Raises:
+        GradingError: it cannot be loaded; the text names the line.
+    """
+    package = f"exercise_{hashlib.sha256(os.fsencode(path.parent)).hexdigest()[:_DIGITS]}"
+    if package not in sys.modules:
+        made = ModuleType(package)
+        made.__path__ = [str(path.parent)]
+        sys.modules[package] = made
+    try:
+        return importlib.import_module(f"{package}.{path.stem}")
+    except Exception as problem:
+        raise GradingError(f"{_place(path, problem)} cannot be run: {type(problem).__name__}: {problem}") from problem
+
+
+def _place(path: Path, problem: Exception) -> str:
+    """The file, and the last line of it that was run."""
+    if isinstance(problem, SyntaxError) and problem.filename:
+        return f"{problem.filename}, line {problem.lineno},"
+    lines = [frame.lineno for frame in traceback.extract_tb(problem.__traceback__) if frame.filename == str(path)]
+    return f"{path}, line {lines[-1]}," if lines else str(path)

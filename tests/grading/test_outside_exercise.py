@@ -1,0 +1,93 @@
+"""An exercise of an instructor's folder is graded as the course's own are."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import grading
+from course_kit.grading import exercise
+from course_kit.grading.engine import Task
+from course_kit.grading.reading import Reader
+from course_kit.grading.submission import Copy
+from course_kit.grading.workers.pool import Pool
+from tests import outside_exercises
+from tests.outside_exercises import ID
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def grade(made: Path, program: Path, worker: grading.Worker) -> grading.Report:
+    return grading.grade(ID, program, worker=worker, exercises=made.parent)
+
+
+def _rename_a_field(made: Path) -> None:
+    for name in ("interfaces/three_interfaces/srv/Three.srv", "checks.py", "solution/add_three.py"):
+        (made / name).write_text((made / name).read_text().replace("sum", "total"))
+
+
+def test_its_solution_and_its_starter_get_their_points(tmp_path: Path, worker: grading.Worker) -> None:
+    made = outside_exercises.write(tmp_path)
+    right = grade(made, made / "solution" / "add_three.py", worker)
+    assert (right.score, right.max_score, right.passed) == (3.0, 3.0, True), right.problem
+    starter = grade(made, made / "add_three.py", worker)
+    assert (starter.score, starter.passed) == (1.0, False)
+    assert starter.checks[1].hint == "A sum has three parts here."
+
+
+def test_two_exercises_may_define_one_interface_each_in_its_own_way(tmp_path: Path, worker: grading.Worker) -> None:
+    one = outside_exercises.write(tmp_path / "one")
+    other = outside_exercises.write(tmp_path / "other")
+    _rename_a_field(other)
+    for made in (one, other, one):
+        report = grade(made, made / "solution" / "add_three.py", worker)
+        assert report.score == 3.0, (made, report.problem)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            ("CHECKS = [offered, adds]", "CHECKS = [offered]"),
+            "the checks are worth 1 points together, but the exercise 3",
+        ),
+        (("CHECKS = [offered, adds]", "CHECKS = [offered, add]"), "checks.py, line 30, cannot be run: NameError"),
+        (("CHECKS = [offered, adds]", "CHECKS = ["), "checks.py, line 30, cannot be run: SyntaxError"),
+        (("CHECKS = [offered, adds]", ""), "has neither CHECKS, a list of checks, nor checks_for"),
+        (("from .samples", "from .sample"), "cannot be run: ModuleNotFoundError"),
+    ],
+)
+def test_a_mistake_in_its_checks_is_no_zero_and_is_said(
+    change: tuple[str, str], said: str, tmp_path: Path, worker: grading.Worker
+) -> None:
+    made = outside_exercises.write(tmp_path)
+    checks = made / "checks.py"
+    assert change[0] in checks.read_text()
+    checks.write_text(checks.read_text().replace(*change))
+    report = grade(made, made / "solution" / "add_three.py", worker)
+    assert report.status == "error"
+    assert said in report.problem
+
+
+def test_points_that_do_not_add_up_are_said_with_their_line_before_anything_is_graded(tmp_path: Path) -> None:
+    made = outside_exercises.write(tmp_path)
+    checks = made / "checks.py"
+    checks.write_text(checks.read_text().replace("points=2.0", "points=1.5"))
+    with pytest.raises(grading.GradingError, match=r"exercise\.toml, line 5: 'points' is 3, but .* 1 \+ 1.5 = 2.5"):
+        exercise.read(made)
+
+
+def test_workers_that_begin_with_both_keep_them_apart(tmp_path: Path) -> None:
+    """As in a class: what exercises need is loaded once, before the first submission."""
+    one = outside_exercises.write(tmp_path / "one")
+    other = outside_exercises.write(tmp_path / "other")
+    _rename_a_field(other)
+    with closing(Pool(1, [str(one / "checks.py"), str(other / "checks.py")])) as pool, Reader() as reader:
+        for made in (other, one):
+            task = exercise.read(made)
+            with Copy(task.solution) as copy:
+                report = pool.grade(Task(task, reader.read(copy, task), "it", 1))
+            assert report.score == 3.0, (made, report.problem)
