@@ -36,6 +36,9 @@ def add_to(verbs: Any) -> None:
     parser.add_argument("--json", action="store_true", help="print everything as JSON")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="what the checks draw from (1)")
     parser.add_argument(
+        "--seeds", type=_count, metavar="N", help="other seeds for a mistake that gets full marks (2; 40 for answers)"
+    )
+    parser.add_argument(
         "--repeat", type=_count, default=2, metavar="N", help="gradings of right programs under load (2)"
     )
     parser.add_argument(
@@ -71,7 +74,12 @@ def _proof(options: argparse.Namespace, progress: ProveProgress) -> GraderProof:
 
     task = exercise.load(options.exercise)
     how = proving.HowToProve(
-        quick=options.quick, resume=options.resume, seed=options.seed, repeat=options.repeat, workers=options.workers
+        quick=options.quick,
+        resume=options.resume,
+        seed=options.seed,
+        repeat=options.repeat,
+        workers=options.workers,
+        more_seeds=options.seeds,
     )
     return proving.prove(task, places.of(task), how, progress)
 

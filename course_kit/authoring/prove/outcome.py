@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from course_kit.grading.report import CheckReport
 
 SEEN, SURVIVED, EQUIVALENT, BY_CHANCE, NOT_GRADED = "seen", "survived", "equivalent", "by chance", "not graded"
-_MOST_CHECKS = 3  # that are said to be about a line
+_MOST_CHECKS = 2  # that are said to be about a line
 
 
 @dataclass(frozen=True)

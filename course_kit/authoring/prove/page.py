@@ -22,7 +22,7 @@ class ShownMutant:
 
     operator: str
     diff: tuple[str, ...]
-    about: str
+    about: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -92,10 +92,10 @@ def _line(proof: GraderProof, number: int, text: str, made: list[MutantOutcome])
         seen=len(seen),
         checks=tuple(dict.fromkeys(name for one in seen for name in one.seen_by)),
         survivors=tuple(
-            ShownMutant(one.mutant.operator, one.mutant.diff, table.sentences(proof, one)) for one in survivors
+            ShownMutant(one.mutant.operator, one.mutant.diff, tuple(table.about(proof, one))) for one in survivors
         ),
         declared=tuple(
-            ShownMutant(one.mutant.operator, one.mutant.diff, one.declared.reason if one.declared else "")
+            ShownMutant(one.mutant.operator, one.mutant.diff, (one.declared.reason,) if one.declared else ())
             for one in declared
         ),
         ungraded=sum(one.state == NOT_GRADED for one in made),

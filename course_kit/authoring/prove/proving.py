@@ -40,6 +40,7 @@ class HowToProve:
         seed: what the checks draw from.
         repeat: how often right programs are graded again while the processors are kept busy.
         workers: how many gradings run at a time; as many as fit this machine when 0.
+        more_seeds: with how many others a mutant is graded that gets full marks; as many as the exercise needs if None.
     """
 
     quick: bool = False
@@ -47,6 +48,7 @@ class HowToProve:
     seed: int = 1
     repeat: int = 2
     workers: int = 0
+    more_seeds: int | None = None
 
 
 class ProveWatcher(Protocol):
@@ -109,7 +111,8 @@ class _Proving:
     def with_other_seeds(self, survivors: Sequence[Mutant], verdicts: dict[str, list[Verdict]]) -> None:
         """Grade what has got full marks again, until it does not, or often enough."""
         left, seed = list(survivors), self._how.seed
-        last = seed + (_SEEDS_OF_ANSWERS if self._exercise.variable else _MORE_SEEDS)
+        usual = _SEEDS_OF_ANSWERS if self._exercise.variable else _MORE_SEEDS
+        last = seed + (usual if self._how.more_seeds is None else self._how.more_seeds)
         at_once = 1
         while left and seed < last and not (self._how.quick and time.monotonic() > self._began + _BEGIN_S):
             seeds = range(seed + 1, min(seed + at_once, last) + 1)

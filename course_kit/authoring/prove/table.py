@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 FORMAT_VERSION = 1
 _WIDTH = 100
 _EACH = 50  # gradings from one line of progress to the next, where lines cannot be written over
-_UNKNOWN = "no check sees anything on this line, so nothing tells which"
+_UNKNOWN = "(unknown: no check sees a mistake on this line or beside it)"
 
 
 class ProveProgress:
@@ -87,23 +87,21 @@ def as_json(proof: GraderProof) -> str:
     )
 
 
-def sentences(proof: GraderProof, one: MutantOutcome) -> str:
-    """Which sentence of the task a mutant breaks, as far as anything tells."""
-    texts = {sentence.id: sentence.text for sentence in proof.exercise.sentences}
-    found = [f"{name}: {texts.get(name, '')}" for name in proof.sentences_about(one.mutant)]
-    if found:
-        return "; ".join(found)
-    checks = proof.checks_about(one.mutant)
-    if not checks:
-        return _UNKNOWN
+def about(proof: GraderProof, one: MutantOutcome) -> list[str]:
+    """What of the task a mutant breaks, as far as anything tells: sentences, or titles of checks that prove none."""
     titles = {check.id: check.title for check in proof.checks}
-    return "; ".join(f"{titles.get(name, name)} (the check {name})" for name in checks)
+    texts = {sentence.id: sentence.text for sentence in proof.exercise.sentences}
+    if named := proof.sentences_about(one.mutant):
+        return [f"{name}: {texts.get(name, '')}" for name in named]
+    return [f"the check {name}: {titles.get(name, name)}" for name in proof.checks_about(one.mutant)] or [_UNKNOWN]
 
 
 def _mutant(proof: GraderProof, one: MutantOutcome) -> Iterator[str]:
     yield f"{proof.solution.name}, line {one.mutant.line}: {one.mutant.operator}"
     yield from (f"    {line}" for line in one.mutant.diff)
-    yield from wrapped(f"breaks perhaps: {sentences(proof, one)}", "    ", "        ", width=_WIDTH)
+    yield "  breaks perhaps"
+    for text in about(proof, one):
+        yield from wrapped(text, "    ", "        ", width=_WIDTH)
 
 
 def problems(proof: GraderProof) -> list[str]:

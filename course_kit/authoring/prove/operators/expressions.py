@@ -93,6 +93,8 @@ def numbers(program: Program) -> Iterator[Change]:
         if isinstance(value, float):
             others += [("number slightly off", float(f"{value * by:.9g}")) for by in (1 + _SLIGHTLY, 1 - _SLIGHTLY)]
         for name, other in others:
+            if other == value:  # -0.0
+                continue
             new = ast.parse(repr(round(other, 9)), mode="eval").body
             yield _swapped(program, name, node, new)
 
