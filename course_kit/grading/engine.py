@@ -244,14 +244,10 @@ def _fault(text: Submission) -> str:
 
 def _report(task: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:
     checks = tuple(_check(task, result) for result in bounds.results(outcome["results"]))
-    score = sum(check.points for check in checks)
     problem = _no_grade(outcome["problem"], checks)
-    if problem:
-        status, score = "error", 0.0
-    else:
-        first = checks[0]
-        crashed = first.status == "failed" and (first.diagnosis or "").startswith(_NOT_STARTED)
-        status = "crashed" if crashed else "graded"
+    crashed = checks and checks[0].status == "failed" and (checks[0].diagnosis or "").startswith(_NOT_STARTED)
+    status = "error" if problem else "crashed" if crashed else "graded"
+    score = 0.0 if problem else sum(check.points for check in checks)
     return Report(
         exercise=task.id,
         title=task.title,

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.authoring.prove.operators import endpoints, expressions, ros, statements
-from course_kit.authoring.prove.program import Program, parsed
+from course_kit.authoring.prove.program import ParsedProgram, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from course_kit.authoring.prove.program import Change
 
-OPERATORS: tuple[Callable[[Program], Iterator[Change]], ...] = (
+OPERATORS: tuple[Callable[[ParsedProgram], Iterator[Change]], ...] = (
     endpoints.endpoint_names,
     endpoints.endpoint_types,
     endpoints.quality_of_service,
@@ -74,7 +74,7 @@ def of(source: str) -> list[Mutant]:
     Raises:
         SyntaxError: it is not Python.
     """
-    program = Program(source)
+    program = ParsedProgram(source)
     seen = {parsed(source)}
     found: list[Mutant] = []
     counted: Counter[tuple[str, str, str]] = Counter()

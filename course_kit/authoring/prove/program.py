@@ -43,7 +43,7 @@ class Change:
 
 
 @dataclass
-class Program:
+class ParsedProgram:
     """A program that can be parsed.
 
     Attributes:

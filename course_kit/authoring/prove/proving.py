@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 from course_kit.authoring import gradings
 from course_kit.authoring.prove import equivalent, mutants, variants
 from course_kit.authoring.prove.outcome import GraderProof, MutantOutcome, VariantOutcome
-from course_kit.authoring.prove.program import Program
+from course_kit.authoring.prove.program import ParsedProgram
 from course_kit.authoring.prove.verdicts import ProgramGrader, Request, Store, Verdict, verdict_of
 from course_kit.authoring.rules import outcome
 from course_kit.grading.errors import GradingError
@@ -195,7 +195,7 @@ def prove(exercise: Exercise, places: ProofPlaces, how: HowToProve, watcher: Pro
 def _text(solution: Path) -> str:
     try:
         source = solution.read_text(encoding="utf-8")
-        Program(source)
+        ParsedProgram(source)
     except FileNotFoundError:
         raise GradingError(
             f"There is no solution {solution}: without one there are no mistakes to make in it."

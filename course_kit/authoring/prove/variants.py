@@ -6,7 +6,7 @@ import ast
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.program import Edit, Program, parsed
+from course_kit.authoring.prove.program import Edit, ParsedProgram, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -40,7 +40,7 @@ def of(source: str) -> list[RightVariant]:
     Raises:
         SyntaxError: it is not Python.
     """
-    program = Program(source)
+    program = ParsedProgram(source)
     seen = {parsed(source)}
     found = []
     for name, edits in _all(program):
@@ -52,9 +52,9 @@ def of(source: str) -> list[RightVariant]:
     return found
 
 
-def _all(program: Program) -> Iterator[tuple[str, Sequence[Edit]]]:
+def _all(program: ParsedProgram) -> Iterator[tuple[str, Sequence[Edit]]]:
     yield from _executors(program)
-    made: tuple[tuple[str, Callable[[Program], Sequence[Edit]]], ...] = (
+    made: tuple[tuple[str, Callable[[ParsedProgram], Sequence[Edit]]], ...] = (
         ("only the class, without main", _without_main),
         ("with a main", _with_main),
         ("reentrant callback groups", _reentrant),
@@ -69,7 +69,7 @@ def _all(program: Program) -> Iterator[tuple[str, Sequence[Edit]]]:
         yield name, make(program)
 
 
-def _executors(program: Program) -> Iterator[tuple[str, Sequence[Edit]]]:
+def _executors(program: ParsedProgram) -> Iterator[tuple[str, Sequence[Edit]]]:
     """Another executor where the solution spins on one thread; other numbers of threads where it has several."""
     rclpy = program.imported("rclpy")
     for call in program.calls():
@@ -85,13 +85,13 @@ def _executors(program: Program) -> Iterator[tuple[str, Sequence[Edit]]]:
                 yield f"an executor with {threads} threads", (program.replace(call, text),)
 
 
-def _without_main(program: Program) -> Sequence[Edit]:
+def _without_main(program: ParsedProgram) -> Sequence[Edit]:
     guards = [node for node in program.tree.body if isinstance(node, ast.If) and "__name__" in ast.dump(node.test)]
     mains = [node for node in program.tree.body if isinstance(node, ast.FunctionDef) and node.name == "main"]
     return [program.replace(node, "") for node in (*guards, *mains)] if guards and mains else []
 
 
-def _with_main(program: Program) -> Sequence[Edit]:
+def _with_main(program: ParsedProgram) -> Sequence[Edit]:
     """A main where there is none, for a program with one class."""
     classes = [node for node in program.tree.body if isinstance(node, ast.ClassDef)]
     if len(classes) != 1 or any(isinstance(node, (ast.If, ast.FunctionDef)) for node in program.tree.body):
@@ -105,7 +105,7 @@ def _with_main(program: Program) -> Sequence[Edit]:
     return [Edit(end, end, text)]
 
 
-def _reentrant(program: Program) -> Sequence[Edit]:
+def _reentrant(program: ParsedProgram) -> Sequence[Edit]:
     edits = [
         program.with_keyword(call, "callback_group=rclpy.callback_groups.ReentrantCallbackGroup()")
         for call in program.calls()
@@ -114,7 +114,7 @@ def _reentrant(program: Program) -> Sequence[Edit]:
     return [*edits, *program.imported("rclpy")] if edits else []
 
 
-def _asynchronous(program: Program) -> Sequence[Edit]:
+def _asynchronous(program: ParsedProgram) -> Sequence[Edit]:
     """`async def` for each callback that nothing else in the program calls, and that rclpy awaits."""
     called = {program.name_of(call) for call in program.calls()}
     names = [
@@ -131,7 +131,7 @@ def _asynchronous(program: Program) -> Sequence[Edit]:
     return edits
 
 
-def _reversed(program: Program, made: Sequence[str]) -> Sequence[Edit]:
+def _reversed(program: ParsedProgram, made: Sequence[str]) -> Sequence[Edit]:
     """Statements of `__init__` that follow each other, and each make one of these, in the opposite order."""
     edits: list[Edit] = []
     for function in (one for one in ast.walk(program.tree) if isinstance(one, ast.FunctionDef)):
@@ -148,12 +148,12 @@ def _reversed(program: Program, made: Sequence[str]) -> Sequence[Edit]:
     return edits
 
 
-def _slower(program: Program) -> Sequence[Edit]:
+def _slower(program: ParsedProgram) -> Sequence[Edit]:
     edits = [program.before(_first(one), f"time.sleep({_SLOWER_S})") for one in program.callbacks]
     return [*edits, *program.imported("time")] if edits else []
 
 
-def _entries_reversed(program: Program) -> Sequence[Edit]:
+def _entries_reversed(program: ParsedProgram) -> Sequence[Edit]:
     """The entries of a dictionary at the top of the program in the opposite order, if there is one and nothing else."""
     values = _only_dictionary(program)
     if values is None:
@@ -163,7 +163,7 @@ def _entries_reversed(program: Program) -> Sequence[Edit]:
     return [program.replace(values, "{" + ", ".join(entries[::-1]) + "}")]
 
 
-def _by_function(program: Program) -> Sequence[Edit]:
+def _by_function(program: ParsedProgram) -> Sequence[Edit]:
     values = _only_dictionary(program)
     if values is None:
         return []
@@ -172,7 +172,7 @@ def _by_function(program: Program) -> Sequence[Edit]:
     return [program.replace(values, "made()"), program.before(statement, made)]
 
 
-def _only_dictionary(program: Program) -> ast.Dict | None:
+def _only_dictionary(program: ParsedProgram) -> ast.Dict | None:
     left = [node for node in program.tree.body if node not in program.out_of_sight]
     if len(left) == 1 and isinstance(left[0], ast.Assign) and isinstance(left[0].value, ast.Dict):
         return left[0].value

@@ -9,7 +9,7 @@ import pytest
 
 from course_kit import environment
 from course_kit.authoring.prove import mutants
-from course_kit.authoring.prove.program import Program, parsed
+from course_kit.authoring.prove.program import ParsedProgram, parsed
 
 NODE = '''"""A node."""
 
@@ -253,4 +253,4 @@ def test_the_solutions_of_the_course_have_every_kind_of_ros_mistake(name: str) -
 
 def test_what_is_not_python_is_refused() -> None:
     with pytest.raises(SyntaxError):
-        Program("def")
+        ParsedProgram("def")

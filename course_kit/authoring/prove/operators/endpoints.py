@@ -10,7 +10,7 @@ from course_kit.authoring.prove.program import Change
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.authoring.prove.program import Program
+    from course_kit.authoring.prove.program import ParsedProgram
 
 _TYPED = {
     "create_service": "service",
@@ -53,7 +53,7 @@ _FALLBACK = {
 }
 
 
-def endpoint_names(program: Program) -> Iterator[Change]:
+def endpoint_names(program: ParsedProgram) -> Iterator[Change]:
     """Another name, and a private one; also of the node itself."""
     for call, kind in _endpoints(program):
         name = _name_argument(call, kind)
@@ -63,7 +63,7 @@ def endpoint_names(program: Program) -> Iterator[Change]:
                 yield Change("endpoint's name", name.lineno, (program.replace(name, repr(other)),))
 
 
-def endpoint_types(program: Program) -> Iterator[Change]:
+def endpoint_types(program: ParsedProgram) -> Iterator[Change]:
     """A type that looks alike, imported under the name of the right one; for one endpoint, another type."""
     for node in program.nodes():
         if isinstance(node, ast.ImportFrom) and (node.module or "").endswith((".msg", ".srv", ".action")):
@@ -80,7 +80,7 @@ def endpoint_types(program: Program) -> Iterator[Change]:
             yield Change("another type", call.lineno, (program.replace(call.args[place], imported),))
 
 
-def quality_of_service(program: Program) -> Iterator[Change]:
+def quality_of_service(program: ParsedProgram) -> Iterator[Change]:
     """Best effort, transient local, and a queue of one."""
     rclpy = program.imported("rclpy")
     for call, kind in _endpoints(program):
@@ -96,7 +96,7 @@ def quality_of_service(program: Program) -> Iterator[Change]:
                 yield Change("quality of service", call.lineno, (edit, *rclpy))
 
 
-def destroyed(program: Program) -> Iterator[Change]:
+def destroyed(program: ParsedProgram) -> Iterator[Change]:
     """An endpoint that is destroyed as soon as it is made."""
     for call in program.calls():
         kind = program.name_of(call).removeprefix("create_")
@@ -108,7 +108,7 @@ def destroyed(program: Program) -> Iterator[Change]:
             yield Change("endpoint destroyed", call.lineno, (program.replace(call, f"{program.text(call)}.destroy()"),))
 
 
-def _endpoints(program: Program) -> Iterator[tuple[ast.Call, str]]:
+def _endpoints(program: ParsedProgram) -> Iterator[tuple[ast.Call, str]]:
     for call in program.calls():
         kind = _TYPED.get(program.name_of(call))
         if kind is not None:

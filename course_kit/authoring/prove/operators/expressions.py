@@ -10,7 +10,7 @@ from course_kit.authoring.prove.program import Change, Edit
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.authoring.prove.program import Program
+    from course_kit.authoring.prove.program import ParsedProgram
 
 _ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
     ast.Add: ast.Sub,
@@ -45,7 +45,7 @@ _SYMMETRIC = {"dist", "min", "max", "hypot", "isclose"}
 _OTHER_FIELDS = 2  # of the same thing, that are taken for the right one
 
 
-def operators(program: Program) -> Iterator[Change]:
+def operators(program: ParsedProgram) -> Iterator[Change]:
     """Another operator, an operand forgotten."""
     for node in program.nodes():
         if isinstance(node, ast.BinOp):
@@ -65,7 +65,7 @@ def operators(program: Program) -> Iterator[Change]:
                 yield _swapped(program, "condition forgotten", node, new)
 
 
-def comparisons(program: Program) -> Iterator[Change]:
+def comparisons(program: ParsedProgram) -> Iterator[Change]:
     """An edge that belongs to the other side, a comparison turned round, one half of a range forgotten."""
     for node in program.nodes():
         if not isinstance(node, ast.Compare):
@@ -82,7 +82,7 @@ def comparisons(program: Program) -> Iterator[Change]:
             yield _swapped(program, "condition forgotten", node, rest)
 
 
-def numbers(program: Program) -> Iterator[Change]:
+def numbers(program: ParsedProgram) -> Iterator[Change]:
     """Another number: one more, one less, 0, the other sign, slightly off. One with a sign is changed as a whole."""
     for node in program.nodes():
         value = _number(node)
@@ -109,7 +109,7 @@ def _number(node: ast.AST) -> int | float | None:
     return None
 
 
-def texts(program: Program) -> Iterator[Change]:
+def texts(program: ParsedProgram) -> Iterator[Change]:
     """Another text, or none; True for False."""
     for node in program.nodes():
         if isinstance(node, ast.JoinedStr):
@@ -122,7 +122,7 @@ def texts(program: Program) -> Iterator[Change]:
             yield _swapped(program, "true for false", node, ast.Constant(not node.value))
 
 
-def elements(program: Program) -> Iterator[Change]:
+def elements(program: ParsedProgram) -> Iterator[Change]:
     """An element left out of a list; another answer taken from the same place elsewhere."""
     for node in program.nodes():
         if isinstance(node, (ast.Tuple, ast.List)) and isinstance(node.ctx, ast.Load):
@@ -135,7 +135,7 @@ def elements(program: Program) -> Iterator[Change]:
                     yield from _entry(program, node, place)
 
 
-def names(program: Program) -> Iterator[Change]:
+def names(program: ParsedProgram) -> Iterator[Change]:
     """Names that are easily mixed up: fields of the same thing, min and max, two arguments."""
     used = _fields(program)
     for node in program.nodes():
@@ -152,16 +152,16 @@ def names(program: Program) -> Iterator[Change]:
             yield _swapped(program, "arguments swapped", node, ast.Call(node.func, swapped, node.keywords))
 
 
-def _can_be_swapped(program: Program, call: ast.Call) -> bool:
+def _can_be_swapped(program: ParsedProgram, call: ast.Call) -> bool:
     plain = not any(isinstance(one, ast.Starred) for one in call.args)
     return plain and len(call.args) > 1 and program.name_of(call) not in _SYMMETRIC
 
 
-def _swapped(program: Program, operator: str, node: ast.expr, new: ast.expr) -> Change:
+def _swapped(program: ParsedProgram, operator: str, node: ast.expr, new: ast.expr) -> Change:
     return Change(operator, node.lineno, (program.swap(node, new),))
 
 
-def _formatted(program: Program, node: ast.JoinedStr) -> Iterator[Change]:
+def _formatted(program: ParsedProgram, node: ast.JoinedStr) -> Iterator[Change]:
     """A formatted text: its words changed one by one, its values left out."""
     yield _swapped(program, "empty text", node, ast.Constant(""))
     for place, part in enumerate(node.values):
@@ -178,7 +178,7 @@ def _formatted(program: Program, node: ast.JoinedStr) -> Iterator[Change]:
         yield _swapped(program, "arguments swapped", node, ast.JoinedStr(parts))
 
 
-def _entry(program: Program, node: ast.Dict, place: int) -> Iterator[Change]:
+def _entry(program: ParsedProgram, node: ast.Dict, place: int) -> Iterator[Change]:
     """An entry of a dictionary left out, or with a value that another entry has in the same place."""
     key, value = node.keys[place], node.values[place]
     assert key is not None  # noqa: S101 - the caller has looked
@@ -199,11 +199,11 @@ def _column(node: ast.Dict, column: int) -> list[str]:
     return list(dict.fromkeys(ast.unparse(one.elts[column]) for one in values))
 
 
-def _place(program: Program, node: ast.Attribute) -> tuple[ast.AST | None, str]:
+def _place(program: ParsedProgram, node: ast.Attribute) -> tuple[ast.AST | None, str]:
     return program.function(node), ast.unparse(node.value)
 
 
-def _fields(program: Program) -> dict[tuple[ast.AST | None, str], dict[str, None]]:
+def _fields(program: ParsedProgram) -> dict[tuple[ast.AST | None, str], dict[str, None]]:
     """The fields that each function uses of each thing; a vector has all three."""
     found: dict[tuple[ast.AST | None, str], dict[str, None]] = {}
     for node in ast.walk(program.tree):

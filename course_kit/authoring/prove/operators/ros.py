@@ -11,7 +11,7 @@ from course_kit.authoring.prove.program import Change
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.authoring.prove.program import Function, Program
+    from course_kit.authoring.prove.program import Function, ParsedProgram
 
 _STATUS = ("succeed", "abort", "canceled")
 _DECISIONS = {"ACCEPT": "REJECT", "REJECT": "ACCEPT"}
@@ -20,7 +20,7 @@ _SELDOM = 10  # of as many feedback messages one
 _MESSAGES = ("publish", "publish_feedback")
 
 
-def callbacks(program: Program) -> Iterator[Change]:
+def callbacks(program: ParsedProgram) -> Iterator[Change]:
     """A callback that does nothing, or another one of the class."""
     for reference in program.callback_references:
         for nothing in ("lambda *given: None", "lambda *given: given[-1]"):
@@ -30,7 +30,7 @@ def callbacks(program: Program) -> Iterator[Change]:
             yield Change("another callback", reference.lineno, (program.replace(reference, f"self.{other}"),))
 
 
-def goal_status(program: Program) -> Iterator[Change]:
+def goal_status(program: ParsedProgram) -> Iterator[Change]:
     """Another end of a goal; a goal that is accepted for rejected."""
     for call in program.calls():
         name = program.name_of(call)
@@ -45,7 +45,7 @@ def goal_status(program: Program) -> Iterator[Change]:
             yield Change("status of a goal", node.lineno, (program.replace(node, text),))
 
 
-def messages(program: Program) -> Iterator[Change]:
+def messages(program: ParsedProgram) -> Iterator[Change]:
     """What is published twice, once in all, or seldom."""
     published = [call for call in program.calls() if program.name_of(call) in _MESSAGES]
     for number, call in enumerate(published, start=1):
@@ -65,7 +65,7 @@ def messages(program: Program) -> Iterator[Change]:
             yield Change(operator, call.lineno, (program.replace(statement, changed),))
 
 
-def failing(program: Program) -> Iterator[Change]:
+def failing(program: ParsedProgram) -> Iterator[Change]:
     """A callback that raises, at once or when it is called again; one that blocks."""
     time, rclpy = program.imported("time"), program.imported("rclpy")
     for function in program.callbacks:
@@ -83,7 +83,7 @@ def failing(program: Program) -> Iterator[Change]:
         yield Change("waiting in a callback", line, (program.before(first, wait), *rclpy))
 
 
-def spinning(program: Program) -> Iterator[Change]:
+def spinning(program: ParsedProgram) -> Iterator[Change]:
     """One thread for several, one message in all, no spinning (a call left out tells that as well)."""
     for call in program.calls():
         name = program.name_of(call)
@@ -95,7 +95,7 @@ def spinning(program: Program) -> Iterator[Change]:
             yield Change("one spin", call.lineno, (program.replace(call, text),))
 
 
-def parameters(program: Program) -> Iterator[Change]:
+def parameters(program: ParsedProgram) -> Iterator[Change]:
     """A parameter that is read once, when the node is made."""
     made = program.methods.get("__init__")
     if made is None:
@@ -113,7 +113,7 @@ def parameters(program: Program) -> Iterator[Change]:
         yield Change("parameter read once", call.lineno, edits)
 
 
-def groups(program: Program) -> Iterator[Change]:
+def groups(program: ParsedProgram) -> Iterator[Change]:
     """Everything in one callback group that lets one in at a time, or the other kind of group."""
     other = {"ReentrantCallbackGroup": "MutuallyExclusiveCallbackGroup"}
     other |= {value: key for key, value in other.items()}
@@ -123,7 +123,7 @@ def groups(program: Program) -> Iterator[Change]:
             yield Change("callback group", call.lineno, (program.replace(call, text), *program.imported("rclpy")))
 
 
-def _owner(program: Program, call: ast.Call) -> str:
+def _owner(program: ParsedProgram, call: ast.Call) -> str:
     """What a count of messages is kept on: the goal for its feedback, else the node."""
     if program.name_of(call) == "publish_feedback" and isinstance(call.func, ast.Attribute):
         return program.text(call.func.value)
@@ -138,7 +138,7 @@ def _first_statement(function: Function) -> ast.stmt:
     return first
 
 
-def _value_of(program: Program, call: ast.Call) -> ast.expr:
+def _value_of(program: ParsedProgram, call: ast.Call) -> ast.expr:
     """`self.get_parameter("x").value` around `self.get_parameter("x")`."""
     above = program.parents[call]
     if isinstance(above, ast.Attribute) and above.attr == "value":
@@ -148,7 +148,7 @@ def _value_of(program: Program, call: ast.Call) -> ast.expr:
     return call
 
 
-def _outermost(program: Program, node: ast.expr) -> ast.expr:
+def _outermost(program: ParsedProgram, node: ast.expr) -> ast.expr:
     above = program.parents[node]
     while isinstance(above, (ast.Attribute, ast.Call)) and getattr(above, "func", node) is node:
         node, above = above, program.parents[above]

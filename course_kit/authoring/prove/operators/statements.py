@@ -10,10 +10,10 @@ from course_kit.authoring.prove.program import Change
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.authoring.prove.program import Program
+    from course_kit.authoring.prove.program import ParsedProgram
 
 
-def conditions(program: Program) -> Iterator[Change]:
+def conditions(program: ParsedProgram) -> Iterator[Change]:
     """A condition negated, always or never true; a branch left out; a loop that is run once."""
     for node in program.nodes():
         if not isinstance(node, (ast.If, ast.While, ast.IfExp)) or node.test in program.out_of_sight:
@@ -32,7 +32,7 @@ def conditions(program: Program) -> Iterator[Change]:
             yield Change("loop run once", node.lineno, (program.after(node.body[-1], "break"),))
 
 
-def statements(program: Program) -> Iterator[Change]:
+def statements(program: ParsedProgram) -> Iterator[Change]:
     """A call or an assignment left out, a return without its value, or none at all."""
     for node in program.nodes():
         if isinstance(node, ast.Expr) and isinstance(node.value, (ast.Call, ast.Await)):
@@ -52,7 +52,7 @@ def statements(program: Program) -> Iterator[Change]:
             yield Change("jump left out", node.lineno, (program.replace(node, "pass"),))
 
 
-def arguments(program: Program) -> Iterator[Change]:
+def arguments(program: ParsedProgram) -> Iterator[Change]:
     """A call with an argument or a keyword less, or only its argument."""
     for call in program.calls():
         if call in program.out_of_sight or not _has_place(program, call):
@@ -65,18 +65,18 @@ def arguments(program: Program) -> Iterator[Change]:
             yield _expression(program, "function left out", call, call.args[0])
 
 
-def _expression(program: Program, operator: str, node: ast.expr, new: ast.expr, line: int = 0) -> Change:
+def _expression(program: ParsedProgram, operator: str, node: ast.expr, new: ast.expr, line: int = 0) -> Change:
     return Change(operator, line or node.lineno, (program.swap(node, new),))
 
 
-def _left_out(program: Program, operator: str, body: list[ast.stmt]) -> Iterator[Change]:
+def _left_out(program: ParsedProgram, operator: str, body: list[ast.stmt]) -> Iterator[Change]:
     if all(isinstance(one, ast.Pass) for one in body):
         return
     edits = [program.replace(body[0], "pass"), *(program.replace(one, "pass") for one in body[1:])]
     yield Change(operator, body[0].lineno, tuple(edits))
 
 
-def _empty(program: Program, node: ast.Return) -> str:
+def _empty(program: ParsedProgram, node: ast.Return) -> str:
     """The type that a function says it returns, as ROS 2 makes it: with nothing filled in."""
     function = program.function(node)
     returned = function.returns if function else None
@@ -87,5 +87,5 @@ def _empty(program: Program, node: ast.Return) -> str:
     return f"{name}()" if name.endswith((".Result", ".Response")) else ""
 
 
-def _has_place(program: Program, node: ast.AST) -> bool:
+def _has_place(program: ParsedProgram, node: ast.AST) -> bool:
     return not any(isinstance(one, ast.JoinedStr) for one in program.around(node))
