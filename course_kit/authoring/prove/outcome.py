@@ -29,12 +29,14 @@ class MutantOutcome:
         verdicts: one for each seed it was graded with.
         declared: what its author says about it.
         sees_any: whether one seed that sees it is enough, as where each draws other questions.
+        wanted: the number of verdicts from which it counts that none sees it.
     """
 
     mutant: Mutant
     verdicts: tuple[Verdict, ...] = ()
     declared: DeclaredEquivalent | None = None
     sees_any: bool = False
+    wanted: int = 1
 
     @property
     def state(self) -> str:
@@ -44,6 +46,8 @@ class MutantOutcome:
             return NOT_GRADED
         if any(not one.full_marks for one in graded):
             return SEEN if self.sees_any or not any(one.full_marks for one in graded) else BY_CHANCE
+        if len(graded) < self.wanted:
+            return NOT_GRADED
         return EQUIVALENT if self.declared else SURVIVED
 
     @property

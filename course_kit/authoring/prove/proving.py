@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 _MORE_SEEDS = 2  # for a mutant that gets full marks with the first one
 _SEEDS_OF_ANSWERS = 40  # where each draws other questions: so many that a question that is never drawn is unlikely
 _BEGIN_S, _END_S = 40.0, 52.0  # of --quick: when nothing more is begun, and when nothing is waited for
+_ANSWERS_AT_MOST = 60  # mutants of --quick where each is graded with many seeds
 _SOLUTION = "the solution"
 
 
@@ -104,16 +105,15 @@ class _Proving:
         """The verdicts on mutants and variants, by their texts."""
         seed = self._how.seed
         requests = [Request(one.name, one.source, seed) for one in right]
-        requests += [Request(one.key, one.source, seed, first_failure=True) for one in mutants.evenly(made)]
+        sample = mutants.evenly(made)[: _ANSWERS_AT_MOST if self._how.quick and self._exercise.variable else None]
+        requests += [Request(one.key, one.source, seed, first_failure=True) for one in sample]
         found = self.verdicts("programs", requests, sample=True)
         return {request.source: [verdict] for request, verdict in found.items()}
 
     def with_other_seeds(self, survivors: Sequence[Mutant], verdicts: dict[str, list[Verdict]]) -> None:
         """Grade what has got full marks again, until it does not, or often enough."""
         left, seed = list(survivors), self._how.seed
-        usual = _SEEDS_OF_ANSWERS if self._exercise.variable else _MORE_SEEDS
-        last = seed + (usual if self._how.more_seeds is None else self._how.more_seeds)
-        at_once = 1
+        last, at_once = seed + self.more_seeds, 1
         while left and seed < last and not (self._how.quick and time.monotonic() > self._began + _BEGIN_S):
             seeds = range(seed + 1, min(seed + at_once, last) + 1)
             requests = [Request(one.key, one.source, each, first_failure=True) for each in seeds for one in left]
@@ -122,6 +122,12 @@ class _Proving:
                 verdicts[request.source].append(verdict)
             left = [one for one in left if all(verdict.full_marks for verdict in verdicts[one.source])]
             seed, at_once = seeds[-1], 2 * at_once
+
+    @property
+    def more_seeds(self) -> int:
+        """With how many other seeds a mutant is graded that gets full marks."""
+        usual = _SEEDS_OF_ANSWERS if self._exercise.variable else _MORE_SEEDS
+        return usual if self._how.more_seeds is None else self._how.more_seeds
 
     def under_load(self, right: Mapping[str, str]) -> dict[str, list[Verdict]]:
         """The verdicts on right programs, by name, while every processor is kept busy."""
@@ -179,7 +185,13 @@ def prove(exercise: Exercise, places: ProofPlaces, how: HowToProve, watcher: Pro
         source=source,
         checks=report.checks,
         mutants=tuple(
-            MutantOutcome(one, tuple(verdicts.get(one.source, ())), by_mutant[one], bool(exercise.variable))
+            MutantOutcome(
+                one,
+                tuple(verdicts.get(one.source, ())),
+                by_mutant[one],
+                sees_any=bool(exercise.variable),
+                wanted=1 + run.more_seeds if exercise.variable else 1,
+            )
             for one in made
         ),
         variants=tuple(

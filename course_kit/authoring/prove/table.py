@@ -131,9 +131,9 @@ def _summary(proof: GraderProof) -> Iterator[str]:
     if counts[BY_CHANCE]:
         what.append(f"{counts[BY_CHANCE]} seen with some seeds only")
     yield f"{proof.exercise.id}: {graded} of {len(proof.mutants)} mistakes graded: {', '.join(what)}."
-    unclear = [one for one in proof.mutants if one.verdicts and one.state == NOT_GRADED]
+    unclear = [one for one in proof.mutants if one.state == NOT_GRADED and any(each.problem for each in one.verdicts)]
     if unclear:
-        yield f"{len(unclear)} could not be graded; the first: {unclear[0].verdicts[0].problem}"
+        yield f"{len(unclear)} could not be graded; the first: {unclear[0].verdicts[-1].problem}"
     right = [one for one in proof.variants if one.verdicts]
     gradings = sum(len(one.verdicts) for one in right)
     yield f"{len(right)} right programs graded, {gradings} gradings."

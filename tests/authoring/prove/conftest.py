@@ -114,7 +114,7 @@ class Tiny:
         self.places.declared.write_text(text)
 
     def prove(self, *, repeat: int = 0, resume: bool = False) -> GraderProof:
-        how = proving.HowToProve(repeat=repeat, resume=resume, workers=2, more_seeds=1)
+        how = proving.HowToProve(repeat=repeat, resume=resume, workers=1, more_seeds=1)
         return proving.prove(exercise.load("tiny", self.folder / "exercises"), self.places, how, self.watcher)
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from tests.authoring.prove.conftest import Tiny
 
-ARGUMENTS = ("prove", "tiny", "--workers", "2", "--repeat", "0", "--seeds", "1", "--quick")
+ARGUMENTS = ("prove", "tiny", "--workers", "1", "--repeat", "0", "--seeds", "1", "--quick")
 
 
 @pytest.fixture
