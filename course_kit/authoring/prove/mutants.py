@@ -13,7 +13,7 @@ from course_kit.authoring.prove.program import ParsedProgram, parsed
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from course_kit.authoring.prove.program import Change
+    from course_kit.authoring.prove.changes import Change
 
 OPERATORS: tuple[Callable[[ParsedProgram], Iterator[Change]], ...] = (
     endpoints.endpoint_names,

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from course_kit.authoring.prove.changes import Edit
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -16,30 +18,6 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 _WHOLE = (ast.Constant, ast.Name, ast.Attribute, ast.Call, ast.Tuple, ast.List, ast.JoinedStr)  # never in parentheses
 # Calls that are handed a callback, by how the callback's keyword is called where it is given by name.
 _TAKE_CALLBACKS = ("create_", "add_", "ActionServer", "ActionClient", "Timer")
-
-
-@dataclass(frozen=True, order=True)
-class Edit:
-    """The text from `start` to `end`, in characters, replaced by another."""
-
-    start: int
-    end: int
-    text: str
-
-
-@dataclass(frozen=True)
-class Change:
-    """One mistake.
-
-    Attributes:
-        operator: what kind of mistake.
-        line: where, from 1.
-        edits: what it replaces.
-    """
-
-    operator: str
-    line: int
-    edits: tuple[Edit, ...]
 
 
 @dataclass
@@ -130,26 +108,39 @@ class ParsedProgram:
         return {one.name: one for one in inside if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef))}
 
     @cached_property
-    def callback_references(self) -> list[ast.Attribute]:
-        """Where a method is handed over to be called later: `self.convert` in `create_service(...)`."""
-        found = []
+    def functions(self) -> dict[str, Function]:
+        """All functions that are no methods, by name."""
+        found = [node for node in ast.walk(self.tree) if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
+        return {one.name: one for one in found if not isinstance(self.parents[one], ast.ClassDef)}
+
+    @cached_property
+    def callback_references(self) -> list[ast.Attribute | ast.Name]:
+        """Where a function is handed over to be called later: `self.convert` in `create_service(...)`."""
+        found: list[ast.Attribute | ast.Name] = []
         for call in self.calls():
             if self.name_of(call).startswith(_TAKE_CALLBACKS):
                 values = [*call.args, *(keyword.value for keyword in call.keywords)]
                 found += [
-                    one
-                    for one in values
-                    if isinstance(one, ast.Attribute)
-                    and isinstance(one.value, ast.Name)
-                    and one.value.id == "self"
-                    and one.attr in self.methods
+                    one for one in values if isinstance(one, ast.Attribute | ast.Name) and self._called_later(one)
                 ]
         return found
 
+    def _called_later(self, reference: ast.Attribute | ast.Name) -> Function | None:
+        """The function that a callback's name stands for."""
+        if isinstance(reference, ast.Name):
+            return self.functions.get(reference.id)
+        of_self = isinstance(reference.value, ast.Name) and reference.value.id == "self"
+        return self.methods.get(reference.attr) if of_self else None
+
     @cached_property
     def callbacks(self) -> list[Function]:
-        """The methods that ROS calls."""
-        return [self.methods[name] for name in dict.fromkeys(one.attr for one in self.callback_references)]
+        """The functions that ROS calls."""
+        found = [self._called_later(one) for one in self.callback_references]
+        return list(dict.fromkeys(one for one in found if one is not None))
+
+    def is_method(self, function: Function) -> bool:
+        """Whether a function has a `self`."""
+        return self.methods.get(function.name) is function
 
     def calls(self) -> Iterator[ast.Call]:
         """All calls."""

@@ -6,7 +6,8 @@ import ast
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.program import Edit, ParsedProgram, parsed
+from course_kit.authoring.prove.changes import Edit
+from course_kit.authoring.prove.program import ParsedProgram, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -117,18 +118,18 @@ def _reentrant(program: ParsedProgram) -> Sequence[Edit]:
 def _asynchronous(program: ParsedProgram) -> Sequence[Edit]:
     """`async def` for each callback that nothing else in the program calls, and that rclpy awaits."""
     called = {program.name_of(call) for call in program.calls()}
-    names = [
-        one.attr
+    taken_otherwise = {
+        program.text(one)
         for one in program.callback_references
-        if any(isinstance(above, ast.Call) and program.name_of(above) in _AWAITED for above in program.around(one))
+        if not any(isinstance(above, ast.Call) and program.name_of(above) in _AWAITED for above in program.around(one))
+    }
+    return [
+        Edit(program.span(one)[0], program.span(one)[0], "async ")
+        for one in program.callbacks
+        if isinstance(one, ast.FunctionDef)
+        and one.name not in called
+        and not {one.name, f"self.{one.name}"} & taken_otherwise
     ]
-    edits = []
-    for name in dict.fromkeys(names):
-        function = program.methods[name]
-        if isinstance(function, ast.FunctionDef) and name not in called:
-            start, _ = program.span(function)
-            edits.append(Edit(start, start, "async "))
-    return edits
 
 
 def _reversed(program: ParsedProgram, made: Sequence[str]) -> Sequence[Edit]:

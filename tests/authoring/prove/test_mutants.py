@@ -159,6 +159,14 @@ def test_callbacks() -> None:
     assert only(NODE, "call left out", "self.create_service", "pass\n        self.declare_parameter")
 
 
+def test_callbacks_that_are_no_methods() -> None:
+    source = "def tell(message):\n    print(message)\n\n\nnode.create_subscription(String, 'into', tell, 10)\n"
+    assert only(source, "exception in a callback", 'tell(message):\n    if hasattr(tell, "called_tell"):')
+    assert only(source, "exception in a callback", "tell(message):\n    raise RuntimeError")
+    assert only(source, "blocking callback", "time.sleep(3.0)")
+    assert only(source, "callback does nothing", "'into', lambda *given: None, 10")
+
+
 def test_a_parameter_read_once() -> None:
     one = only(NODE, "parameter read once")
     assert (

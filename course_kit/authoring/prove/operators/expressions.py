@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.program import Change, Edit
+from course_kit.authoring.prove.changes import Change, Edit
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,7 +6,7 @@ import ast
 import textwrap
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.program import Change
+from course_kit.authoring.prove.changes import Change
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,9 +25,9 @@ def callbacks(program: ParsedProgram) -> Iterator[Change]:
     for reference in program.callback_references:
         for nothing in ("lambda *given: None", "lambda *given: given[-1]"):
             yield Change("callback does nothing", reference.lineno, (program.replace(reference, nothing),))
-        others = [one.name for one in program.callbacks if one.name != reference.attr]
-        for other in others:
-            yield Change("another callback", reference.lineno, (program.replace(reference, f"self.{other}"),))
+        for other in program.callback_references:
+            edit = program.replace(reference, program.text(other))
+            yield Change("another callback", reference.lineno, (edit,))
 
 
 def goal_status(program: ParsedProgram) -> Iterator[Change]:
@@ -72,15 +72,17 @@ def failing(program: ParsedProgram) -> Iterator[Change]:
         first = _first_statement(function)
         line = function.lineno
         yield Change("exception in a callback", line, (program.before(first, 'raise RuntimeError("a mistake")'),))
+        owner = "self" if program.is_method(function) else function.name
         again = (
-            f'if hasattr(self, "called_{function.name}"):\n    raise RuntimeError("a mistake")\n'
-            f"self.called_{function.name} = True"
+            f'if hasattr({owner}, "called_{function.name}"):\n    raise RuntimeError("a mistake")\n'
+            f"{owner}.called_{function.name} = True"
         )
         yield Change("exception in a callback", line, (program.before(first, again),))
         sleep = program.before(first, f"time.sleep({_BLOCKED_S})")
         yield Change("blocking callback", line, (sleep, *time))
-        wait = "rclpy.spin_until_future_complete(self, rclpy.task.Future())"
-        yield Change("waiting in a callback", line, (program.before(first, wait), *rclpy))
+        if program.is_method(function):
+            wait = "rclpy.spin_until_future_complete(self, rclpy.task.Future())"
+            yield Change("waiting in a callback", line, (program.before(first, wait), *rclpy))
 
 
 def spinning(program: ParsedProgram) -> Iterator[Change]:
