@@ -27,6 +27,7 @@ GROUP = "course_kit.exercises"
 TOML = "exercise.toml"
 DRILLS = "drills"  # a folder of exercises for practice, in the course's own folder of exercises
 INTERFACES = "interfaces"  # in an exercise's folder: package/kind/Name.kind
+PROOF = "proof"  # there, too: what proves its grader
 _OPTION = "--exercises"
 
 
