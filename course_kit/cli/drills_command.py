@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from course_kit.text.console import cannot, tell
+
+if TYPE_CHECKING:
+    import argparse
 
 
 def add_to(verbs: Any) -> None:
