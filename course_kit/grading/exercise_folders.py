@@ -74,8 +74,7 @@ def drills(folder: Path | None = None) -> dict[str, tuple[Path, ...]]:
 
 def place(folder: Path) -> Path:
     """Where an exercise lies in a folder of exercises: under its id, or among the drills."""
-    own = course_folder()
-    return Path(DRILLS, folder.name) if own is not None and folder.parent == own / DRILLS else Path(folder.name)
+    return Path(DRILLS, folder.name) if folder.parent.name == DRILLS else Path(folder.name)
 
 
 def find() -> FoundExercises:

@@ -27,7 +27,9 @@ PRISTINE = ".pristine"
 COPIED = ("notebooks", "exercises")
 _NAME = "ros2-course"
 _COMMAND = "course"
-_LEFT_OUT = shutil.ignore_patterns(".ipynb_checkpoints", "__pycache__", "*.backup-*")
+_LEFT_OUT = shutil.ignore_patterns(
+    ".ipynb_checkpoints", "__pycache__", "*.backup-*", "solution", exercise_folders.PROOF
+)
 
 
 def copy_folder() -> Path:
