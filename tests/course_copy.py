@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from course_kit.grading import exercise
+from course_kit.grading import exercise_folders
 from course_kit.learner import starters
 
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -58,11 +58,10 @@ def copy_course(folder: Path) -> Course:
         shutil.copytree(REPOSITORY / name, root / name, ignore=leave)
     (root / "notebooks").mkdir()
     shutil.copy(REPOSITORY / "pyproject.toml", root)
-    for name in exercise.ids(root / "exercises"):
-        for pristine in (starters.STARTERS / name).iterdir():
-            (root / "exercises" / name / pristine.name.removesuffix(starters.PRISTINE)).write_bytes(
-                pristine.read_bytes()
-            )
+    drills = root / "exercises" / exercise_folders.DRILLS
+    for toml in [*(root / "exercises").glob("*/exercise.toml"), *drills.glob("*/exercise.toml")]:
+        for pristine in (starters.STARTERS / toml.parent.name).iterdir():
+            (toml.parent / pristine.name.removesuffix(starters.PRISTINE)).write_bytes(pristine.read_bytes())
     return Course(folder, root)
 
 

@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING
 from course_kit.authoring import carried_exercises, course_files, parts
 from course_kit.authoring.parts import Owner
 from course_kit.grading import exercise
+from course_kit.grading.checks.declared import solutions
 from course_kit.grading.errors import GradingError
+from course_kit.grading.exercise_folders import DRILLS
 from course_kit.learner.workspace import PRISTINE
 from course_kit.ros.names import did_you_mean
 
@@ -35,6 +37,7 @@ class EditionPlan:
     Attributes:
         files: what goes in, and from where.
         exercises: the exercises that go in.
+        drills: the drills that go in.
         new_exercises: those of them that git does not know.
         solved: starters that were changed in the working tree; their pristine copies go in instead.
         instructors: left out on purpose.
@@ -52,6 +55,7 @@ class EditionPlan:
 
     files: dict[str, Path] = field(default_factory=dict)
     exercises: list[str] = field(default_factory=list)
+    drills: list[str] = field(default_factory=list)
     new_exercises: list[str] = field(default_factory=list)
     solved: list[str] = field(default_factory=list)
     instructors: list[str] = field(default_factory=list)
@@ -113,6 +117,8 @@ class _Planner:
                 self._leave_out(exercise_id, names, self._made.unwanted)
             elif f"{_EXERCISES}/{exercise_id}/{_TOML}" in names:
                 self._put_exercise(exercise.load(exercise_id, self._root / _EXERCISES), names)
+            elif f"{_EXERCISES}/{DRILLS}/{exercise_id}/{_TOML}" in names:
+                self._put_drill(exercise.load(exercise_id, self._root / _EXERCISES), names)
             else:
                 self._put_no_exercise(names)
         for exercise_id in added:
@@ -142,16 +148,23 @@ class _Planner:
             else:
                 self._put_known(name)
 
-    def _put_exercise(self, task: Exercise, names: list[str]) -> None:
-        toml = f"{_EXERCISES}/{task.id}/{_TOML}"
+    def _put_drill(self, task: Exercise, names: list[str]) -> None:
+        """A drill, whose solution and proof set lie in its folder and stay behind."""
+        behind = {Path(path).relative_to(self._root).as_posix() for path in carried_exercises.left_behind(task)}
+        self._made.instructors += sorted(behind & set(names))
+        own = [name for name in names if name not in behind]
+        self._put_exercise(task, own, f"{_EXERCISES}/{DRILLS}/{task.id}")
+
+    def _put_exercise(self, task: Exercise, names: list[str], folder: str = "") -> None:
+        folder = folder or f"{_EXERCISES}/{task.id}"
+        toml = f"{folder}/{_TOML}"
         starters = {
-            f"{_EXERCISES}/{task.id}/{name}": f"{_STARTERS}/{task.id}/{name}{PRISTINE}"
-            for name in (task.starter, task.notebook)
+            f"{folder}/{name}": f"{_STARTERS}/{task.id}/{name}{PRISTINE}" for name in (task.starter, task.notebook)
         }
         if not set(starters.values()) <= set(names):
             self._leave_out(task.id, names, self._made.without_starter)
             return
-        self._made.exercises.append(task.id)
+        (self._made.drills if task.practice else self._made.exercises).append(task.id)
         self._made.solutions[task.id] = task.solution
         self._put(toml)
         for name, pristine in starters.items():
@@ -172,7 +185,7 @@ class _Planner:
             self._made.unwanted.append(exercise_id)
             return
         task = exercise.load(exercise_id)
-        if carried_exercises.asks_its_solution(task):
+        if solutions.are_asked(task):
             self._made.asking.append(exercise_id)
             return
         self._made.exercises.append(exercise_id)
@@ -193,7 +206,7 @@ class _Planner:
 
 def _exercise_of(name: str) -> str:
     """Whose file this is: the id of an exercise, or nothing."""
-    for folder in (_EXERCISES, _STARTERS):
+    for folder in (f"{_EXERCISES}/{DRILLS}", _EXERCISES, _STARTERS):
         exercise_id, below, _ = name.removeprefix(f"{folder}/").partition("/")
         if name.startswith(f"{folder}/") and below:
             return exercise_id

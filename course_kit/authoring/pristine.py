@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.authoring import shipped_starters
-from course_kit.grading import exercise
+from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 from course_kit.learner import workspace
 
@@ -37,7 +37,8 @@ def renew(target: Path, folder: Path | None = None, chosen: Sequence[str] = ()) 
         GradingError: there is no such exercise.
         OSError: a file cannot be read or written.
     """
-    tasks = [exercise.load(name, folder) for name in chosen or exercise.ids(folder)]
+    names = chosen or [*exercise.ids(folder), *exercise_folders.drills(folder)]
+    tasks = [exercise.load(name, folder) for name in names]
     files = [task.folder / name for task in tasks for name in (task.starter, task.notebook)]
     contents = {target / file.parent.name / f"{file.name}{workspace.PRISTINE}": file.read_bytes() for file in files}
     for old in [target / task.id for task in tasks] if chosen else [target]:

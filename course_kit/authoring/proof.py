@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Protocol
 from course_kit.authoring import edition_programs
 from course_kit.authoring.edition_programs import EditionProgram, ExerciseClues
 from course_kit.classroom.executors import Local
-from course_kit.grading import exercise, needs
+from course_kit.grading import exercise, exercise_folders, needs
 from course_kit.grading.engine import Task
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader
@@ -134,7 +134,7 @@ def _starters(task: Exercise) -> list[EditionProgram]:
     """The starter of an exercise as a program, and as its notebook has it."""
     files = [task.folder / task.starter, task.folder / task.notebook]
     return [
-        EditionProgram(task.id, source, f"exercises/{task.id}/{file.name}", "the starter")
+        EditionProgram(task.id, source, f"exercises/{exercise_folders.place(task.folder)}/{file.name}", "the starter")
         for file, source in zip(files, _read_sources(files, task), strict=True)
     ]
 

@@ -13,7 +13,7 @@ import sys
 import textwrap
 from typing import TYPE_CHECKING
 
-from course_kit.grading import exercise
+from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
@@ -122,7 +122,11 @@ def write(task: Exercise) -> list[Path]:
 def main(arguments: Sequence[str]) -> int:
     """The command: the exercises that are named, else all."""
     try:
-        changed = [path for name in arguments or exercise.ids() for path in write(exercise.load(name))]
+        changed = [
+            path
+            for name in arguments or [*exercise.ids(), *exercise_folders.drills()]
+            for path in write(exercise.load(name))
+        ]
     except GradingError as problem:
         print(f"course-kit: {problem}", file=sys.stderr)
         return 2

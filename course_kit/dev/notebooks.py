@@ -1,4 +1,4 @@
-"""`course-kit dev notebooks`: nbval on every notebook of the course, each output compared.
+"""`course-kit dev notebooks`: nbval on every lesson and drill of the course, each output compared.
 
 Of the test tools it needs nbval alone, and pytest, which that brings.
 """
@@ -74,7 +74,7 @@ def run(environ: Mapping[str, str], paths: Sequence[Path] = ()) -> int:
     Returns:
         0 when every output was as it is stored.
     """
-    found = Path("notebooks").rglob("*.ipynb")
+    found = [*Path("notebooks").rglob("*.ipynb"), *Path("exercises/drills").rglob("*.ipynb")]
     paths = paths or sorted(path for path in found if ".ipynb_checkpoints" not in path.parts)
     with ThreadPoolExecutor(_AT_ONCE) as threads:
         ran = list(threads.map(lambda path: _run_one(path, environ), paths))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -68,6 +68,9 @@ class Exercise:
         diagnoses: by code, those that it words in its own way or links elsewhere.
         sentences: its task, sentence by sentence.
         declared: the checks that its exercise.toml declares.
+        variables: environment variables that a submission is started with, for these.
+        practice: whether it counts for nothing: a drill.
+        symptom: of a drill, what somebody who uses its program sees.
     """
 
     folder: Path
@@ -88,6 +91,9 @@ class Exercise:
     diagnoses: Mapping[str, Diagnosis]
     sentences: tuple[Sentence, ...] = ()
     declared: tuple[Declaration, ...] = ()
+    variables: Mapping[str, str] = field(default_factory=dict)
+    practice: bool = False
+    symptom: str = ""
 
     @property
     def interfaces(self) -> str:
@@ -101,7 +107,10 @@ class Exercise:
 
     def diagnosis(self, code: str | None) -> Diagnosis | None:
         """A diagnosis as this exercise words it, else as the catalogue does; None when there is none of this code."""
-        return self.diagnoses.get(code or "") or catalogue.catalogue().get(code or "")
+        found = self.diagnoses.get(code or "") or catalogue.catalogue().get(code or "")
+        if found is None or found.notebook:
+            return found
+        return replace(found, notebook=f"exercises/{self.id}/{self.notebook}")
 
 
 def exercises_folder() -> Path:
@@ -149,17 +158,18 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
     """Read one exercise.
 
     Args:
-        exercise_id: its id.
+        exercise_id: its id, or a drill's.
         folder: see `find`.
 
     Raises:
         GradingError: there is none of this id, or more than one, or its exercise.toml has a mistake.
     """
     found = find(folder)
-    places = found.folders.get(exercise_id, ())
+    drills = exercise_folders.drills(folder)
+    places = found.folders.get(exercise_id, ()) or drills.get(exercise_id, ())
     if not places:
         known = sorted(found.folders)
-        guess = did_you_mean(exercise_id, known)
+        guess = did_you_mean(exercise_id, [*known, *sorted(drills)])
         there_are = f"There is no exercise '{exercise_id}'.{guess} There are: {', '.join(known) or 'none'}."
         raise GradingError(" ".join((there_are, *found.problems)))
     if exercise_id in found.doubles:
@@ -224,6 +234,9 @@ def _parse(table: Record, folder: Path) -> Exercise:
     if seed is not None and not isinstance(seed, int):
         raise ValueError("'seed' is not a whole number")
     limits = Limits.from_mapping(table.get("limits", {}))
+    practice = table.get("practice", False)
+    if not isinstance(practice, bool):
+        raise ValueError("'practice' is neither true nor false")  # noqa: TRY004 - a file's mistakes are all of one kind
     return Exercise(
         folder=folder,
         order=int(table["order"]),
@@ -236,6 +249,8 @@ def _parse(table: Record, folder: Path) -> Exercise:
         solution=_solution(table, folder),
         grader=_grader(table, folder),
         sentences=sentences.read(table.get("sentences", [])),
+        practice=practice,
+        symptom=str(table.get("symptom", "")),
         **goal,
         **texts,
     )
@@ -275,8 +290,8 @@ def _with_declared(task: Exercise, text: str, table: Record) -> Exercise:
     """
     from course_kit.grading.checks.declared import loading  # only for exercises that declare checks
 
-    path = task.folder / exercise_folders.TOML
-    return replace(task, declared=loading.load(text, table, path))
+    declared = loading.load(text, table, task.folder / exercise_folders.TOML)
+    return replace(task, declared=declared, variables=loading.variables(table))
 
 
 def _diagnoses(tables: object) -> dict[str, Diagnosis]:

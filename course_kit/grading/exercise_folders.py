@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 VARIABLE = "COURSE_EXERCISES"
 GROUP = "course_kit.exercises"
 TOML = "exercise.toml"
+DRILLS = "drills"  # a folder of exercises for practice, in the course's own folder of exercises
 INTERFACES = "interfaces"  # in an exercise's folder: package/kind/Name.kind
+PROOF = "proof"  # there, too: what proves its grader
 _OPTION = "--exercises"
 
 
@@ -56,12 +58,23 @@ def course_folder() -> Path | None:
 def is_added(folder: Path) -> bool:
     """Whether an exercise's folder is none of the course's own."""
     own = course_folder()
-    return own is None or folder.parent != own
+    return own is None or folder.parent not in (own, own / DRILLS)
 
 
 def within(folder: Path) -> dict[str, tuple[Path, ...]]:
     """The exercises in one folder, by their ids."""
     return {toml.parent.name: (toml.parent,) for toml in sorted(folder.glob(f"*/{TOML}"))}
+
+
+def drills(folder: Path | None = None) -> dict[str, tuple[Path, ...]]:
+    """The drills of the course, or of another folder of exercises, by their ids: found only when asked for."""
+    own = course_folder() if folder is None else folder
+    return {} if own is None else within(own / DRILLS)
+
+
+def place(folder: Path) -> Path:
+    """Where an exercise lies in a folder of exercises: under its id, or among the drills."""
+    return Path(DRILLS, folder.name) if folder.parent.name == DRILLS else Path(folder.name)
 
 
 def find() -> FoundExercises:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 from course_kit import environment
-from course_kit.grading import exercise
+from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 from course_kit.learner import progress, workspace
 from course_kit.text.console import wrapped
@@ -51,18 +51,28 @@ class Row:
         }
 
 
-def rows(folder: Path | None = None) -> tuple[list[Row], list[str]]:
+def rows(folder: Path | None = None, *, practice: bool = False) -> tuple[list[Row], list[str]]:
     """All exercises in their order, and what to tell the user about files that cannot be used.
+
+    Args:
+        folder: the folder of exercises; the course's own, and those that were added, when None.
+        practice: the drills instead, which count for nothing.
 
     Raises:
         GradingError: this installation has no exercises.
     """
     records, trouble = progress.read_or_tell()
     found_folders = exercise.find(folder)
-    loaded = [_load(name, folder) for name in sorted(found_folders.folders)]
-    found = [Row(task, records.get(task.id, progress.ProgressRecord())) for task in loaded if not isinstance(task, str)]
+    names = {*found_folders.folders, *(exercise_folders.drills(folder) if practice else ())}
+    loaded = [_load(name, folder) for name in sorted(names)]
+    found = [Row(task, records.get(task.id, progress.ProgressRecord())) for task in loaded if _is(task, practice)]
     told = [trouble, *(problem for problem in loaded if isinstance(problem, str)), *found_folders.problems]
     return sorted(found, key=lambda row: (row.task.order, row.task.id)), [sentence for sentence in told if sentence]
+
+
+def _is(task: Exercise | str, practice: bool) -> TypeGuard[Exercise]:
+    """Whether it was loaded, and is what is listed: an exercise, or a drill."""
+    return not isinstance(task, str) and task.practice == practice
 
 
 def _load(name: str, folder: Path | None) -> Exercise | str:
@@ -84,7 +94,7 @@ def to_text(found: list[Row], encoding: str | None) -> str:
     width = max((len(row.task.id) for row in found), default=0)
     lines = [f"       {'exercise':<{width}}  points  to pass  best  tries"]
     for row in found:
-        lines += _lines(row, width, _tick(encoding))
+        lines += _lines(row, width, tick(encoding))
     passed = sum(row.known.passed for row in found)
     lines += ["", f"{passed} of {len(found)} passed."]
     following = next((row.task for row in found if not row.known.passed), None)
@@ -104,7 +114,8 @@ def _lines(row: Row, width: int, tick: str) -> list[str]:
     return [f"{head}{known.tries:>5}  {row.state}", *title]
 
 
-def _tick(encoding: str | None) -> str:
+def tick(encoding: str | None) -> str:
+    """The mark for what is done, as far as a terminal can show it."""
     try:
         "✓".encode(encoding or "ascii")
     except (UnicodeEncodeError, LookupError):

@@ -27,7 +27,9 @@ PRISTINE = ".pristine"
 COPIED = ("notebooks", "exercises")
 _NAME = "ros2-course"
 _COMMAND = "course"
-_LEFT_OUT = shutil.ignore_patterns(".ipynb_checkpoints", "__pycache__", "*.backup-*")
+_LEFT_OUT = shutil.ignore_patterns(
+    ".ipynb_checkpoints", "__pycache__", "*.backup-*", "solution", exercise_folders.PROOF
+)
 
 
 def copy_folder() -> Path:
@@ -103,16 +105,17 @@ def exercise_folder(task: Exercise) -> Path | None:
     """
     course = task.folder
     here = _working_folder()
-    around = course if exercise_folders.is_added(course) else course.parent.parent
+    own = exercise_folders.course_folder()
+    around = course if own is None or exercise_folders.is_added(course) else own.parent
     if here is None or here.is_relative_to(around):
         found = None  # within the course: another folder there may hold a file of this name that is no starter
     else:
-        found = next((folder for folder in _places(here, task.id) if _has_one(folder, task)), None)
+        found = next((folder for folder in _places(here, task) if _has_one(folder, task)), None)
     if found is not None:
         return found
     if environment.is_writable(course, make=False):
         return course
-    copied = copy_folder() / "exercises" / task.id
+    copied = copy_folder() / "exercises" / exercise_folders.place(course)
     return copied if _has_one(copied, task) else None
 
 
@@ -144,9 +147,9 @@ def shown(path: Path) -> Path:
     return path.relative_to(here) if here is not None and path.is_relative_to(here) else path
 
 
-def _places(here: Path, exercise_id: str) -> Iterator[Path]:
-    yield from (here, here / exercise_id)
-    yield from (folder / "exercises" / exercise_id for folder in (here, *here.parents))
+def _places(here: Path, task: Exercise) -> Iterator[Path]:
+    yield from (here, here / task.id)
+    yield from (folder / "exercises" / exercise_folders.place(task.folder) for folder in (here, *here.parents))
 
 
 def _has_one(folder: Path, task: Exercise) -> bool:

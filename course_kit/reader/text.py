@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 LARGEST = 1 << 20  # bytes of a program
 PROGRAM, NOTEBOOK = ".py", ".ipynb"
 _ADDED = (".txt", ".json")  # to a name, by a browser, a mail program or an editor that does not know the ending
+_AS_A_PROGRAM = re.compile(r"%%ros_script\b")  # may follow: the cell is also run in the notebook, as a program
 _MAGIC = re.compile(r"%%submission[^\S\n]+(?P<exercise>\S+)[^\S\n]*\Z")
 _NO_NOTEBOOK = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
 _FEW, _LONGEST_NAME = 10, 40  # of other exercises that are named
@@ -112,6 +113,8 @@ def _joined(name: str, cells: Iterable[tuple[int, str]], exercise: str) -> tuple
         if match["exercise"] != exercise:
             others.add(match["exercise"])
             continue
+        if first < len(rest) and _AS_A_PROGRAM.match(rest[first]):
+            rest[first] = ""  # empty, so that the lines below keep their numbers
         lines += rest
         places.append((number, len(rest)))
     source = "\n".join(lines) + "\n"

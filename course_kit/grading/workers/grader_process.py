@@ -56,15 +56,17 @@ def main(supervisor: Channel, job: Job) -> None:
 def _run(supervisor: Channel, job: Job) -> Record:
     began = time.monotonic()
     grader = grader_module.load_for(job)
-    checks = grader_module.checks_of(grader, job)
     context = CheckContext(supervisor, job, {**job.variables, **getattr(grader, "VARIABLES", {})})
     times = {}
+    checks = grader_module.checks_of(grader, job, context)
     if not job.fault and not job.variable:
         context.launch()
     try:
         for result in run_all(checks, context):
             supervisor.send({"do": "result", "result": bounds.results([asdict(result)])[0]})
             times[result.id] = time.monotonic() - began
+            if job.first_failure and result.status == "failed" and result.max_points:
+                break
     finally:
         if (
             not job.isolation.network

@@ -61,8 +61,14 @@ def drawn(tables: Sequence[Record], seed: int, check: str) -> list[Record]:
     return [made for table in tables for made in _drawn(table, source)]
 
 
+def count_of(table: Record) -> int:
+    """How many tables are made of one with drawn values; 1 for one whose counts are none."""
+    counts = [one.get(COUNT, 1) for one in _draws(table)]
+    return max([1, *(count for count in counts if isinstance(count, int))])
+
+
 def _drawn(table: Record, source: random.Random) -> Iterator[Record]:
-    count = max([1, *(one.get(COUNT, 1) for one in _draws(table))])
+    count = count_of(table)
     values = {id(one): _values(one, count, source) for one in _draws(table)}
     for number in range(count):
         yield {name: _filled(value, values, number) for name, value in table.items()}

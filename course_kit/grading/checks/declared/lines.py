@@ -51,7 +51,7 @@ class Lines:
         return found[number].line if number < len(found) else self.of_key(name)
 
     def within(self, name: str, number: int, key: str, *words: str) -> int:
-        """The line of a key in `[[name]]`, or within its value the first line with one of some words.
+        """The line of a key in `[[name]]`, or within its value the first line with some words, at least with the first.
 
         Args:
             name: of the table.
@@ -63,11 +63,15 @@ class Lines:
         if number >= len(found):
             return self.of_key(name)
         first, last = found[number].keys.get(key, (found[number].line, found[number].line))
-        for word in words:
+        for wanted in (words, words[:1]):
             for line in range(first, last + 1):
-                if word and re.search(rf"(?<!\w){re.escape(word)}(?!\w)", self._lines[line - 1]):
+                if wanted and all(_has(self._lines[line - 1], word) for word in wanted):
                     return line
         return first
+
+
+def _has(line: str, word: str) -> bool:
+    return bool(word) and re.search(rf"(?<!\w){re.escape(word)}(?!\w)", line) is not None
 
 
 def _blanked(found: re.Match[str]) -> str:

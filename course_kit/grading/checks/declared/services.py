@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Evidence, Failed
@@ -119,13 +120,33 @@ def _one_by_one(context: CheckContext, check: Declaration, asked: Sequence[tuple
     responses = []
     for request, wanted in asked:
         sent, expected = shown(plain(request)), shown_part(wanted)
+        began = time.monotonic()
         answer = call(context, service, request, sent, expected)
+        require_not_before(check, time.monotonic() - began, Evidence(sent, expected))
         if within_s is not None and answer.latency_s > within_s:
             evidence = Evidence(sent, f"{expected} within {within_s:g} s", f"an answer after {answer.latency_s:.1f} s")
             message = f"The answer took {answer.latency_s:.1f} s, and meanwhile every other client has to wait."
             raise Failed(evidence, message, "service.blocks")
         responses.append(answer.response)
     return responses
+
+
+def require_not_before(check: Declaration, seconds: float, evidence: Evidence) -> None:
+    """What takes its time took it: it was not left out to be quicker.
+
+    Args:
+        check: may say how long it takes at least.
+        seconds: how long it took on the wall; a clock that leaves out waiting might show less.
+        evidence: what was asked, and what is expected.
+
+    Raises:
+        Failed: it came sooner.
+    """
+    least = check.keys.get("not_before_s", 0.0)
+    if seconds < least:
+        got = f"it came after {seconds:.2f} s"
+        evidence = Evidence(evidence.sent, f"{evidence.expected}, not before {least:g} s have passed", got)
+        raise Failed(evidence, "This came too soon: the work that takes so long was not done.")
 
 
 def _together(context: CheckContext, check: Declaration, asked: Sequence[tuple[Message, Any]]) -> list[Message]:

@@ -81,18 +81,18 @@ def look_over_fields(table: Mapping[str, Any], fields: Fields, tell: Callable[..
     Args:
         table: fields and their values, some of which may be drawn.
         fields: those of the message.
-        tell: gets each problem, and the word of the text that it is about.
+        tell: gets each problem, and words of the text that it is about.
     """
     for name, value in table.items():
         if name not in fields.types:
             tell(fields.problem_of_path((name,)), name)
         elif inputs.is_drawn(value):
             if problem := inputs.problem_of(value):
-                tell(problem, name)
+                tell(problem, name, *value)
                 continue
             problems = (fields.problem_of_value(name, one) for one in inputs.examples(value))
             if found := next(filter(None, problems), ""):
-                tell(found, name)
+                tell(found, name, *value)
         elif isinstance(value, dict) and (inner := fields.inside(name)) is not None:
             look_over_fields(value, inner, tell)
         elif found := fields.problem_of_value(name, value):
@@ -108,7 +108,7 @@ def look_over_expected(
         expected: fields and their values, of which texts are expressions; or one expression.
         fields: those of the message; None where its interface is not known.
         names: the names of expressions, each with its fields; None where these are not known.
-        tell: gets each problem, and the word of the text that it is about.
+        tell: gets each problem, and words of the text that it is about.
     """
     if isinstance(expected, str):
         look_over_expression(expected, names, tell)
@@ -130,7 +130,7 @@ def look_over_expression(text: str, names: Mapping[str, Fields | None], tell: Ca
     Args:
         text: as it is written.
         names: those it may use, each with its fields; None where these are not known.
-        tell: gets each problem, and the word of the text that it is about.
+        tell: gets each problem, and words of the text that it is about.
     """
     try:
         expression = Expression.parse(text)

@@ -1,0 +1,42 @@
+"""Drill 2, repaired."""
+
+import time
+
+import rclpy
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.node import Node
+
+
+class Countdown(Node):
+    def __init__(self):
+        super().__init__("countdown")
+        self.server = ActionServer(self, Fibonacci, "count_down", self.execute, cancel_callback=self.cancel)
+
+    def cancel(self, goal_handle):
+        return CancelResponse.ACCEPT
+
+    def execute(self, goal_handle):
+        counted = []
+        for number in range(goal_handle.request.order, 0, -1):
+            if goal_handle.is_cancel_requested:
+                goal_handle.canceled()
+                return Fibonacci.Result(sequence=counted)
+            counted.append(number)
+            goal_handle.publish_feedback(Fibonacci.Feedback(sequence=counted))
+            time.sleep(0.2)
+        goal_handle.succeed()
+        return Fibonacci.Result(sequence=counted)
+
+
+def main():
+    rclpy.init()
+    try:
+        rclpy.spin(Countdown(), MultiThreadedExecutor())
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+
+
+if __name__ == "__main__":
+    main()

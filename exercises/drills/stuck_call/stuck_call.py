@@ -1,0 +1,53 @@
+"""Drill 3: the call that never returns.
+
+`/add` answers at once. `/add_doubled` asks `/add`, and nobody ever gets an answer from it.
+
+The program runs. Repair what is wrong with it:
+
+- Names. The program offers the services `/add` and `/add_doubled`, both of the type
+  `example_interfaces/srv/AddTwoInts`.
+- The sum. `/add` answers with `a + b`.
+- Twice the sum. `/add_doubled` answers with twice that, each time, within 1 s.
+"""
+
+import rclpy
+from example_interfaces.srv import AddTwoInts
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+
+
+class Adder(Node):
+    def __init__(self):
+        super().__init__("adder")
+        self.create_service(AddTwoInts, "add", self.add)
+
+    def add(self, request, response):
+        response.sum = request.a + request.b
+        return response
+
+
+class Doubler(Node):
+    def __init__(self):
+        super().__init__("doubler")
+        self.adder = self.create_client(AddTwoInts, "add")
+        self.create_service(AddTwoInts, "add_doubled", self.add_doubled)
+
+    def add_doubled(self, request, response):
+        answer = self.adder.call(request)
+        response.sum = 2 * answer.sum
+        return response
+
+
+def main():
+    rclpy.init()
+    executor = SingleThreadedExecutor()
+    for node in (Adder(), Doubler()):
+        executor.add_node(node)
+    try:
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+
+
+if __name__ == "__main__":
+    main()
