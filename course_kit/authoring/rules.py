@@ -140,7 +140,9 @@ def checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmissi
 
 
 def told(sets: Corpus, reports: Reports) -> Iterator[str]:
-    """Each sentence of the task is tested, and each test is told: see `sentences`."""
+    """Each sentence of the task is tested, and each test is told: see `sentences`. Not asked of a task without any."""
+    if not sets.task.sentences:
+        return
     yield from sentences.faults(sets.task, sentences.checks_of(sets.task))
     yield from sentences.unproven(sets, reports)
 

@@ -42,6 +42,7 @@ class Task:
         shown: what the report calls it.
         seed: what the checks draw their random values from.
         hidden: folders the submission must not see, wherever they lie: what others have handed in, and their results.
+        first_failure: stop at the first failed check that costs points; the report has those that were run by then.
     """
 
     exercise: Exercise
@@ -49,6 +50,7 @@ class Task:
     shown: str
     seed: int
     hidden: tuple[str, ...] = ()
+    first_failure: bool = False
 
 
 def grade(  # noqa: PLR0913 - the options of one verb
@@ -131,7 +133,7 @@ def grade_task(task: Task, worker: Worker | None = None, *, require_isolation: b
         GradingError: a broken installation, a lack of isolation, or the worker ended.
     """
     job = exercise_job.of_submission(task.exercise, task.text, task.seed)
-    job = replace(job, hidden=(*job.hidden, *task.hidden))
+    job = replace(job, hidden=(*job.hidden, *task.hidden), first_failure=task.first_failure)
     with Worker() if worker is None else nullcontext(worker) as used:
         return _grade(task.exercise, job, task.shown, used, require_isolation)
 
@@ -187,14 +189,10 @@ def _told(found: Isolation, mode: str) -> str:
 
 def _report(task: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:
     checks = tuple(_check(task, result) for result in bounds.results(outcome["results"]))
-    score = sum(check.points for check in checks)
     problem = _no_grade(outcome["problem"], checks)
-    if problem:
-        status, score = "error", 0.0
-    else:
-        first = checks[0]
-        crashed = first.status == "failed" and (first.diagnosis or "").startswith(_NOT_STARTED)
-        status = "crashed" if crashed else "graded"
+    crashed = checks and checks[0].status == "failed" and (checks[0].diagnosis or "").startswith(_NOT_STARTED)
+    status = "error" if problem else "crashed" if crashed else "graded"
+    score = 0.0 if problem else sum(check.points for check in checks)
     return Report(
         exercise=task.id,
         title=task.title,
@@ -228,6 +226,7 @@ def _check(task: Exercise, result: Record) -> CheckReport:
     more = {
         "message": catalogue.complete(result["message"], found),
         "steps": tuple(Arrow(**step) for step in result["steps"]),
+        "proves": tuple(result["proves"]),
     }
     return CheckReport(
         **{**result, **more},
