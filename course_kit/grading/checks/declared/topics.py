@@ -18,7 +18,8 @@ from course_kit.grading.checks.declared.messages import (
     worked_out,
 )
 from course_kit.grading.checks.declared.settings import served, values_in
-from course_kit.grading.checks.declared.starting import ensure_up, topic_of
+from course_kit.grading.checks.declared.starting import ensure_up
+from course_kit.grading.checks.declared.wanted import topic_of
 from course_kit.grading.checks.topics import TopicExchange
 from course_kit.grading.diagnosis.exceptions import explained as explained_end
 
@@ -40,7 +41,7 @@ def topic_answers(context: CheckContext, check: Declaration, around: Around) -> 
     Raises:
         Failed: by another, or by none.
     """
-    ensure_up(context, around)
+    ensure_up(context, check.endpoints)
     exchange, tolerance = answering(context, check), Tolerance.of(check.keys.get("tolerance"))
     exchanges: list[Exchanged] = []
     wrong: Exchanged | None = None
