@@ -11,7 +11,7 @@ import pytest
 from course_kit import grading
 from course_kit.grading.checks.declared.declaration import Declaration
 from course_kit.grading.checks.declared.messages import check_asks_the_solution
-from tests.grading.checks.declared.conftest import SOLUTION, written
+from tests.grading.checks.declared.conftest import HINTS, SOLUTION, written
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -161,7 +161,7 @@ def files():
 
 found += files()
 mine = int(os.environ["ROS_DOMAIN_ID"])
-for domain in [one for one in range(max(mine - 2, 0), mine + 2) if one != mine]:
+for domain in [mine - 1]:
     context = rclpy.Context()
     rclpy.init(context=context, domain_id=domain)
     spy = rclpy.create_node("spy", context=context)
@@ -169,7 +169,7 @@ for domain in [one for one in range(max(mine - 2, 0), mine + 2) if one != mine]:
     if client.wait_for_service(0.4):
         found.append(f"a server on domain {domain}")
     rclpy.shutdown(context=context)
-pathlib.Path("planted").write_text("the-solu" + "tions-own-word")
+pathlib.Path("planted").write_text("".join(["the-solu", "tions-own-word"]))  # Python joins two constants beforehand
 print("SPIED" if list(files()) else "BLIND", flush=True)
 print(*[f"WON {one}" for one in found], sep="\\n", flush=True)
 """
@@ -178,7 +178,7 @@ print(*[f"WON {one}" for one in found], sep="\\n", flush=True)
 
 @pytest.mark.attack("a submission that looks for the exercise's solution, which answered before it was started")
 def test_a_submission_does_not_meet_the_solution(worker: grading.Worker, tmp_path: Path) -> None:
-    path = written(tmp_path, ADDS)
+    path = written(tmp_path, ADDS, more=f"{HINTS}[limits]\nstart_s = 60.0\nstart_cpu_s = 50.0\ncpu_s = 60\n")
     (path.parent / "solution" / "all_kinds.py").write_text(SECRETIVE)
     program = tmp_path / "answer.py"
     program.write_text(SPY)
