@@ -91,7 +91,8 @@ def check(  # noqa: PLR0913 - the options of one verb
     chosen = tuple(corpus.load(name, root) for name in exercises or corpus.all_exercises(root))
     first = secrets.randbits(30) if seed is None else seed
     runs = tuple(Run(first + number, {}) for number in range(repeat))
-    with gradings.load(busy), gradings.Gradings(root / "exercises", workers) as pool:
+    folders = {one.task.id: one.task.folder.parent for one in chosen}
+    with gradings.load(busy), gradings.Gradings(root / "exercises", workers, folders) as pool:
         _grade(pool, chosen, runs, progress)
     found = [fault for one in chosen for fault in rules.faults(one, _of_exercise(runs[0], one))]
     found += list(_unstable(runs))
@@ -105,7 +106,12 @@ def _grade(pool: gradings.Gradings, chosen: Sequence[Corpus], runs: Sequence[Run
     for run in runs:
         for one in chosen:
             seed = run.seed if one.task.seed is None else None
-            begun.update({pool.begin(each, seed): (run, each) for each in _longest_first(one)})
+            begun.update(
+                {
+                    pool.begin(each, seed if each.seed is None else each.seed): (run, each)
+                    for each in _longest_first(one)
+                }
+            )
     for number, future in enumerate(as_completed(begun), start=1):
         run, submission = begun[future]
         try:

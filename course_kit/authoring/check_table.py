@@ -55,7 +55,7 @@ def progress(stream: TextIO) -> Callable[[int, int, ProofSubmission, Report], No
 
 def as_text(found: ProofOutcome) -> str:
     """The table, what does not hold, and a summary."""
-    names = [*_COLUMNS, "checks", *(["stable"] if len(found.runs) > 1 else [])]
+    names = [*_COLUMNS, "checks", "sentences", *(["stable"] if len(found.runs) > 1 else [])]
     width = max(len(one.task.id) for one in found.sets)
     lines = ["  ".join([f"{'exercise':<{width}}", *(f"{_heading(name):<10}" for name in names)]).rstrip()]
     for one in found.sets:
@@ -117,6 +117,8 @@ def _cell(found: ProofOutcome, one: Corpus, name: str) -> str:
         count = len(found.runs)
     elif name == "checks":
         count = len({check.id for each in one.of("solution") for check in found.runs[0].reports[each].checks})
+    elif name == "sentences":
+        count = len(one.task.sentences)
     else:
         count = len(one.of(_COLUMNS[name]))
     if not wrong:

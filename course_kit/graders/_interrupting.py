@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 _PROMPT_S = 1.0  # within which a cancel request is answered
 _FIRST_M, _SECOND_M = 3.0, 1.0  # metres; the ways of two goals at a time
 _LONG_M = 4.0  # metres; a move that is cancelled with the robot at its own speed
+_AT_ONCE_M = 1.0  # metres; the ways of two goals that are sent in the same instant
+_PAIRS = 3  # of them: which callback comes first is a matter of chance
 _NEAR_M = 0.5  # metres; a robot that tells five times a metre was seen so near to where it went
 
 
@@ -51,6 +53,31 @@ def second_goal_of_two(context: CheckContext) -> Evidence:
     if second.accepted:
         raise _both_accepted(context, first, second, waited_s, Evidence(sent, expected, "both goals accepted"))
     arrive(context, first, _FIRST_M)
+    return Evidence(sent, expected, expected)
+
+
+def two_at_once(context: CheckContext) -> Evidence:
+    """Of two goals that are sent in the same instant one is accepted, and reaches its target.
+
+    Raises:
+        Failed: both are accepted, or none is.
+    """
+    expected = "one of the two goals accepted, the other rejected"
+    for _ in range(_PAIRS):
+        begin = here(context)
+        pair = [send(context, target_from(begin, _AT_ONCE_M, context.random)) for _ in range(2)]
+        for goal in pair:
+            goal.wait_for_answer(expected, allowed_s(_AT_ONCE_M))
+        sent = f"{pair[0].shown}; in the same instant {pair[1].shown}"
+        accepted = [goal for goal in pair if goal.accepted]
+        if not accepted:
+            message = "The robot was free, so one of the two goals has to be accepted."
+            raise Failed(Evidence(sent, expected, "both rejected"), message)
+        if len(accepted) > 1:
+            message = "The second goal arrived before your node had noted down that it has one."
+            over = any(goal.over_at is not None for goal in pair)  # with a fast robot before the other one arrived
+            raise (HastyError if over else Failed)(Evidence(sent, expected, "both goals accepted"), message)
+        arrive(context, accepted[0], _AT_ONCE_M)
     return Evidence(sent, expected, expected)
 
 

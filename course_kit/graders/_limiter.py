@@ -200,13 +200,8 @@ def read_status(text: str) -> tuple[str, float] | None:
 
 
 def status_fits(settings: LimiterSettings, text: str) -> bool:
-    """Whether a status line tells the name and the velocity, the latter compared as a number."""
-    read = read_status(text)
-    return (
-        read is not None
-        and read[0] == settings.robot_name
-        and math.isclose(read[1], settings.max_velocity, rel_tol=_RELATIVE)
-    )
+    """Whether a status line tells the name and the velocity, the latter compared as a number, with all its digits."""
+    return read_status(text) == (settings.robot_name, settings.max_velocity)
 
 
 def status_line(settings: LimiterSettings) -> str:

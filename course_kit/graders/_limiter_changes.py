@@ -32,7 +32,7 @@ from course_kit.graders._limiter_status import expect_status
 from course_kit.grading.checks.check import Evidence, Failed, check
 from course_kit.grading.checks.parameters import shown
 
-_DIGITS = 0.0123  # so that a line with a rounded number shows it
+_DIGITS = 9  # decimal places, so that a line with a rounded number shows it
 _BEYOND_AN_EDGE = 1e-4  # nearer ones are left to rclpy, whose ranges have a relative tolerance of 1e-6
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
 
 
-@check(points=1.0, depends_on=["limits"])
+@check(points=1.0, depends_on=["limits"], proves=["next_message", "ends_valid"])
 def change_velocity(context: CheckContext) -> Evidence:
     """A change of max_velocity affects the next command."""
     with Limiter(context) as limiter:
@@ -56,7 +56,7 @@ def change_velocity(context: CheckContext) -> Evidence:
         return evidence
 
 
-@check(points=1.0, depends_on=["wheel_speed"])
+@check(points=1.0, depends_on=["wheel_speed"], proves=["next_message", "ends_valid"])
 def change_diameter(context: CheckContext) -> Evidence:
     """A change of wheel_diameter affects the next command."""
     with Limiter(context) as limiter:
@@ -69,7 +69,7 @@ def change_diameter(context: CheckContext) -> Evidence:
         return evidence
 
 
-@check(points=1.0, depends_on=["reacts"])
+@check(points=1.0, depends_on=["reacts"], proves=["next_message", "disabled", "one_each_disabled"])
 def change_enabled(context: CheckContext) -> Evidence:
     """With enabled=False the robot stands still, with enabled=True it drives again.
 
@@ -80,6 +80,7 @@ def change_enabled(context: CheckContext) -> Evidence:
         twist = command(limiter.driving().max_velocity * 0.6, **rest(context))
         drove = _seen(limiter, twist)
         evidence = limiter.expect(limiter.set(enabled=False), twist, BOTH, was=drove, sent="enabled=False")
+        _require_one_each(limiter, twist)
         limiter.set(enabled=True)
         again = Evidence(f"enabled=False, then enabled=True; {shown_command(twist)}", drove.shown())
         got = limiter.react(twist, again)
@@ -89,19 +90,19 @@ def change_enabled(context: CheckContext) -> Evidence:
         return evidence
 
 
-@check(points=0.5, depends_on=["status"])
+@check(points=0.5, depends_on=["status"], proves=["next_message", "unrounded", "status_line"])
 def change_status(context: CheckContext) -> Evidence:
     """A change of robot_name and max_velocity shows in the next /status."""
     with Limiter(context) as limiter:
         was = str(limiter.status.messages[-1].data) if limiter.status.count else None
         values = {
             "robot_name": f"rover_{context.random.randrange(100, 1000)}",
-            "max_velocity": drawn(context, 1.1, 1.9) + _DIGITS,
+            "max_velocity": round(context.random.uniform(1.1, 1.9), _DIGITS),
         }
         return expect_status(context, limiter.status, limiter.set(**values), was=was, sent=shown(values))
 
 
-@check(points=2.0, depends_on=["reacts"], deadline_s=12.0)
+@check(points=2.0, depends_on=["reacts"], deadline_s=12.0, proves=["refused", "reason", "ends_refused"])
 def refuses(context: CheckContext) -> Evidence:
     """An invalid value is refused with a reason, and the old one stays.
 
@@ -130,7 +131,7 @@ def refuses(context: CheckContext) -> Evidence:
     return evidence
 
 
-@check(points=0.5, depends_on=["types"])
+@check(points=0.5, depends_on=["types"], proves=["other_type"])
 def wrong_type(context: CheckContext) -> Evidence:
     """A value of another type is refused."""
     with Limiter(context) as limiter:
@@ -141,7 +142,7 @@ def wrong_type(context: CheckContext) -> Evidence:
         return evidence
 
 
-@check(points=0.5, depends_on=["declared"])
+@check(points=0.5, depends_on=["declared"], proves=["undeclared"])
 def undeclared(context: CheckContext) -> Evidence:
     """Setting a parameter that is not declared is refused."""
     name = f"wheel_count_{context.random.randrange(100, 1000)}"
@@ -149,7 +150,7 @@ def undeclared(context: CheckContext) -> Evidence:
     return require_refused(outcome, {name: 4}, "refused: there is no such parameter", "parameter.undeclared")
 
 
-@check(points=1.0, depends_on=["reacts"])
+@check(points=1.0, depends_on=["reacts"], proves=["atomic"])
 def atomic(context: CheckContext) -> Evidence:
     """A valid and an invalid value set atomically change nothing."""
     evidence = Evidence()
@@ -171,6 +172,16 @@ def atomic(context: CheckContext) -> Evidence:
 def _seen(limiter: Limiter, twist: Twist) -> Reaction:
     """What comes out for a command now, right or not."""
     return limiter.react(twist, Evidence(shown_command(twist), "a message on /cmd_vel and one on /wheel_speed"))
+
+
+def _require_one_each(limiter: Limiter, twist: Twist) -> None:
+    """A command that stops the robot is answered like any other: once on each topic."""
+    sent = f"enabled=False; {shown_command(twist)}"
+    evidence = Evidence(sent, "one message on /cmd_vel, one on /wheel_speed, and none later")
+    counts = limiter.count([twist], evidence)
+    if counts != (1, 1):
+        evidence = replace(evidence, got=f"{counts[0]} messages on /cmd_vel and {counts[1]} on /wheel_speed")
+        raise Failed(evidence, "Publish once for each command, with enabled=False, too.")
 
 
 def _require_unchanged(limiter: Limiter, before: LimiterSettings, was: Reaction, evidence: Evidence) -> None:

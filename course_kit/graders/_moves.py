@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 ARENA = 10.0  # metres; 0 <= x, y <= ARENA
 TOLERANCE = 0.05  # metres; how near to the target a move has to end
 BESIDE = 0.1  # metres; how far from the straight way a position may lie
-ENOUGH = 5  # feedback messages of a move of 1 m to 2 m
-NEARLY_DONE = 0.9  # the progress that is reached in the end
+BARELY_BEGUN, NEARLY_DONE = 0.1, 0.99  # the progress that the first message says at most, and the last at least
+_A_METRE = 5  # feedback messages
 _ROUNDING = 1e-6
 _DRAWS = 24
 _ROUNDS = 5
@@ -93,9 +93,14 @@ def _most_central(places: Sequence[MovePlace]) -> MovePlace:
 
 
 def farthest_corner(here: MovePlace) -> MovePlace:
-    """The corner of the arena that is farthest away, 7 m at least."""
-    corners = [MovePlace(x, y) for x in (0.0, ARENA) for y in (0.0, ARENA)]
+    """A place near a corner of the arena, the farthest away: 6 m at least. The edges are a check of their own."""
+    corners = [MovePlace(x, y) for x in (_LEAST, ARENA - _LEAST) for y in (_LEAST, ARENA - _LEAST)]
     return max(corners, key=lambda corner: math.dist(here, corner))
+
+
+def enough_feedback(length: float) -> int:
+    """How many feedback messages a move brings at least, by its length in metres."""
+    return math.floor(_A_METRE * length + _ROUNDING)
 
 
 def place_of(point: Point) -> MovePlace:

@@ -31,7 +31,7 @@ from course_kit.graders._driving import (
     set_off,
     told,
 )
-from course_kit.graders._interrupting import cancel_midway, second_goal_of_two
+from course_kit.graders._interrupting import cancel_midway, second_goal_of_two, two_at_once
 from course_kit.graders._moves import (
     ARENA,
     ORIGIN,
@@ -54,22 +54,23 @@ VARIABLES = FAST
 NODE = "/move_robot_server"
 _SHORT_M = 0.4  # metres; a move where nothing but its end matters
 _AT_ONCE_S = 1.0  # a goal at the present position
+_TOO_STRICT = "validation.overzealous"
 _EDGE_M = 0.01  # how near outside the arena we test
 
 
-@check(points=1.0, deadline_s=12.0)
+@check(points=1.0, deadline_s=12.0, proves=["action", "only_a_class", "a_program", "start"])
 def offered(context: CheckContext) -> Evidence:
     """The action /move_robot is there, with its type."""
     return expect_offered(context, ACTION)
 
 
-@check(points=0.5, depends_on=["offered"])
+@check(points=0.5, depends_on=["offered"], proves=["node"])
 def node_name(context: CheckContext) -> Evidence:
     """The node is called move_robot_server."""
     return expect_node(context, NODE, lambda: ensure_ready(context, ACTION))
 
 
-@check(points=1.0, depends_on=["offered"])
+@check(points=1.0, depends_on=["offered"], proves=["reaches", "a_program"])
 def accepted(context: CheckContext) -> Evidence:
     """A goal in the arena is accepted.
 
@@ -88,27 +89,27 @@ def accepted(context: CheckContext) -> Evidence:
     return Evidence(goal.shown, "the goal accepted", "the goal accepted")
 
 
-@check(points=2.0, depends_on=["accepted"], deadline_s=30.0)
+@check(points=2.0, depends_on=["accepted"], deadline_s=30.0, proves=["reaches", "in_time"])
 def succeeds(context: CheckContext) -> Evidence:
     """A goal in the arena ends SUCCEEDED, with a result."""
     move = drive_on(context, LONGEST_M)
     return Evidence(move.goal.shown, REACHED, told(move.ended))
 
 
-@check(points=2.0, depends_on=["succeeds"], deadline_s=30.0)
+@check(points=2.0, depends_on=["succeeds"], deadline_s=30.0, proves=["reaches", "final_position", "position"])
 def arrives(context: CheckContext) -> Evidence:
     """The robot is at the target when the goal has succeeded."""
     return _require_arrived(drive_on(context, SHORTEST_M))
 
 
-@check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
+@check(points=1.0, depends_on=["arrives"], deadline_s=30.0, proves=["distance_travelled"])
 def distance(context: CheckContext) -> Evidence:
     """The distance travelled is the length of this move."""
     target = telling_target(here(context), LONGEST_M, driven(context), context.random)
     return _require_distance(context, drive(context, target))
 
 
-@check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
+@check(points=1.0, depends_on=["arrives"], deadline_s=30.0, proves=["any_z"])
 def any_z(context: CheckContext) -> Evidence:
     """The z of a target is ignored, whether it is 2.5 or NaN."""
     for z in (2.5, math.nan):
@@ -118,7 +119,7 @@ def any_z(context: CheckContext) -> Evidence:
     return evidence
 
 
-@check(points=1.0, depends_on=["arrives"], deadline_s=30.0)
+@check(points=1.0, depends_on=["arrives"], deadline_s=30.0, proves=["already_there"])
 def already_there(context: CheckContext) -> Evidence:
     """A goal at the present position succeeds at once."""
     place = here(context)
@@ -131,16 +132,17 @@ def already_there(context: CheckContext) -> Evidence:
     return _require_arrived(Move(place, place, goal, ended))
 
 
-@check(points=1.5, depends_on=["accepted"], deadline_s=30.0)
+@check(points=1.5, depends_on=["accepted"], deadline_s=30.0, proves=["edges_inside", "outside"])
 def outside(context: CheckContext) -> Evidence:
-    """Goals outside the arena are rejected."""
+    """Goals outside the arena are rejected, goals on its edges are not."""
+    _require_edges(context)
     inside = context.random.uniform(1.0, 9.0)
     beyond = (-_EDGE_M, ARENA + _EDGE_M, context.random.uniform(20.0, 1000.0), -context.random.uniform(1.0, 50.0))
     targets = [MovePlace(value, inside) for value in beyond] + [MovePlace(inside, value) for value in beyond]
     return _rejects(context, targets, f"which lies outside the arena (0 to {ARENA:g} m)")
 
 
-@check(points=1.0, depends_on=["accepted"], deadline_s=30.0)
+@check(points=1.0, depends_on=["accepted"], deadline_s=30.0, proves=["not_a_number"])
 def not_a_number(context: CheckContext) -> Evidence:
     """Goals that are NaN or infinite are rejected."""
     values = (math.nan, math.inf, -math.inf)
@@ -148,31 +150,42 @@ def not_a_number(context: CheckContext) -> Evidence:
     return _rejects(context, targets, "which is not a place")
 
 
-@check(points=2.0, depends_on=["arrives"], deadline_s=30.0)
+@check(points=2.0, depends_on=["arrives"], deadline_s=30.0, proves=["five_a_metre", "spread", "straight"])
 def feedback(context: CheckContext) -> Evidence:
     """While the robot moves, at least five feedback messages a metre tell where it is."""
     return fairly(context, feedback_of_a_move)
 
 
-@check(points=1.5, depends_on=["feedback"], deadline_s=30.0)
+@check(
+    points=1.5,
+    depends_on=["feedback"],
+    deadline_s=30.0,
+    proves=["straight", "position", "progress_limits", "monotonic", "distance_remaining"],
+)
 def progress(context: CheckContext) -> Evidence:
     """Progress grows, the distance left shrinks, the position is on the straight line."""
     return fairly(context, progress_of_a_move)
 
 
-@check(points=1.5, depends_on=["arrives"], deadline_s=60.0)
+@check(points=1.5, depends_on=["arrives"], deadline_s=60.0, proves=["second_goal", "same_instant"])
 def second_goal(context: CheckContext) -> Evidence:
-    """A second goal is rejected while one runs."""
-    return fairly(context, second_goal_of_two)
+    """A second goal is rejected while one runs, also when both are sent in the same instant."""
+    fairly(context, second_goal_of_two)
+    return fairly(context, two_at_once)
 
 
-@check(points=2.0, depends_on=["arrives"], deadline_s=60.0)
+@check(
+    points=2.0,
+    depends_on=["arrives"],
+    deadline_s=60.0,
+    proves=["cancel_accepted", "cancelled", "one_thread", "position"],
+)
 def cancel(context: CheckContext) -> Evidence:
     """A goal is cancelled mid-way: within 1 s, short of the target."""
     return fairly(context, cancel_midway)
 
 
-@check(points=1.0, depends_on=["cancel"], deadline_s=30.0)
+@check(points=1.0, depends_on=["cancel"], deadline_s=30.0, proves=["after_cancel"])
 def after_cancel(context: CheckContext) -> Evidence:
     """After a cancelled goal the next one works, and starts where the robot stopped."""
     move = drive_on(context, SHORTEST_M)
@@ -228,6 +241,21 @@ def _require_distance(context: CheckContext, move: Move) -> Evidence:
     else:
         message = "That is less than the straight line to the target."
     raise Failed(evidence, message)
+
+
+def _require_edges(context: CheckContext) -> None:
+    """Two opposite corners, which lie on all four edges, are accepted."""
+    for target in (MovePlace(ARENA, ARENA), ORIGIN):
+        begin = here(context) if context.job.mode == "attach" else ORIGIN
+        goal = send(context, target)
+        goal.wait_for_answer("the goal accepted")
+        if not goal.accepted:
+            message = "This target lies on an edge of the arena, and the edges belong to it."
+            raise Failed(Evidence(goal.shown, "the goal accepted", "the goal rejected"), message, _TOO_STRICT)
+        if context.job.mode == "attach":
+            arrive(context, goal, math.dist(begin, target))
+        else:
+            context.spoil()  # it is not waited for
 
 
 def _rejects(context: CheckContext, targets: Sequence[MovePlace], why: str) -> Evidence:

@@ -27,6 +27,7 @@ _READ = "answers"  # the id of the check all others need
 _SHAPE = 'a dictionary: answers = {"<scenario id>": ("<pattern>", "<reason id>"), ...}'
 _PATTERN_WANTED = "the pattern that fits: topic, service or action"
 _DEADLINE_S = 5.0
+_PROVES = {"pattern": ("pattern", "others_count"), "reason": ("reason", "decides", "own_reason", "others_count")}
 _MOST_NAMED = 20  # entries that belong to no scenario
 
 
@@ -36,13 +37,22 @@ def checks_for(job: Job) -> list[Check]:
     sheet = _Sheet(scenarios)
     # Worth nothing by themselves: all points go to the halves.
     checks = [
-        Check(_READ, "There is a dictionary of answers", 0.0, (), job.limits.wall_s, sheet.read),
-        Check("known_ids", "Every entry belongs to a scenario", 0.0, (_READ,), _DEADLINE_S, sheet.known_ids),
+        Check(_READ, "There is a dictionary of answers", 0.0, (), job.limits.wall_s, sheet.read, ("dictionary",)),
+        Check(
+            "known_ids",
+            "Every entry belongs to a scenario",
+            0.0,
+            (_READ,),
+            _DEADLINE_S,
+            sheet.known_ids,
+            ("no_scenario",),
+        ),
     ]
     for place, scenario in enumerate(scenarios):
         for half, run in (("pattern", sheet.pattern), ("reason", sheet.reason)):
             title = f"{half.capitalize()}: {scenario.title}"
-            checks.append(Check(f"{scenario.id}_{half}", title, 0.5, (_READ,), _DEADLINE_S, partial(run, place)))
+            mark = partial(run, place)
+            checks.append(Check(f"{scenario.id}_{half}", title, 0.5, (_READ,), _DEADLINE_S, mark, _PROVES[half]))
     return checks
 
 

@@ -43,21 +43,23 @@ INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
 _COMMANDS = 5  # one after the other: a queue may have any depth, 1 included
 
 
-@check(points=1.0, deadline_s=12.0)
+@check(points=1.0, deadline_s=12.0, proves=["node", "only_a_class", "a_program", "start"])
 def node_up(context: CheckContext) -> Evidence:
     """The node velocity_limiter comes up and can be asked."""
     endpoints(context)
     return expect_served(context, NODE)
 
 
-@check(points=1.0, depends_on=["node_up"])
+@check(
+    points=1.0, depends_on=["node_up"], proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"]
+)
 def topics(context: CheckContext) -> Evidence:
     """The four topics are there, and a default endpoint connects to each."""
     Limiter(context)
     return expect_endpoints(context, published=(LIMITED, WHEEL, STATUS), subscribed=(COMMAND,))
 
 
-@check(points=1.0, depends_on=["node_up"])
+@check(points=1.0, depends_on=["node_up"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
 def declared(context: CheckContext) -> Evidence:
     """The four parameters are declared.
 
@@ -73,7 +75,7 @@ def declared(context: CheckContext) -> Evidence:
     return evidence
 
 
-@check(points=1.0, depends_on=["declared"])
+@check(points=1.0, depends_on=["declared"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
 def types(context: CheckContext) -> Evidence:
     """Each parameter has its type.
 
@@ -93,7 +95,7 @@ def types(context: CheckContext) -> Evidence:
     return evidence
 
 
-@check(points=1.0, depends_on=["types"])
+@check(points=1.0, depends_on=["types"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
 def defaults(context: CheckContext) -> Evidence:
     """Each parameter has its default.
 
@@ -109,7 +111,9 @@ def defaults(context: CheckContext) -> Evidence:
     return evidence
 
 
-@check(points=1.0, depends_on=["types", "topics"])
+@check(
+    points=1.0, depends_on=["types", "topics"], proves=["within_3_s", "topic_command", "topic_velocity", "topic_wheel"]
+)
 def reacts(context: CheckContext) -> Evidence:
     """A command on /cmd_vel_in brings a message on /cmd_vel and on /wheel_speed."""
     with Limiter(context) as limiter:
@@ -120,7 +124,7 @@ def reacts(context: CheckContext) -> Evidence:
         return Evidence(shown(twist), expected, expected)
 
 
-@check(points=1.5, depends_on=["reacts"])
+@check(points=1.5, depends_on=["reacts"], proves=["limited", "sign_and_rest"])
 def limits(context: CheckContext) -> Evidence:
     """linear.x is limited in both directions, and nothing else is changed."""
     with Limiter(context) as limiter:
@@ -132,7 +136,7 @@ def limits(context: CheckContext) -> Evidence:
         return limiter.expect(settings, command(BEYOND, **rest(context)), VELOCITY)
 
 
-@check(points=1.0, depends_on=["reacts"])
+@check(points=1.0, depends_on=["reacts"], proves=["wheels"])
 def wheel_speed(context: CheckContext) -> Evidence:
     """/wheel_speed is the wheel's speed in rad/s for the published velocity."""
     with Limiter(context) as limiter:
@@ -142,7 +146,7 @@ def wheel_speed(context: CheckContext) -> Evidence:
         return limiter.expect(settings, command(settings.max_velocity * context.random.uniform(0.2, 0.9)), WHEELS)
 
 
-@check(points=0.5, depends_on=["reacts"])
+@check(points=0.5, depends_on=["reacts"], proves=["one_each"])
 def one_each(context: CheckContext) -> Evidence:
     """Each command brings exactly one message on each topic.
 
@@ -161,33 +165,35 @@ def one_each(context: CheckContext) -> Evidence:
         return evidence
 
 
-@check(points=1.0, depends_on=["types", "topics"])
+@check(points=1.0, depends_on=["types", "topics"], proves=["status_line", "topic_status"])
 def status(context: CheckContext) -> Evidence:
     """/status shows the name and the velocity."""
     with Limiter(context) as limiter:
         return expect_status(context, limiter.status, limiter.settings())
 
 
-@check(points=0.5, depends_on=["status"], deadline_s=12.0)
+@check(points=0.5, depends_on=["status"], deadline_s=12.0, proves=["status_rate"])
 def status_rate(context: CheckContext) -> Evidence:
     """/status is published twice a second."""
     return expect_rate(context, Limiter(context).status)
 
 
-@check(points=1.0, depends_on=["limits", "wheel_speed"], deadline_s=15.0)
+@check(
+    points=1.0, depends_on=["limits", "wheel_speed"], deadline_s=15.0, proves=["start_arguments", "init_sees_arguments"]
+)
 def start_arguments(context: CheckContext) -> Evidence:
     """Values given at the start with -p take effect."""
     values = {"max_velocity": drawn(context, 2.1, 4.9), "wheel_diameter": drawn(context, 0.2, 0.9)}
     return starts.expect_arguments(context, values)
 
 
-@check(points=0.5, depends_on=["limits", "status"], deadline_s=15.0)
+@check(points=0.5, depends_on=["limits", "status"], deadline_s=15.0, proves=["start_file"])
 def start_file(context: CheckContext) -> Evidence:
     """Values given at the start in a parameter file take effect."""
     return starts.expect_file(context, {"robot_name": f"rover_{context.random.randrange(100, 1000)}", "enabled": False})
 
 
-@check(points=0.5, depends_on=["start_arguments", "defaults"], deadline_s=25.0)
+@check(points=0.5, depends_on=["start_arguments", "defaults"], deadline_s=25.0, proves=["start_invalid"])
 def start_invalid(context: CheckContext) -> Evidence:
     """An invalid value given at the start is not used, and the node says so."""
     values = {"max_velocity": -drawn(context, 1.5, 3.0), "wheel_diameter": drawn(context, 2.0, 9.0)}

@@ -48,19 +48,19 @@ _NUMBERS = {"nan": "NaN", "inf": "infinity", "-inf": "minus infinity"}
 _SHOWN = 60  # characters of a learner's text that are repeated in the report
 
 
-@check(points=0.5, deadline_s=12.0)
+@check(points=0.5, deadline_s=12.0, proves=["service", "only_a_class", "a_program", "start"])
 def offered(context: CheckContext) -> Evidence:
     """The service /convert_temperature is there, with its type."""
     return expect_offered(context, SERVICE, _request(_FIRST))
 
 
-@check(points=0.5, depends_on=["offered"])
+@check(points=0.5, depends_on=["offered"], proves=["node"])
 def node_name(context: CheckContext) -> Evidence:
     """The node is called temperature_service."""
     return expect_node(context, NODE, lambda: ensure_ready(context, SERVICE))
 
 
-@check(points=1.0, depends_on=["offered"])
+@check(points=1.0, depends_on=["offered"], proves=["success", "one_call"])
 def answers(context: CheckContext) -> Evidence:
     """A request gets an answer.
 
@@ -84,19 +84,19 @@ def answers(context: CheckContext) -> Evidence:
     return evidence
 
 
-@check(points=1.0, depends_on=["answers"])
+@check(points=1.0, depends_on=["answers"], proves=["both_directions"])
 def celsius_to_fahrenheit(context: CheckContext) -> Evidence:
     """Celsius becomes Fahrenheit."""
     return _converts(context, [0.0, 37.0, -40.0, *_drawn(context)], CELSIUS, FAHRENHEIT)
 
 
-@check(points=1.0, depends_on=["answers"])
+@check(points=1.0, depends_on=["answers"], proves=["both_directions"])
 def fahrenheit_to_celsius(context: CheckContext) -> Evidence:
     """Fahrenheit becomes Celsius."""
     return _converts(context, [212.0, 98.6, -40.0, *_drawn(context)], FAHRENHEIT, CELSIUS)
 
 
-@check(points=0.5, depends_on=["answers"])
+@check(points=0.5, depends_on=["answers"], proves=["same_unit"])
 def same_unit(context: CheckContext) -> Evidence:
     """A unit converted to itself stays what it is."""
     for unit in UNITS:
@@ -104,7 +104,7 @@ def same_unit(context: CheckContext) -> Evidence:
     return evidence
 
 
-@check(points=1.0, depends_on=["celsius_to_fahrenheit", "fahrenheit_to_celsius"])
+@check(points=1.0, depends_on=["celsius_to_fahrenheit", "fahrenheit_to_celsius"], proves=["every_digit"])
 def precision(context: CheckContext) -> Evidence:
     """No digits are lost, whether the value is large, small or very cold."""
     values = [1e-3, context.random.uniform(-1.0, 1.0), -272.123456789, 1234567.891, _LARGE]
@@ -112,7 +112,9 @@ def precision(context: CheckContext) -> Evidence:
     return _converts(context, values, CELSIUS, FAHRENHEIT, exact)
 
 
-@check(points=1.0, depends_on=["answers"])
+@check(
+    points=1.0, depends_on=["answers"], proves=["unknown_unit", "exact_words", "says_why", "lives_on", "checked_first"]
+)
 def unknown_unit(context: CheckContext) -> Evidence:
     """An unknown unit is refused with a reason."""
     odd = context.random.choice(("furlong", "parsec", "bushel", "fathom"))
@@ -124,7 +126,7 @@ def unknown_unit(context: CheckContext) -> Evidence:
     return _refuses(context, [Sample(20.0, *pair) for pair in pairs], _units_of)
 
 
-@check(points=1.0, depends_on=["answers"])
+@check(points=1.0, depends_on=["answers"], proves=["no_number", "says_why", "checked_first"])
 def not_a_number(context: CheckContext) -> Evidence:
     """NaN and infinity are refused with a reason."""
     samples = [Sample(value, CELSIUS, FAHRENHEIT) for value in (math.nan, math.inf, -math.inf)]
@@ -132,7 +134,7 @@ def not_a_number(context: CheckContext) -> Evidence:
     return _refuses(context, samples, lambda sample: _NUMBERS[str(sample.value)])
 
 
-@check(points=1.0, depends_on=["answers"])
+@check(points=1.0, depends_on=["answers"], proves=["too_cold", "absolute_zero", "says_why", "checked_first"])
 def absolute_zero(context: CheckContext) -> Evidence:
     """A temperature below absolute zero is refused with a reason, absolute zero itself is not."""
     below = (_EDGE, context.random.uniform(300.0, 1000.0))
@@ -147,7 +149,7 @@ def absolute_zero(context: CheckContext) -> Evidence:
     return evidence
 
 
-@check(points=1.5, depends_on=["answers"], deadline_s=30.0)
+@check(points=1.5, depends_on=["answers"], deadline_s=30.0, proves=["fifty_calls", "own_value"])
 def fifty_calls(context: CheckContext) -> Evidence:
     """Fifty calls, ten at a time, each get the answer to their own value within 5 s.
 

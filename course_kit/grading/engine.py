@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import secrets
-import shlex
 import time
 from contextlib import ExitStack, nullcontext
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import bounds, exercise, exercise_folders, needs, submission
-from course_kit.grading.checks.declared import solutions
+from course_kit.grading import bounds, exercise, exercise_job, needs, submission
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.job import Job
 from course_kit.grading.reading import Reader
 from course_kit.grading.report import CheckReport, Report
 from course_kit.grading.workers.worker import Worker
@@ -26,6 +23,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.exercise import Exercise
+    from course_kit.grading.job import Job
     from course_kit.grading.plain_data import Record
     from course_kit.grading.sandbox.isolation import Isolation
     from course_kit.grading.submission import Submission
@@ -44,6 +42,7 @@ class Task:
         shown: what the report calls it.
         seed: what the checks draw their random values from.
         hidden: folders the submission must not see, wherever they lie: what others have handed in, and their results.
+        first_failure: stop at the first failed check that costs points; the report has those that were run by then.
     """
 
     exercise: Exercise
@@ -51,6 +50,7 @@ class Task:
     shown: str
     seed: int
     hidden: tuple[str, ...] = ()
+    first_failure: bool = False
 
 
 def grade(  # noqa: PLR0913 - the options of one verb
@@ -102,7 +102,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
         )
     shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
-        return _grade(task, _job(task, None, seed, exec_command), shown, used, require_isolation)
+        return _grade(task, exercise_job.of_running(task, seed, exec_command), shown, used, require_isolation)
 
 
 def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None, require_isolation: bool) -> Report:
@@ -132,8 +132,8 @@ def grade_task(task: Task, worker: Worker | None = None, *, require_isolation: b
     Raises:
         GradingError: a broken installation, a lack of isolation, or the worker ended.
     """
-    job = _job(task.exercise, task.text, task.seed, None)
-    job = replace(job, hidden=(*job.hidden, *task.hidden))
+    job = exercise_job.of_submission(task.exercise, task.text, task.seed)
+    job = replace(job, hidden=(*job.hidden, *task.hidden), first_failure=task.first_failure)
     with Worker() if worker is None else nullcontext(worker) as used:
         return _grade(task.exercise, job, task.shown, used, require_isolation)
 
@@ -179,49 +179,6 @@ def _domain() -> int:
         raise GradingError(str(problem)) from None
 
 
-def attach_job(task: Exercise, seed: int) -> Job:
-    """The job of grading the node that runs on the ROS graph of this environment, with values drawn from a seed."""
-    return Job(
-        task.grader,
-        "attach",
-        "",
-        seed,
-        class_name=task.class_name,
-        variable=task.variable,
-        limits=task.limits,
-        hidden=tuple(dict.fromkeys((str(task.folder.resolve()), *exercise_folders.hidden()))),
-        interfaces=task.interfaces,
-        points=task.points,
-        declared=tuple(asdict(one) for one in task.declared),
-        variables=dict(task.variables),
-        solution=solutions.text_for(task),
-    )
-
-
-def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
-    job = attach_job(task, seed)
-    if text is not None:
-        return replace(
-            job,
-            mode="run",
-            name=text.program,
-            source=text.source,
-            fault=_fault(text),
-            places=text.places,
-            facts=text.facts,
-            literal=text.literal,
-        )
-    if command is None:
-        return job
-    try:
-        words = tuple(shlex.split(command))
-    except ValueError as problem:
-        raise GradingError(f"The command cannot be read as a shell would: {problem}.") from None
-    if not words:
-        raise GradingError("The command after --exec is empty.")
-    return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
-
-
 def _told(found: Isolation, mode: str) -> str:
     """What isolated the submission, in one line."""
     if mode == "attach":
@@ -230,24 +187,12 @@ def _told(found: Isolation, mode: str) -> str:
     return text if mode == "run" else f"{text}. The command saw your environment variables and worked in your folder"
 
 
-def _fault(text: Submission) -> str:
-    fault = text.fault
-    if fault is None:
-        return ""
-    where = f" in {text.where(fault.line)}: {fault.text}" if fault.line else ""
-    return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."
-
-
 def _report(task: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:
     checks = tuple(_check(task, result) for result in bounds.results(outcome["results"]))
-    score = sum(check.points for check in checks)
     problem = _no_grade(outcome["problem"], checks)
-    if problem:
-        status, score = "error", 0.0
-    else:
-        first = checks[0]
-        crashed = first.status == "failed" and (first.diagnosis or "").startswith(_NOT_STARTED)
-        status = "crashed" if crashed else "graded"
+    crashed = checks and checks[0].status == "failed" and (checks[0].diagnosis or "").startswith(_NOT_STARTED)
+    status = "error" if problem else "crashed" if crashed else "graded"
+    score = 0.0 if problem else sum(check.points for check in checks)
     return Report(
         exercise=task.id,
         title=task.title,
@@ -281,6 +226,7 @@ def _check(task: Exercise, result: Record) -> CheckReport:
     more = {
         "message": catalogue.complete(result["message"], found),
         "steps": tuple(Arrow(**step) for step in result["steps"]),
+        "proves": tuple(result["proves"]),
     }
     return CheckReport(
         **{**result, **more},

@@ -103,7 +103,10 @@ class Exercise:
 
     def diagnosis(self, code: str | None) -> Diagnosis | None:
         """A diagnosis as this exercise words it, else as the catalogue does; None when there is none of this code."""
-        return self.diagnoses.get(code or "") or catalogue.catalogue().get(code or "")
+        found = self.diagnoses.get(code or "") or catalogue.catalogue().get(code or "")
+        if found is None or found.notebook:
+            return found
+        return replace(found, notebook=f"exercises/{self.id}/{self.notebook}")
 
 
 def exercises_folder() -> Path:

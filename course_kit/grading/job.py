@@ -36,6 +36,7 @@ class Job:
         scratch: the folder for the scratch directory; filled in by the worker.
         user: the number of the user that submissions run as; 0 for the grader's own; filled in by the worker.
         hidden: folders to keep out of the submission's sight, wherever they lie.
+        first_failure: stop at the first failed check that costs points, for whoever only asks whether there is one.
         interfaces: the folder with the interfaces that the exercise brings, which the submission sees; empty for none.
         points: the exercise's full marks, which its checks have to add up to; 0 when nobody asks.
         declared: the checks that the exercise declares in its exercise.toml; see `checks.declared.declaration`.
@@ -64,6 +65,7 @@ class Job:
     user: int = 0
     priority: int = 0
     scratch: str = ""
+    first_failure: bool = False
     declared: tuple[Record, ...] = ()
     variables: Record = field(default_factory=dict)
     solution: str = ""

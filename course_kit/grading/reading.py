@@ -239,7 +239,8 @@ def _checked(answer: bytes) -> Record:
 def _facts(told: Record) -> Facts:
     """What the reader's child says of a text; it has read what a stranger wrote."""
     functions = tuple((int(first), int(last), bool(waits)) for first, last, waits in told["functions"])
-    return Facts(bool(told["awaits"]), bool(told["floor_divides"]), bool(told["loops"]), functions)
+    signs = {name: bool(told[name]) for name in ("awaits", "floor_divides", "loops")}
+    return Facts(**signs, functions=functions, future=int(told["future"]))
 
 
 def _program_name(name: str) -> str:

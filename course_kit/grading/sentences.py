@@ -42,7 +42,7 @@ def read(tables: object) -> tuple[Sentence, ...]:
         ValueError: one lacks an id or a text, has a field that there is not, or shares its id with another.
     """
     if not isinstance(tables, list):
-        raise ValueError("'sentences' has to be written as [[sentences]]")
+        raise ValueError("'sentences' has to be written as [[sentences]]")  # noqa: TRY004 - a file's mistakes are all of one kind
     found = [_sentence(table) for table in tables]
     ids = [one.id for one in found]
     if doubles := sorted({name for name in ids if ids.count(name) > 1}):

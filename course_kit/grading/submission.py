@@ -53,12 +53,14 @@ class Facts:
         loops: `while` stands in it.
         functions: first and last line of each function, and whether it makes an asynchronous call and looks at the
             future itself; none when none does.
+        future: the first line in which the program makes a Future itself; 0 when there is none.
     """
 
     awaits: bool = False
     floor_divides: bool = False
     loops: bool = False
     functions: tuple[tuple[int, int, bool], ...] = ()
+    future: int = 0
 
     def waits_for_a_future(self, line: int) -> bool:
         """Whether the function around `line` makes an asynchronous call and looks at its future itself."""

@@ -63,7 +63,14 @@ def facts(tree: ast.Module) -> dict[str, object]:
             told["loops"] = True
         elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             spans.append((node.lineno, node.end_lineno or node.lineno))
-    return {**told, "functions": _functions(spans, sorted(calls), sorted(looks))}
+    return {**told, "functions": _functions(spans, sorted(calls), sorted(looks)), "future": _first_future(tree)}
+
+
+def _first_future(tree: ast.Module) -> int:
+    """The first line in which a Future is made; 0 when there is none."""
+    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
+    made = (call.lineno for call in calls if getattr(call.func, "attr", getattr(call.func, "id", "")) == "Future")
+    return min(made, default=0)
 
 
 def _functions(

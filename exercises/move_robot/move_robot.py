@@ -1,12 +1,45 @@
 """Exercise 2: an action server that drives a robot to a point.
 
-The node's name, the action's name and its type are right already; keep them. All the rest is yours: how to drive, what
-to tell on the way, which goals to accept, and how to stop when a client wants that.
+The names and the type are right already; keep them. All the rest is yours: how to drive, what to tell on the way, which
+goals to accept, and how to stop when a client wants that.
+
+- Names. The node is called `move_robot_server`. It offers the action `/move_robot`, whose type is
+  `course_interfaces/action/MoveRobot`.
+- Drive there. A goal in the arena is accepted and ends SUCCEEDED, when the robot is within 5 cm of the target. The
+  arena goes from 0 to 10 m in x and in y, and its edges belong to it. In the result `final_position` is where the
+  robot is. `distance_travelled` is the length of this move alone, to within 5 cm or 5 %, whichever is more. Whatever
+  stands in `z`, even NaN, is ignored: distances and `progress` are those in x and y.
+- Already there? A goal at the present position succeeds within 1 s. It needs no feedback.
+- Drive straight. The robot goes straight to the target, moved by `step_towards` alone. Where you say that it is, in
+  feedback and result, is `robot.position`. A motion loop of your own in place of `SimulatedRobot` is allowed.
+- Tell how it goes. A move of 1 m or more brings at least five feedback messages a metre: nine, if it is 1.8 m long,
+  the first and the last one included. They are spread over the move: at least 40 % of its time passes from the first
+  to the last, and one comes in the middle third between those. `progress` goes from 0 to 1: on such a move the first
+  message says 0.1 at most, so it is sent before a tenth of the way is done, and the last one 0.99 at least, so it is
+  sent when the robot is there, before the goal ends. A message before the first step is allowed. `progress` never
+  falls, and `distance_remaining` never grows. `distance_remaining` is the straight way from the `position` in the
+  same message to the target, within 0.1 m.
+- Say no. A target outside the arena is rejected, even if it is only 1 cm. So is a target whose x or y is NaN or
+  infinite. So is a goal that arrives while another one runs: there is one robot, and the first goal goes on
+  undisturbed. Of two goals sent in the same instant one is accepted, the other one rejected.
+- Stop when asked. A request to cancel is accepted within 1 s. The goal ends CANCELED, and `final_position` says where
+  the robot has stopped, short of the target. If the robot reaches its target in that very moment, the goal may end
+  SUCCEEDED. The next goal works, and starts from there.
+- Be quick. A move may take 3 s a metre, and 2 s more. All times here are seconds on the clock, in the grader, too,
+  although its robot drives ten times as fast.
+- If your answer only defines the class, the grader calls `MoveRobotServer()`, without arguments, and spins it on a
+  `MultiThreadedExecutor` with four threads or more. Of several node classes it takes the one of this name.
+- If your answer makes a node itself, in a `main()` that it calls or at its top level, the grader runs it as a
+  program, which has to spin its node and to keep on running. On one thread no request to cancel is heard while a loop
+  in `execute` drives. How it is built inside is otherwise up to you.
+- The action has to be there within 5 s of the start, after at most 2 s of computing.
+- More nodes, topics, services, actions and parameters are allowed.
 """
 
 import rclpy
 from course_interfaces.action import MoveRobot
 from rclpy.action import ActionServer
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 
 from course_kit.robot import SimulatedRobot
@@ -29,7 +62,8 @@ class MoveRobotServer(Node):
 
         goal_handle.publish_feedback(...) tells the client, with a MoveRobot.Feedback: position, the straight way
                                           left (x and y), progress from 0 to 1
-        goal_handle.is_cancel_requested   True when the client wants it to stop
+        goal_handle.is_cancel_requested   True once a request to cancel was accepted; the ActionServer's
+                                          cancel_callback decides that, and without one it is refused
         goal_handle.succeed(), .abort() or .canceled() say how the goal ended
 
         Returns a MoveRobot.Result, filled in.
@@ -42,7 +76,8 @@ def main():
     rclpy.init()
     node = MoveRobotServer()
     try:
-        rclpy.spin(node)
+        # Several threads: one is busy in execute, another one hears a request to cancel.
+        rclpy.spin(node, executor=MultiThreadedExecutor(num_threads=4))
     except KeyboardInterrupt:
         pass
     finally:

@@ -1,12 +1,19 @@
 """Exercise 4: which communication pattern fits?
 
-For each scenario, write the pattern ("topic", "service" or "action") into the first
-pair of quotes and the id of the reason that decides into the second:
-
-    "some_robot": ("topic", "some_reason"),
-
-Each half is worth half a point. Several reasons may be true; one decides.
-Keep it a plain dictionary of texts: it is read, not run.
+- For each of your ten scenarios you get half a point for the pattern that fits,
+  `topic`, `service` or `action`, and half a point for the reason that decides,
+  out of its four.
+- Several reasons may be true; only one decides: if it were not so, you would
+  choose another pattern.
+- In a few scenarios two patterns can be defended. Then either counts, together
+  with its own reason.
+- The answers are a dictionary called `answers`, with an entry for each
+  scenario: its id, the pattern, and the id of the reason, `"some_robot":
+  ("topic", "some_reason"),`. Capitals and blanks around these words do not
+  matter. Keep it a plain dictionary of texts, which is only read; a program
+  that works the answers out is run.
+- An answer that is missing or malformed earns nothing, and the others count. An
+  entry for no scenario is named; it costs nothing by itself.
 """
 
 answers = {

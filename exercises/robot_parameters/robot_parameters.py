@@ -2,40 +2,52 @@
 
 The names and types of node and topics are right already; keep them. The rest is yours.
 
-parameter       type    default        valid
-robot_name      string  default_robot  not empty
-max_velocity    double  1.0            0.0 < v <= 5.0, finite     m/s
-wheel_diameter  double  0.1            0.01 .. 1.0                m
-enabled         bool    true                                   false: all is 0
+- Names. The node is called `velocity_limiter`; it has these topics and parameters:
 
-topic        type
-cmd_vel_in   geometry_msgs/msg/Twist   what somebody wants
-cmd_vel      geometry_msgs/msg/Twist   the same, linear.x limited to +-max_velocity; all other fields stay
-wheel_speed  std_msgs/msg/Float64      rad/s = published linear.x / (wheel_diameter / 2)
-status       std_msgs/msg/String       twice a second: "default_robot: 1.0 m/s", robot_name and max_velocity
+| topic          | type                      |                                    |
+|----------------|---------------------------|------------------------------------|
+| `/cmd_vel_in`  | `geometry_msgs/msg/Twist` | what somebody wants; you subscribe |
+| `/cmd_vel`     | `geometry_msgs/msg/Twist` | the same with `linear.x` limited   |
+| `/wheel_speed` | `std_msgs/msg/Float64`    | rad/s                              |
+| `/status`      | `std_msgs/msg/String`     | a line, twice a second             |
 
-- A command brings exactly one message on cmd_vel and one on wheel_speed, within 3 s, in any order, and none later.
-- The number in the status line may be written in any way, but is not rounded. On average a line comes every 0.42 to
-  0.6 s.
-- Topics connect to a reliable, volatile end, the default. A queue may have any depth: a command is sent only after the
-  one before was answered.
-- A change acts on the next message.
-- An invalid value is refused and the old one stays. The reason names the parameter and gives an end of its range in
-  numbers: "max_velocity must be above 0.0 and at most 5.0". What rclpy itself says of a range will do. For robot_name
-  the name is enough.
-- max_velocity 0.0 is refused; 5.0 is valid, and so are wheel_diameter 0.01 and 1.0. Outside of the ranges no test comes
-  closer than 0.0001.
-- A value of another type is refused, an integer for a double too, and so is a parameter that is not declared. No reason
-  is needed there.
-- When a valid and an invalid value are set atomically, nothing changes.
-- Values given at the start count: --ros-args -p max_velocity:=2.5, or a parameter file. An invalid one either stops the
-  node with an error: the program ends, and its output names the parameter (a traceback may do that). Or the default
-  replaces it, with a warning: your logger's warning(), or any output that names the parameter.
+| parameter        | type   | default         | valid                  |                        |
+|------------------|--------|-----------------|------------------------|------------------------|
+| `robot_name`     | string | `default_robot` | not empty              | begins the status line |
+| `max_velocity`   | double | 1.0             | 0.0 < v <= 5.0, finite | m/s, limits `linear.x` |
+| `wheel_diameter` | double | 0.1             | 0.01 .. 1.0            | m, for `/wheel_speed`  |
+| `enabled`        | bool   | true            |                        | false: all is zero     |
 
-More nodes, topics and parameters are allowed. The grader runs this file as a program, five times: how it is built
-inside is up to you, but let rclpy.init() see the arguments. Without a `main` that is called, it makes
-VelocityLimiter(), without arguments, and spins it on a MultiThreadedExecutor with four threads or more. The node has
-to be there within 5 s of each start, after at most 2 s of computing.
+- The limit: `linear.x` lies between -`max_velocity` and +`max_velocity` when you publish it. The sign stays, and so
+  do all other fields. `/wheel_speed` is the published `linear.x` / (`wheel_diameter` / 2). With `enabled` false
+  `/cmd_vel` is all zero, and so is `/wheel_speed`.
+- A command brings exactly one message on `/cmd_vel` and one on `/wheel_speed`, and none later. That goes for
+  `enabled` false, too. Both come within 3 s, in any order.
+- The status line is made of `robot_name` and `max_velocity`: `default_robot: 1.0 m/s`. The number is not rounded:
+  1.23456789 shows all its digits. Otherwise it may be written in any way, `1`, `1.0` or `1e0`. On average a line
+  comes every 0.42 to 0.6 s.
+- Topics connect to a reliable, volatile end, the default. A queue may have any depth: a command is sent only after
+  the one before was answered.
+- A change acts on the next message, whoever makes it and whenever.
+- An invalid value is refused, and the old value stays in force. The reason names the parameter and gives an end of
+  its range in numbers: `max_velocity must be above 0.0 and at most 5.0`. What rclpy itself says of a range will do,
+  and for `robot_name` its name.
+- The ends of the ranges: `max_velocity` 0.0 is refused. Outside of the ranges no test comes closer than 0.0001.
+  `max_velocity` 5.0 is valid, and so are `wheel_diameter` 0.01 and 1.0.
+- A value of another type is refused, an integer for a double, too, and so is a parameter that is not declared. No
+  reason is needed there.
+- Together or not at all: when a valid and an invalid value are set atomically, nothing changes.
+- Values given at the start count, on the command line (`--ros-args -p max_velocity:=2.5`) or in a parameter file.
+- An invalid value at the start is never in force, and the program's output names the parameter. Either the node stops
+  with an error: the program ends, and a traceback is output enough. Or the default replaces the value, with a
+  warning: your logger's `warning()`, or any output that names the parameter.
+- If your answer only defines the class, the grader calls `VelocityLimiter()`, without arguments, and spins it on a
+  `MultiThreadedExecutor` with four threads or more. Of several node classes it takes the one of this name.
+- If your answer makes a node itself, in a `main()` that it calls or at its top level, the grader runs it as a
+  program, which has to spin its node and to keep on running. Let `rclpy.init()` see the arguments. How it is built
+  inside is otherwise up to you.
+- The node has to be there within 5 s of each of its five starts, after at most 2 s of computing.
+- More nodes, topics, services, actions and parameters are allowed.
 """
 
 import rclpy

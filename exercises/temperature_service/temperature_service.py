@@ -1,20 +1,31 @@
 """Exercise 1: a service that converts temperatures between Celsius and Fahrenheit.
 
-Fill in `convert`. The node's name, the service's name and its type are right already; keep them.
+Fill in `convert`. The names and the type are right already; keep them.
 
-- Both directions: success is True and value holds the result. message may then hold anything.
-- A unit to itself: the value comes back bit for bit.
-- Every digit counts: within 1e-12 of the exact value, relative or absolute, for values up to 1e9. No rounding.
-- Refuse an unknown unit, NaN, infinity, and anything colder than absolute zero: success is False, and message says why,
-  in any language: "no such unit: kelvin". Refuse them when both units are the same, too. The node lives on.
-- Units are the exact words: "Celsius", "C", " celsius" and "" are unknown.
-- Absolute zero itself, -273.15 C, is valid. It is -459.67 F; there no test comes closer than 0.01 degrees.
-- One call is answered within 1.5 s; fifty calls, at most ten unanswered at a time, within 5 s, each with its own value.
-
-More nodes, services, topics and parameters are allowed. The grader runs this file as a program: how it is built inside
-is up to you. Without a `main` that is called, it makes TemperatureService(), without arguments, and spins it on a
-MultiThreadedExecutor with four threads or more. The service has to be there within 5 s of the start, after at most 2 s
-of computing.
+- Names. The node is called `temperature_service`. It offers the service `/convert_temperature`, whose type is
+  `course_interfaces/srv/ConvertTemperature`.
+- Both directions. Celsius becomes Fahrenheit and Fahrenheit becomes Celsius: `value` holds the result. With a result
+  `success` is `True`. `message` may then hold anything.
+- A unit to itself. The value comes back bit for bit. Beware of a way through the other unit: it changes the last
+  digit.
+- Every digit counts. Do not round: the result is within 1e-12 of the exact value, relative or absolute, for values up
+  to 1e9. Every usual formula is that exact.
+- Say no when the question makes no sense. An unknown unit is refused, so are NaN and infinity, and so is anything
+  colder than absolute zero: `success` is `False`. Then `message` says why: `no such unit: kelvin`. Any language will
+  do. Check first: a question that makes no sense is refused when both units are the same, too. The node lives on for
+  the next request.
+- Units are the exact words `celsius` and `fahrenheit`. `Celsius`, `C`, a word with a blank before or after it and the
+  empty string are unknown units.
+- Absolute zero itself is valid: -273.15 degrees Celsius. In Fahrenheit it is -459.67; there no test comes closer than
+  0.01 degrees, because of the last digits.
+- Be quick. One call is answered within 1.5 s. Fifty calls, at most ten of them unanswered at a time, are answered
+  within 5 s, each with its own value.
+- If your answer only defines the class, the grader calls `TemperatureService()`, without arguments, and spins it on a
+  `MultiThreadedExecutor` with four threads or more. Of several node classes it takes the one of this name.
+- If your answer makes a node itself, in a `main()` that it calls or at its top level, the grader runs it as a
+  program, which has to spin its node and to keep on running. How it is built inside is up to you.
+- The service has to be there within 5 s of the start, after at most 2 s of computing.
+- More nodes, services, topics, actions and parameters are allowed.
 """
 
 import rclpy

@@ -64,14 +64,18 @@ class MoveRobotServer(Node):
             if goal_handle.is_cancel_requested:
                 goal_handle.canceled()
                 return self.result(begin, "cancelled on the way")
-            goal_handle.publish_feedback(
-                MoveRobot.Feedback(
-                    position=self.point(), distance_remaining=remaining, progress=1.0 - remaining / whole_way
-                )
-            )
+            self.tell(goal_handle, remaining, whole_way)
             self.robot.step_towards(*target)
+        self.tell(goal_handle, remaining, whole_way)  # the last one says that the robot is there
         goal_handle.succeed()
         return self.result(begin, "arrived")
+
+    def tell(self, goal_handle: ServerGoalHandle, remaining: float, whole_way: float) -> None:
+        """Send feedback with so many metres left of the whole way."""
+        progress = 1.0 - remaining / whole_way if whole_way else 1.0
+        goal_handle.publish_feedback(
+            MoveRobot.Feedback(position=self.point(), distance_remaining=remaining, progress=progress)
+        )
 
     def result(self, begin: Position, message: str) -> MoveRobot.Result:
         """What has become of a goal that began at `begin`; the way was straight."""

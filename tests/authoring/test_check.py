@@ -31,6 +31,9 @@ BROKEN = ("quiz.malformed", "quiz.unknown", "start.syntax")
 def course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A checkout with one exercise, three broken submissions and as many right ones as are wanted."""
     shutil.copytree(ROOT / "exercises" / EXERCISE, tmp_path / "exercises" / EXERCISE)
+    settings = tmp_path / "exercises" / EXERCISE / "exercise.toml"
+    before, _, after = settings.read_text().partition("[[sentences]]")
+    settings.write_text(before + after[after.index("[[hints]]") :])  # proving each takes more submissions than these
     shutil.copytree(ROOT / "solutions" / EXERCISE, tmp_path / "solutions" / EXERCISE)
     broken = tmp_path / "tests" / "broken" / EXERCISE
     broken.mkdir(parents=True)
@@ -120,6 +123,16 @@ new = 'answer = {{'
     code, out, err = run(capsys, EXERCISE)
     assert (code, out) == (2, "")
     assert "replaces a text that occurs 0 times in pattern_choice.py" in err
+
+
+def test_a_sentence_that_nothing_turns_red_is_named(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = course / "exercises" / EXERCISE / "exercise.toml"
+    path.write_text(path.read_text() + '[[sentences]]\nid = "dictionary"\ntext = "The answers are a dictionary."\n')
+    code, out, _ = run(capsys, EXERCISE)
+    shown = " ".join(out.split())
+    assert code == 1
+    assert "no submission that breaks the sentence 'dictionary' fails one of its checks (answers)" in shown
+    assert "names the sentence 'no_scenario', which exercise.toml does not have" in shown
 
 
 def test_mistakes_of_use_are_told(course: Path, capsys: pytest.CaptureFixture[str]) -> None:

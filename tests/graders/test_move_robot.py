@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 import signal
 import subprocess
 import sys
+from importlib import metadata
 from typing import TYPE_CHECKING
 
 import pytest
@@ -73,3 +75,33 @@ def test_attach_grades_a_robot_that_has_driven_before(domain: int) -> None:
         finally:
             program.send_signal(signal.SIGINT)
             program.wait(20)
+
+
+WAKES_THE_EXECUTOR = (7, 1, 9)  # from this rclpy on a future that is awaited belongs to the executor of who awaits it
+WAITING = {  # in the solution: execute waits for a thread before it drives, and one thread spins
+    "import threading": "import threading\nfrom rclpy.task import Future",
+    "    def execute(self": "    async def execute(self",
+    "        try:\n            return self.drive": """        motors = Future()
+        threading.Timer(0.3, lambda: motors.set_result("on")).start()
+        await motors
+        try:
+            return self.drive""",
+    "MultiThreadedExecutor(num_threads=4)": "rclpy.executors.SingleThreadedExecutor()",
+}
+
+
+def test_future_without_an_executor_that_wakes_nobody_is_named(worker: grading.Worker, tmp_path: Path) -> None:
+    program = SOLUTION.read_text()
+    for old, new in WAITING.items():
+        assert program.count(old) == 1, old
+        program = program.replace(old, new)
+    (tmp_path / "waiting.py").write_text(program)
+    report = grading.grade(EXERCISE, tmp_path / "waiting.py", worker=worker)
+    failed = [check for check in report.checks if check.status == "failed"]
+    version = tuple(map(int, re.findall(r"\d+", metadata.version("rclpy"))[:3]))
+    if version >= WAKES_THE_EXECUTOR:
+        assert [check.id for check in failed] == ["cancel"]  # one thread cannot hear it
+        return
+    assert [(check.id, check.diagnosis) for check in failed] == [("succeeds", "service.future")]
+    assert "the one made in line" in failed[0].message
+    assert "motors = Future()" in failed[0].message

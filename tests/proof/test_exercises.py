@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
-from course_kit.authoring import corpus, rules
+from course_kit.authoring import corpus, rules, sentences
+from course_kit.grading import exercise as course
 from course_kit.grading.diagnosis.catalogue import catalogue
 from tests.proof.conftest import EXERCISES, ROOT
 
 if TYPE_CHECKING:
     from tests.proof.conftest import Proofs
 
+SENTENCES = ROOT / "artifacts" / "sentences.md"
 pytestmark = pytest.mark.timeout(600)  # the first test of an exercise grades all its submissions
-FULL_MARKS = {"temperature_service": 10.0, "move_robot": 20.0, "robot_parameters": 20.0, "pattern_choice": 10.0}
 OF_PATTERNS = ("start.syntax", "start.import", "start.crash", "start.exit", "limit.", "quiz.")
 NOT_OF_SERVICES = ("action.", "parameter.", "topic.", "quiz.", "name.action")
 OF_ACTIONS = ("start.", "limit.", "action.", "name.action", "name.node", "type.", "field.", "validation.overzealous")
@@ -91,7 +92,7 @@ def test_everything_holds(exercise: str, proofs: Proofs) -> None:
     assert [str(fault) for fault in proofs.of(exercise).faults] == []
     for one, report in proofs.of(exercise).runs[0].reports.items():
         if one.kind in ("solution", "variant"):
-            assert report.score == FULL_MARKS[exercise]
+            assert report.score == course.load(exercise).points
 
 
 def names(exercise: str) -> set[str]:
@@ -136,3 +137,17 @@ def test_message_names_the_fact(exercise: str, code: str, fact: str, proofs: Pro
 def test_broken_move_fails_where_it_is_broken(code: str, check_id: str, proofs: Proofs) -> None:
     report = proofs.report("move_robot", "broken", code)
     assert [check.id for check in report.checks if check.status == "failed"] == [check_id]
+
+
+def test_each_sentence_of_a_task_is_turned_red_by_a_submission(proofs: Proofs) -> None:
+    """And the table of that is written: sentence, checks, submissions."""
+    tables = []
+    for exercise in EXERCISES:
+        found = proofs.of(exercise)
+        sets, reports = found.sets[0], found.runs[0].reports
+        assert list(sentences.unproven(sets, reports)) == []
+        tables.append(sentences.table(sets.task, sentences.proven(sets, reports)))
+    SENTENCES.parent.mkdir(exist_ok=True)
+    SENTENCES.write_text("\n\n".join(["# Each sentence of a task, and what turns it red", *tables]) + "\n")
+    rows = [line for line in SENTENCES.read_text().splitlines() if line.startswith("| **")]
+    assert len(rows) == sum(len(proofs.of(exercise).sets[0].task.sentences) for exercise in EXERCISES)

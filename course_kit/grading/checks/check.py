@@ -7,7 +7,7 @@ A check is a function that talks to the submission over the wire and either retu
 from __future__ import annotations
 
 import inspect
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
@@ -128,7 +128,10 @@ def in_order(checks: Sequence[Check]) -> list[Check]:
 
 @dataclass(frozen=True)
 class Result:
-    """How a check went: `status` is passed, failed, skipped or error; `steps` what crossed the wire if it failed."""
+    """How a check went: `status` is passed, failed, skipped or error; `steps` what crossed the wire if it failed.
+
+    One that was run says in `proves` which sentences of the task it is about.
+    """
 
     id: str
     title: str
@@ -140,6 +143,7 @@ class Result:
     diagnosis: str | None = None
     message: str = ""
     steps: tuple[Arrow, ...] = ()
+    proves: tuple[str, ...] = ()
 
 
 def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[Result]:
@@ -163,7 +167,7 @@ def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[Result]:
             needed = ", ".join(f'"{titles[name]}"' for name in missing)
             yield Result(one.id, one.title, "skipped", one.points, message=f"Not run: {needed} has to pass first.")
             continue
-        result = _run(one, context)
+        result = replace(_run(one, context), proves=one.proves)
         if result.status == "passed":
             passed.add(one.id)
         elif result.status == "error":

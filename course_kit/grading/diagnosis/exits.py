@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _FIELD = re.compile(r"'(?P<field>\w+)' field must be (?:a sub message )?of type '(?P<type>[\w.]+)'")
 _NO_MODULE = re.compile(r"No module named '(?P<module>[\w.]+)'")
 _NO_NAME = re.compile(r"cannot import name '(?P<name>\w+)' from '(?P<module>[\w.]+)'")
+# The grader's call of the class is no line of the submission, so that Python's words about it stand without a frame.
+_NEEDS_ARGUMENTS = re.compile(r"TypeError: (?P<name>\w+)\.__init__\(\) missing .* arguments?: (?P<missing>.*)")
 _TOO_MANY = ("can't start new thread", "[Errno 11] Resource temporarily unavailable")
 # Packages of the course that may exist as text only, and so are not among the installed modules.
 _INTERFACE_PACKAGES = ("course_interfaces", "example_interfaces")
@@ -81,11 +83,20 @@ def of_start(process: ProcessStatus, job: Job) -> Cause:
         return "start.nothing", _no_class(process, job)
     raised = last_exception(process.stderr, job.name)
     if raised is None:
-        return exited(process)
+        return _of_constructor(process) or exited(process)
     where = in_line(job, raised.own)
     if raised.type in ("ModuleNotFoundError", "ImportError"):
         return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
     return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
+
+
+def _of_constructor(process: ProcessStatus) -> Cause | None:
+    """The class that cannot be made without arguments, if that is what ended the submission."""
+    match = _NEEDS_ARGUMENTS.fullmatch(process.stderr.rstrip().rpartition("\n")[2])
+    if match is None:
+        return None
+    name, missing = match["name"], match["missing"]
+    return "start.crash", f"Your class is made as {name}(), without arguments, but its __init__ needs {missing}."
 
 
 def exited(process: ProcessStatus) -> Cause:

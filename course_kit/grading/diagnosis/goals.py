@@ -84,6 +84,8 @@ def of_silence(context: CheckContext, over: str, seconds: float, process: Proces
     looks = [hangs.doing(context) for _ in range(_LOOKS)]
     at_work = [seen.callback for seen in looks if seen.callback is not None]
     if not at_work:
+        if cause := hangs.of_future(context.job):
+            return cause
         return None, f"The goal was accepted but had not ended {seconds:.1f} s later, and no callback is working on it."
     where = exits.source_line(context.job, at_work[0].line)
     if all(seen.waits_for_ros for seen in looks if seen.callback is not None):

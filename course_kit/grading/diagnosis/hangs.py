@@ -10,6 +10,7 @@ from course_kit.grading.diagnosis.tracebacks import Activity, activity
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.job import Job
 
 ANSWER_S = 5.0  # how long one answer is waited for
 LOOK_S = 0.3  # how long a program is watched to tell whether it computes
@@ -53,11 +54,20 @@ def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bo
             return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
         return "service.blocks", f"Your callback is blocked in {where}; meanwhile all other requests wait."
     if seen.spinning and job.facts.awaits:
-        return "service.deadlock", "Your callback awaits something that never comes: nothing is left to deliver it."
+        text = "Your callback awaits something that never comes: nothing is left to deliver it."
+        return (None if busy else of_future(job)) or ("service.deadlock", text)
     if seen.known and not seen.spinning:
         where = f" It is in {exits.source_line(job, seen.own.line)}." if seen.own else ""
         return "start.nothing", f"Your node is on the graph, but nothing spins it, so no callback ever runs.{where}"
     return None, "Your server is running but did not answer."
+
+
+def of_future(job: Job) -> exits.Cause | None:
+    """Why a callback that awaits a Future of the program's own is never resumed, while nothing computes or blocks."""
+    if not (job.facts.awaits and job.facts.future):
+        return None
+    where = exits.source_line(job, job.facts.future)
+    return "service.future", f"No callback is at work: one awaits a Future, probably the one made in {where}."
 
 
 def computes(context: CheckContext) -> bool:

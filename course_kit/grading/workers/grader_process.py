@@ -65,6 +65,8 @@ def _run(supervisor: Channel, job: Job) -> Record:
         for result in run_all(checks, context):
             supervisor.send({"do": "result", "result": bounds.results([asdict(result)])[0]})
             times[result.id] = time.monotonic() - began
+            if job.first_failure and result.status == "failed" and result.max_points:
+                break
     finally:
         if (
             not job.isolation.network

@@ -1,4 +1,4 @@
-"""Feedback every 0.2 m and no more; goal callbacks as coroutines; two nodes, several Node classes."""
+"""Feedback first and every 0.2 m, no more; goal callbacks as coroutines; two nodes, several Node classes."""
 
 import math
 
@@ -45,6 +45,7 @@ class MoveRobotServer(RobotNode):
         goal = (goal_handle.request.target.x, goal_handle.request.target.y)
         first = last = told = self.robot.position
         travelled = 0.0
+        self.tell(goal_handle, last, math.dist(last, goal), 0.0)
         while last != goal and not goal_handle.is_cancel_requested:
             self.robot.step_towards(*goal)
             travelled += math.dist(last, self.robot.position)
@@ -52,13 +53,7 @@ class MoveRobotServer(RobotNode):
             if math.dist(told, last) >= 0.199 or last == goal:
                 told = last
                 left = math.dist(last, goal)
-                goal_handle.publish_feedback(
-                    MoveRobot.Feedback(
-                        position=Point(x=last.x, y=last.y),
-                        distance_remaining=left,
-                        progress=travelled / (travelled + left),
-                    )
-                )
+                self.tell(goal_handle, last, left, travelled / (travelled + left))
         if last == goal:
             goal_handle.succeed()
         else:
@@ -66,3 +61,7 @@ class MoveRobotServer(RobotNode):
         self.owner = None
         self.get_logger().info(f"from {first} to {last}")
         return MoveRobot.Result(final_position=Point(x=last.x, y=last.y), distance_travelled=travelled)
+
+    def tell(self, goal_handle, here, left, progress):
+        position = Point(x=here.x, y=here.y)
+        goal_handle.publish_feedback(MoveRobot.Feedback(position=position, distance_remaining=left, progress=progress))

@@ -1,4 +1,4 @@
-"""A timer tells the clients ten times a second of real time, whatever the robot's speed; a reentrant group."""
+"""A timer tells the clients ten times a second of real time; it is told, too, where a move begins and ends."""
 
 import math
 import threading
@@ -58,8 +58,10 @@ class MoveRobotServer(Node):
         target = (goal_handle.request.target.x, goal_handle.request.target.y)
         with self.lock:
             self.move = (goal_handle, target, math.dist(begin, target))
+        self.tell()
         while self.robot.position != target and not goal_handle.is_cancel_requested:
             self.robot.step_towards(*target)
+        self.tell()
         with self.lock:
             self.move = None
             self.reserved = False

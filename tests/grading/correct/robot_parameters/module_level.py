@@ -48,7 +48,7 @@ node.create_subscription(Twist, "cmd_vel_in", on_command, 10)
 node.create_timer(
     0.5,
     lambda: status.publish(
-        String(data=f"{node.get_parameter('robot_name').value}: {node.get_parameter('max_velocity').value} m/s")
+        String(data=f"{node.get_parameter('robot_name').value}: {node.get_parameter('max_velocity').value:.17g} m/s")
     ),
 )
 rclpy.spin(node)

@@ -34,7 +34,7 @@ def wheel_speed(node, command):
 
 
 def status(node):
-    return String(data=f"{node.get_parameter('robot_name').value}: {node.get_parameter('max_velocity').value:g} m/s")
+    return String(data=f"{node.get_parameter('robot_name').value}: {node.get_parameter('max_velocity').value} m/s")
 
 
 class VelocityLimiter(Node):

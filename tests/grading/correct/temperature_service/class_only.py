@@ -19,7 +19,7 @@ def fill(request, response):
     factor, offset = scale[request.to_unit]
     same = request.from_unit == request.to_unit
     response.value = request.value if same else celsius * factor + offset
-    response.success = True
+    response.success, response.message = True, "umgerechnet"
     return response
 
 

@@ -1,0 +1,107 @@
+"""Mutants that an author has declared to be right programs, or as good as right, each with the reason.
+
+They stand in a file `equivalent.toml`: beside the solution of one of the course's own exercises, in the folder `proof`
+of another one's.
+
+    [[equivalent]]
+    lines = ['self.status = self.create_publisher(String, "status", 10)']
+    operators = ["another number"]
+    reason = "The depth of a queue is free."
+
+An entry is about all mutants of these operators on lines with these texts; lines may move. With `change` it is about
+those in whose new text these words stand, and with `ordinal`, where several lines have the same text, about the first,
+second ... of them.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from course_kit.grading.errors import GradingError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from course_kit.authoring.prove.mutants import Mutant
+
+FILE = "equivalent.toml"
+_LIST, _TEXT, _NUMBER = "a list of texts", "a text", "a whole number"
+_FIELDS = {"lines": _LIST, "operators": _LIST, "reason": _TEXT, "change": _TEXT, "ordinal": _NUMBER}
+_NEEDED = ("lines", "operators", "reason")
+
+
+@dataclass(frozen=True)
+class DeclaredEquivalent:
+    """One operator on one line; `change` is empty and `ordinal` 0 where they are left open."""
+
+    line: str
+    operator: str
+    reason: str
+    change: str = ""
+    ordinal: int = 0
+
+    def covers(self, mutant: Mutant) -> bool:
+        """Whether it is about a mutant."""
+        return (
+            mutant.operator == self.operator
+            and mutant.before == self.line
+            and self.change in mutant.after
+            and self.ordinal in (0, mutant.ordinal)
+        )
+
+    def __str__(self) -> str:
+        change = f" -> ... {self.change} ..." if self.change else ""
+        return f"{self.operator}: {self.line}{change}"
+
+
+def read(path: Path) -> list[DeclaredEquivalent]:
+    """The entries of a file, one for each line and operator; none when it is not there.
+
+    Raises:
+        GradingError: it cannot be used; the text says why.
+    """
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return []
+    except (OSError, ValueError) as problem:
+        raise GradingError(f"{path} cannot be used: {problem}.") from problem
+    entries = table.get("equivalent", [])
+    if set(table) - {"equivalent"} or not isinstance(entries, list):
+        raise GradingError(f"{path} cannot be used: it has to hold [[equivalent]] and nothing else.")
+    return [one for number, entry in enumerate(entries, start=1) for one in _declared(entry, path, number)]
+
+
+def _declared(entry: object, path: Path, number: int) -> Iterator[DeclaredEquivalent]:
+    where = f"{path} cannot be used: entry {number} of [[equivalent]]"
+    if not isinstance(entry, dict):
+        raise GradingError(f"{where} is not a table.")
+    for name in _NEEDED:
+        if not entry.get(name):
+            raise GradingError(f"{where} has no '{name}'.")
+    for name, value in entry.items():
+        if name not in _FIELDS:
+            raise GradingError(f"{where} has a field '{name}'. There are: {', '.join(_FIELDS)}.")
+        if _kind(value) != _FIELDS[name]:
+            raise GradingError(f"{where}: '{name}' has to be {_FIELDS[name]}.")
+    for line in entry["lines"]:
+        for operator in entry["operators"]:
+            yield DeclaredEquivalent(
+                line.strip(), operator, entry["reason"], entry.get("change", ""), entry.get("ordinal", 0)
+            )
+
+
+def _kind(value: object) -> str:
+    if isinstance(value, list):
+        return _LIST if all(isinstance(one, str) for one in value) else ""
+    if isinstance(value, bool):
+        return ""
+    return _TEXT if isinstance(value, str) else _NUMBER if isinstance(value, int) else ""

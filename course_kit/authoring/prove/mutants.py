@@ -1,0 +1,121 @@
+"""Every small mistake in a solution, each once."""
+
+from __future__ import annotations
+
+import difflib
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from course_kit.authoring.prove.operators import endpoints, expressions, ros, statements
+from course_kit.authoring.prove.program import ParsedProgram, parsed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from course_kit.authoring.prove.changes import Change
+
+OPERATORS: tuple[Callable[[ParsedProgram], Iterator[Change]], ...] = (
+    endpoints.endpoint_names,
+    endpoints.endpoint_types,
+    endpoints.quality_of_service,
+    endpoints.destroyed,
+    ros.callbacks,
+    ros.goal_status,
+    ros.messages,
+    ros.failing,
+    ros.spinning,
+    ros.parameters,
+    ros.groups,
+    expressions.operators,
+    expressions.comparisons,
+    expressions.numbers,
+    expressions.texts,
+    expressions.elements,
+    expressions.names,
+    statements.conditions,
+    statements.statements,
+    statements.arguments,
+)
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A solution with one mistake.
+
+    Attributes:
+        operator: what kind of mistake.
+        line: where, from 1.
+        before: that line, without blanks around it.
+        after: what stands there instead, without blanks around it; further lines follow after ` / `.
+        ordinal: the how manieth with the same four, from 1.
+        source: the whole program.
+        diff: what differs, line by line, the old ones with `-` and the new ones with `+`.
+    """
+
+    operator: str
+    line: int
+    before: str
+    after: str
+    ordinal: int
+    source: str
+    diff: tuple[str, ...]
+
+    @property
+    def key(self) -> str:
+        """Its name, which stays the same when lines are added above it."""
+        more = f" (no. {self.ordinal})" if self.ordinal > 1 else ""
+        return f"{self.operator}: {self.before} -> {self.after}{more}"
+
+
+def of(source: str) -> list[Mutant]:
+    """All mutants of a program, in the order of its lines.
+
+    Raises:
+        SyntaxError: it is not Python.
+    """
+    program = ParsedProgram(source)
+    seen = {parsed(source)}
+    found: list[Mutant] = []
+    counted: Counter[tuple[str, str, str]] = Counter()
+    changes = [change for operator in OPERATORS for change in operator(program)]
+    for change in sorted(changes, key=lambda one: one.line):
+        text = program.apply(change.edits)
+        meaning = parsed(text)
+        if not meaning or meaning in seen:
+            continue
+        seen.add(meaning)
+        diff = _diff(program.source, text)
+        before = program.lines[change.line - 1].strip()
+        after = " / ".join(line[1:].strip() for line in diff if line.startswith("+"))
+        counted[change.operator, before, after] += 1
+        ordinal = counted[change.operator, before, after]
+        found.append(Mutant(change.operator, change.line, before, after, ordinal, text, tuple(diff)))
+    return found
+
+
+def evenly(mutants: Sequence[Mutant]) -> list[Mutant]:
+    """The mutants such that each operator comes by turns, and each with lines from all over the program."""
+    by_operator: dict[str, list[Mutant]] = {}
+    for one in mutants:
+        by_operator.setdefault(one.operator, []).append(one)
+    spread = [_spread(group) for group in by_operator.values()]
+    longest = max(map(len, spread), default=0)
+    return [group[place] for place in range(longest) for group in spread if place < len(group)]
+
+
+def _spread(group: Sequence[Mutant]) -> list[Mutant]:
+    """The middle first, then the middles of the halves, and so on."""
+    waiting, order = [(0, len(group))], []
+    while waiting:
+        low, high = waiting.pop(0)
+        if low < high:
+            middle = (low + high) // 2
+            order.append(group[middle])
+            waiting += [(low, middle), (middle + 1, high)]
+    return order
+
+
+def _diff(old: str, new: str) -> list[str]:
+    lines = difflib.unified_diff(old.split("\n"), new.split("\n"), lineterm="", n=0)
+    return [line for line in lines if line[:3] not in ("---", "+++") and line[:2] != "@@"]

@@ -1,0 +1,176 @@
+"""Puts the sentences of an exercise into its notebook and its starter.
+
+`python -m course_kit.authoring.task_text [EXERCISE ...]` does it. They are written once, in exercise.toml. In a
+notebook's cell and in the starter's docstring they stand where the lines are that begin with "- " or "|"; whatever is
+written before the first and after the last of those stays as it is.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import sys
+import textwrap
+from typing import TYPE_CHECKING
+
+from course_kit.grading import exercise
+from course_kit.grading.errors import GradingError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from pathlib import Path
+
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.sentences import Sentence
+
+_WIDTH = 118  # columns of a starter's docstring
+_PLACES = ("- ", "|")
+_QUOTES = '"""'
+
+
+def blocks(sentences: Sequence[Sentence], *, width: int = 0) -> str:
+    """Sentences as a list in Markdown, with tables where there are rows.
+
+    Args:
+        sentences: in order.
+        width: wrap the items of the list at so many columns, and leave out what makes headings bold; 0 for neither.
+
+    Raises:
+        GradingError: a row has another number of cells than its table.
+    """
+    parts = [
+        _table(group) if rows else "\n".join(_items(group, width))
+        for rows, group in _grouped(sentences)  # a list is a group, and so is each table
+    ]
+    return "\n\n".join(parts)
+
+
+def of_cell(sentences: Sequence[Sentence]) -> dict[str, list[Sentence]]:
+    """The sentences by the notebook's cell in which they stand."""
+    cells: dict[str, list[Sentence]] = {}
+    cell = ""
+    for one in sentences:
+        cell = one.cell or cell
+        cells.setdefault(cell, []).append(one)
+    return cells
+
+
+def in_starter(text: str, task: Exercise) -> str:
+    """A starter's program with the sentences of its exercise in its docstring.
+
+    Raises:
+        GradingError: it has no docstring, or no place for the sentences in it.
+    """
+    before, *rest = text.split(_QUOTES, 2)
+    if len(rest) != 2 or before.strip():  # noqa: PLR2004 - the docstring and what follows
+        raise GradingError(f"{task.starter} does not begin with a docstring, into which its task belongs.")
+    docstring = replaced(rest[0], blocks(task.sentences, width=_WIDTH), f"the docstring of {task.starter}")
+    return _QUOTES.join([before, docstring, rest[1]])
+
+
+def in_notebook(text: str, task: Exercise) -> str:
+    """A notebook's file with the sentences of its exercise in its cells.
+
+    Raises:
+        GradingError: it lacks a cell, or a cell has no place for the sentences.
+    """
+    notebook = json.loads(text)
+    for name, told in of_cell(task.sentences).items():
+        cell = next((cell for cell in notebook["cells"] if cell.get("id") == name), None)
+        if cell is None:
+            raise GradingError(f"{task.notebook} has no cell with the id '{name}', where a sentence is to stand.")
+        source = replaced("".join(cell["source"]), blocks(told), f"the cell '{name}' of {task.notebook}")
+        cell["source"] = source.splitlines(keepends=True)
+    return json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
+
+
+def replaced(text: str, block: str, where: str) -> str:
+    """A text in which `block` stands where lists and tables were.
+
+    Raises:
+        GradingError: there is neither; `where` says in what.
+    """
+    lines = text.splitlines()
+    marked = [number for number, line in enumerate(lines) if line.startswith(_PLACES)]
+    if not marked:
+        raise GradingError(f"{where} has no line that begins with '- ', which is where the sentences go.")
+    last = marked[-1]
+    while last + 1 < len(lines) and lines[last + 1].startswith("  "):
+        last += 1
+    end = "\n" if text.endswith("\n") else ""
+    return "\n".join([*lines[: marked[0]], block, *lines[last + 1 :]]) + end
+
+
+def write(task: Exercise) -> list[Path]:
+    """Put the sentences of an exercise where learners read them; returns the files that have changed.
+
+    Raises:
+        GradingError: there is no place for them.
+        OSError: a file cannot be read or written.
+    """
+    changed = []
+    for name, put in ((task.starter, in_starter), (task.notebook, in_notebook)):
+        path = task.folder / name
+        before = path.read_text(encoding="utf-8")
+        after = put(before, task)
+        if after.split() != before.split():  # a file that wraps its lines elsewhere may do so
+            path.write_text(after, encoding="utf-8")
+            changed.append(path)
+    return changed
+
+
+def main(arguments: Sequence[str]) -> int:
+    """The command: the exercises that are named, else all."""
+    try:
+        changed = [path for name in arguments or exercise.ids() for path in write(exercise.load(name))]
+    except GradingError as problem:
+        print(f"course-kit: {problem}", file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(f"course-kit: {problem.filename} could not be written: {problem.strerror}.", file=sys.stderr)
+        return 2
+    for path in changed:
+        print(path)
+    return 0
+
+
+def _grouped(sentences: Sequence[Sentence]) -> Iterable[tuple[bool, list[Sentence]]]:
+    table = 0
+
+    def kind(one: Sentence) -> tuple[bool, int]:
+        nonlocal table
+        table += one.is_row and bool(one.heading)
+        return one.is_row, table if one.is_row else 0
+
+    for (rows, _), group in itertools.groupby(sentences, kind):
+        yield rows, list(group)
+
+
+def _items(sentences: Iterable[Sentence], width: int) -> Iterable[str]:
+    items: list[list[str]] = []
+    for one in sentences:
+        if one.heading or not items:
+            bold = one.heading if width else f"**{one.heading}**"
+            items.append([bold] if one.heading else [])
+        items[-1].append(one.text)
+    for words in items:
+        text = "- " + " ".join(words)
+        if width:
+            text = textwrap.fill(text, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+        yield text
+
+
+def _table(rows: Sequence[Sentence]) -> str:
+    header = [rows[0].heading] if rows[0].heading else []
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in (*header, *(row.text for row in rows))]
+    if odd := [line for line in cells if len(line) != len(cells[0])]:
+        raise GradingError(f"The row '| {' | '.join(odd[0])} |' does not have {len(cells[0])} cells as its table has.")
+    widths = [max(len(cell) for cell in column) for column in zip(*cells, strict=True)]
+    lines = ["| " + " | ".join(map(str.ljust, line, widths)) + " |" for line in cells]
+    if header:
+        lines.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,132 @@
+"""A tiny exercise without ROS, whose grader the tests write: a dictionary `limits` with two numbers."""
+
+from __future__ import annotations
+
+import os
+import sys
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.authoring.prove import proving
+from course_kit.authoring.prove.places import ProofPlaces
+from course_kit.grading import exercise
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.authoring.prove.outcome import GraderProof
+
+SOLUTION = 'limits = {\n    "low": 2,\n    "high": 5,\n}\n'
+_TOML = """
+format_version = 1
+id = "tiny"
+title = "Two limits"
+order = 9
+points = 2.0
+pass_mark = 1.0
+starter = "tiny.py"
+notebook = "tiny.ipynb"
+grader = "tiny_grader"
+variable = "limits"
+seed = 1
+
+[[sentences]]
+id = "low_is_two"
+text = "The low limit is 2."
+
+[[sentences]]
+id = "high_is_five"
+text = "The high limit is 5."
+"""
+_GRADER = '''
+from pathlib import Path
+
+from course_kit.graders._answers import found
+from course_kit.grading.checks.check import Evidence, Failed, check
+
+INTERFACES = ()
+HERE = Path(__file__).parent
+
+
+def limits(context):
+    """What the submission has set, by name."""
+    if context.job.literal is not None:
+        return found(context.job.literal, "limits").entries
+    return found(context.run_to_end().notes, "limits").entries
+
+
+@check(points=1.0, proves=["low_is_two"])
+def low(context):
+    """The low limit is right."""
+    got = limits(context).get("low")
+    if not ({low}):
+        raise Failed(Evidence("", "2", str(got)), "It is not 2.")
+    return Evidence()
+
+
+@check(points=1.0, proves=["high_is_five"])
+def high(context):
+    """The high limit is right."""
+    got = limits(context).get("high")
+    if not ({high}):
+        raise Failed(Evidence("", "5", str(got)), "It is not 5.")
+    return Evidence()
+
+
+CHECKS = (low, high)
+'''
+
+
+class SilentWatcher:
+    """Hears what a proof tells, and keeps it."""
+
+    def __init__(self) -> None:
+        self.begun: list[tuple[str, int]] = []
+        self.graded = 0
+
+    def begin(self, what: str, total: int) -> None:
+        self.begun.append((what, total))
+
+    def done(self) -> None:
+        self.graded += 1
+
+
+@dataclass
+class Tiny:
+    """The exercise in a folder of its own, outside of the checkout."""
+
+    folder: Path
+    watcher: SilentWatcher
+
+    def grader(self, low: str = "got == 2", high: str = "got == 5") -> None:
+        """Write its grader: what of `got` each check takes for right."""
+        (self.folder / "tiny_grader.py").write_text(_GRADER.replace("{low}", low).replace("{high}", high))
+
+    @property
+    def places(self) -> ProofPlaces:
+        return ProofPlaces(
+            self.folder / "solution" / "tiny.py", self.folder / "equivalent.toml", self.folder / "state" / "tiny.jsonl"
+        )
+
+    def declare(self, text: str) -> None:
+        self.places.declared.write_text(text)
+
+    def prove(self, *, repeat: int = 0, resume: bool = False) -> GraderProof:
+        how = proving.HowToProve(repeat=repeat, resume=resume, workers=1, more_seeds=1)
+        return proving.prove(exercise.load("tiny", self.folder / "exercises"), self.places, how, self.watcher)
+
+
+@pytest.fixture
+def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Tiny:
+    made = Tiny(tmp_path, SilentWatcher())
+    (tmp_path / "exercises" / "tiny").mkdir(parents=True)
+    (tmp_path / "exercises" / "tiny" / "exercise.toml").write_text(_TOML)
+    made.places.solution.parent.mkdir()
+    made.places.solution.write_text(SOLUTION)
+    made.grader()
+    paths = [str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])]
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(paths))  # so that workers find the grader
+    monkeypatch.delitem(sys.modules, "tiny_grader", raising=False)
+    return made

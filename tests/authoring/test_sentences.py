@@ -1,0 +1,102 @@
+"""No sentence without a check, no check without a sentence; and what a proof run shows of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import environment
+from course_kit.authoring import corpus, sentences
+from course_kit.authoring.corpus import Corpus, ProofSubmission
+from course_kit.grading import CheckReport, Report, exercise
+from course_kit.grading.sentences import Sentence
+
+if TYPE_CHECKING:
+    from course_kit.grading.checks.check import Check
+
+ROOT = environment.checkout()
+assert ROOT is not None
+EXERCISES = corpus.all_exercises(ROOT)
+TASK = exercise.load("temperature_service")
+CHECKS = sentences.checks_of(TASK)
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_sentences_and_checks_fit_together(name: str) -> None:
+    task = exercise.load(name)
+    assert sentences.faults(task, sentences.checks_of(task)) == []
+    assert len(task.sentences) >= 10
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_freedoms_name_programs_that_are_there(name: str) -> None:
+    sets = corpus.load(name, ROOT)
+    right = {one.path.stem for one in sets.submissions if one.kind in ("solution", "variant")}
+    right |= {one.name for one in sets.of("slip") if not one.failed}
+    assert {one.freedom for one in sets.task.sentences if one.freedom} <= right
+
+
+def without(checks: tuple[Check, ...], name: str) -> list[Check]:
+    return [replace(one, proves=tuple(each for each in one.proves if each != name)) for one in checks]
+
+
+def test_sentence_without_a_check_is_named() -> None:
+    assert sentences.faults(TASK, without(tuple(CHECKS), "same_unit")) == [
+        "no sentence of the task says what the check 'same_unit' tests.",
+        "no check tests the sentence 'same_unit'.",
+    ]
+
+
+def test_check_that_names_no_sentence_of_the_task_is_named() -> None:
+    task = replace(TASK, sentences=tuple(one for one in TASK.sentences if one.id != "same_unit"))
+    said = ["the check 'same_unit' names the sentence 'same_unit', which exercise.toml does not have."]
+    assert sentences.faults(task, CHECKS) == said
+
+
+BREAKS = ProofSubmission(TASK.id, "slip", "breaks_it", TASK.folder, failed=frozenset({("x", None)}), breaks=("node",))
+RIGHT = ProofSubmission(TASK.id, "variant", "right", TASK.folder / "right.py")
+NODE = Sentence("node", "The node is called so.")
+FREE = Sentence("free", "Any message will do.", freedom="right")
+ALL = Corpus(replace(TASK, sentences=(NODE, FREE)), (BREAKS, RIGHT))
+
+
+def report(score: float, **statuses: str) -> Report:
+    checks = tuple(
+        CheckReport(id=name, title=name, status=status, points=0.0, max_points=1.0) for name, status in statuses.items()
+    )
+    return Report(TASK.id, "", "", "graded", passed=False, score=score, max_score=1.0, duration_s=0.0, checks=checks)
+
+
+def test_a_sentence_is_proven_by_what_breaks_it_and_turns_its_check_red() -> None:
+    reports = {BREAKS: report(0.0, node_name="failed", answers="failed"), RIGHT: report(1.0, node_name="passed")}
+    node, free = sentences.proven(ALL, reports)
+    assert (node.checks, node.red) == (("node_name",), ((BREAKS, ("node_name",)),))
+    assert free.right == RIGHT
+    assert list(sentences.unproven(ALL, reports)) == []
+    table = sentences.table(ALL.task, [node, free])
+    assert "| **node**: The node is called so. | node_name | slip `breaks_it` (node_name) |" in table
+    assert "| **free**: Any message will do. |  | a freedom: the right program `right` gets full marks |" in table
+
+
+def test_red_in_another_check_proves_nothing() -> None:
+    reports = {BREAKS: report(0.0, node_name="passed", answers="failed"), RIGHT: report(1.0)}
+    assert list(sentences.unproven(ALL, reports)) == [
+        "no submission that breaks the sentence 'node' fails one of its checks (node_name)."
+    ]
+
+
+def test_freedom_that_costs_points_is_none() -> None:
+    reports = {BREAKS: report(0.0, node_name="failed"), RIGHT: report(0.5)}
+    assert list(sentences.unproven(ALL, reports)) == [
+        "the sentence 'free' grants a freedom, and there is no right program 'right' with full marks."
+    ]
+
+
+def test_submission_that_breaks_what_no_sentence_says_is_named() -> None:
+    strange = replace(BREAKS, breaks=("node", "moon"))
+    reports = {strange: report(0.0, node_name="failed"), RIGHT: report(1.0)}
+    assert list(sentences.unproven(replace(ALL, submissions=(strange, RIGHT)), reports)) == [
+        "slip breaks_it breaks the sentence 'moon', which exercise.toml does not have."
+    ]

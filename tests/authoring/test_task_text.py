@@ -1,0 +1,98 @@
+"""What stands in exercise.toml is what learners read in notebook and starter, word for word and in order."""
+
+from __future__ import annotations
+
+import ast
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import environment
+from course_kit.authoring import corpus, task_text
+from course_kit.grading import GradingError, exercise
+from course_kit.grading.sentences import Sentence
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ROOT = environment.checkout()
+assert ROOT is not None
+EXERCISES = corpus.all_exercises(ROOT)
+FIRST, SECOND = Sentence("a", "A first.", heading="One."), Sentence("b", "A second.")
+ROW, NEXT = Sentence("c", "| `x` | 1 |", heading="| name | value |"), Sentence("d", "| `longer` | |")
+
+
+def words(text: str) -> list[str]:
+    return text.split()
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_starter_carries_the_whole_task(name: str) -> None:
+    task = exercise.load(name)
+    docstring = ast.get_docstring(ast.parse((task.folder / task.starter).read_text())) or ""
+    assert " ".join(words(task_text.blocks(task.sentences, width=100))) in " ".join(words(docstring))
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_notebook_carries_the_whole_task_in_this_order(name: str) -> None:
+    task = exercise.load(name)
+    cells = json.loads((task.folder / task.notebook).read_text())["cells"]
+    prose = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
+    places = [prose.index(task_text.blocks(told)) for told in task_text.of_cell(task.sentences).values()]
+    assert places == sorted(places)
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_nothing_is_left_to_write(name: str) -> None:
+    task = exercise.load(name)
+    for file, put in ((task.starter, task_text.in_starter), (task.notebook, task_text.in_notebook)):
+        before = (task.folder / file).read_text()
+        assert words(put(before, task)) == words(before), f"run python -m course_kit.authoring.task_text {name}"
+
+
+def test_sentences_become_a_list_with_bold_headings_and_tables() -> None:
+    text = task_text.blocks([FIRST, SECOND, ROW, NEXT, Sentence("e", "An end.", heading="Last.")])
+    assert text.splitlines() == [
+        "- **One.** A first. A second.",
+        "",
+        "| name     | value |",
+        "|----------|-------|",
+        "| `x`      | 1     |",
+        "| `longer` |       |",
+        "",
+        "- **Last.** An end.",
+    ]
+
+
+def test_in_a_starter_lines_are_wrapped_and_headings_plain() -> None:
+    assert task_text.blocks([FIRST, SECOND], width=18).splitlines() == ["- One. A first. A", "  second."]
+
+
+def test_what_stands_around_the_list_stays() -> None:
+    text = "Before.\n\n- old\n  more of it\n\n| a |\n\n- older\n  still\n\nAfter.\n"
+    assert task_text.replaced(text, "- new", "there") == "Before.\n\n- new\n\nAfter.\n"
+
+
+def test_a_text_without_a_place_says_so() -> None:
+    with pytest.raises(GradingError, match="the cell 'task' has no line that begins with '- '"):
+        task_text.replaced("No list.", "- new", "the cell 'task'")
+
+
+def test_a_row_of_another_length_is_named() -> None:
+    with pytest.raises(GradingError, match=r"'\| y \|' does not have 2 cells"):
+        task_text.blocks([ROW, Sentence("d", "| y |")])
+
+
+def test_a_change_of_a_sentence_reaches_notebook_and_starter(tmp_path: Path) -> None:
+    folder = tmp_path / "temperature_service"
+    folder.mkdir()
+    for path in (ROOT / "exercises" / folder.name).iterdir():
+        if path.is_file():
+            (folder / path.name).write_bytes(path.read_bytes())
+    toml = folder / "exercise.toml"
+    toml.write_text(toml.read_text().replace("Any language will do.", "Latin will do."))
+    task = exercise.load(folder.name, tmp_path)
+    assert task_text.write(task) == [folder / task.starter, folder / task.notebook]
+    assert all("Latin will do." in path.read_text() for path in (folder / task.starter, folder / task.notebook))
+    assert task_text.write(task) == []

@@ -1,0 +1,43 @@
+"""A grading that ends with the first failed check, for whoever only asks whether there is one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from course_kit.grading import engine, exercise
+from course_kit.grading.reading import Reader
+from course_kit.grading.submission import Copy
+from tests.grading.conftest import EXERCISE, ROOT
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.grading.report import Report
+
+SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
+
+
+def graded(path: Path, *, first_failure: bool) -> Report:
+    task = exercise.load(EXERCISE)
+    with Reader() as reader, Copy(path) as copy:
+        text = reader.read(copy, task)
+    return engine.grade_task(engine.Task(task, text, path.name, 1, first_failure=first_failure))
+
+
+def test_nothing_is_checked_after_the_first_failure(tmp_path: Path) -> None:
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text(SOLUTION.read_text().replace("- 32.0", "- 31.0"))
+    whole, short = graded(wrong, first_failure=False), graded(wrong, first_failure=True)
+    assert [check.id for check in short.checks] == [check.id for check in whole.checks][: len(short.checks)]
+    assert [check.status for check in short.checks[:-1]] == ["passed"] * (len(short.checks) - 1)
+    assert short.checks[-1].id == "fahrenheit_to_celsius"
+    assert short.checks[-1].status == "failed"
+    assert len(short.checks) < len(whole.checks)
+    assert (short.status, short.problem) == ("graded", "")
+
+
+def test_a_right_program_is_checked_to_the_end() -> None:
+    report = graded(SOLUTION, first_failure=True)
+    assert report.score == report.max_score
+    assert {check.status for check in report.checks} == {"passed"}
+    assert all(isinstance(check.proves, tuple) for check in report.checks)
