@@ -45,14 +45,17 @@ def topic_answers(context: CheckContext, check: Declaration, around: Around) -> 
     exchange, tolerance = answering(context, check), Tolerance.of(check.keys.get("tolerance"))
     exchanges: list[Exchanged] = []
     wrong: Exchanged | None = None
+    cases = around.cases(check, context.job.seed)
+    messages = [made(topic_of(check.endpoints["subscription"]).interface, one.fields, "the message") for one in cases]
+    parameters = _parameters(context, check, {str(number): one.expected for number, one in enumerate(cases)})
     heard = context.grader_node.inbox(*_end_of(check))
-    before = 0
-    for number, case in enumerate(around.cases(check, context.job.seed)):
-        message = made(topic_of(check.endpoints["subscription"]).interface, case.fields, "the message")
-        names = {"message": plain(message), "parameters": _parameters(context, check, case.expected)}
+    if check.keys.get("exactly_one"):  # what an earlier message has left behind comes before
+        exchange.send(messages[0], _evidence(check, plain(messages[0]), "a message"))
+    before = heard.count
+    for number, (case, message) in enumerate(zip(cases, messages, strict=True)):
+        names = {"message": plain(message), "parameters": parameters}
         wanted = worked_out(case.expected, {**names, **around.oracle(check, number)})
         one = exchanged(exchange, message, wanted, tolerance, _evidence(check, plain(message), wanted))
-        before = before or heard.count - 1
         exchanges.append(one)
         if wrong is None and not _fits(one, tolerance):
             wrong = one
