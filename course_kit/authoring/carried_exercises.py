@@ -7,7 +7,6 @@ that they import, its interfaces and pictures. Its solution, its proof set and w
 from __future__ import annotations
 
 import ast
-import re
 from typing import TYPE_CHECKING
 
 from course_kit.grading import exercise, exercise_folders
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
 
 FOLDER = "exercises"
 _PICTURES = (".png", ".svg", ".jpg", ".jpeg", ".gif")
-_ORACLE = re.compile(r"\boracle\b")  # the name of the solution in an expression
 _KINDS = (".msg", ".srv", ".action")
 
 
@@ -31,11 +29,6 @@ def files(task: Exercise) -> dict[str, Path]:
     found |= {path for path in (task.folder / INTERFACES).rglob("*") if path.suffix in _KINDS}
     found |= {path for path in task.folder.glob("*") if path.suffix.lower() in _PICTURES}
     return {f"{FOLDER}/{task.id}/{path.relative_to(task.folder).as_posix()}": path for path in sorted(found)}
-
-
-def asks_its_solution(task: Exercise) -> bool:
-    """Whether checks that its exercise.toml declares compare with what its solution answers."""
-    return any(_ORACLE.search(text) for text in _texts(exercise.table_of(task.folder).get("checks", [])))
 
 
 def left_behind(task: Exercise) -> list[str]:
@@ -77,14 +70,3 @@ def _imported(path: Path) -> Iterator[str]:
     for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.ImportFrom) and node.level == 1:
             yield from ([f"{node.module}.py"] if node.module else [f"{alias.name}.py" for alias in node.names])
-
-
-def _texts(value: object) -> Iterator[str]:
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, dict):
-        for name, inside in value.items():
-            yield from () if name == "title" else _texts(inside)
-    elif isinstance(value, list):
-        for inside in value:
-            yield from _texts(inside)

@@ -91,7 +91,8 @@ def check(  # noqa: PLR0913 - the options of one verb
     chosen = tuple(corpus.load(name, root) for name in exercises or corpus.all_exercises(root))
     first = secrets.randbits(30) if seed is None else seed
     runs = tuple(Run(first + number, {}) for number in range(repeat))
-    with gradings.load(busy), gradings.Gradings(root / "exercises", workers) as pool:
+    folders = {one.task.id: one.task.folder.parent for one in chosen}
+    with gradings.load(busy), gradings.Gradings(root / "exercises", workers, folders) as pool:
         _grade(pool, chosen, runs, progress)
     found = [fault for one in chosen for fault in rules.faults(one, _of_exercise(runs[0], one))]
     found += list(_unstable(runs))

@@ -1,7 +1,8 @@
 """The submissions that prove an exercise's grader: right ones in many styles, and wrong ones that must be told apart.
 
 They lie in the checkout: `exercises/` and `solutions/`, right programs in `tests/grading/correct/`, one wrong program
-for each diagnosis in `tests/broken/`, and in `tests/slips/` right programs with one thing changed.
+for each diagnosis in `tests/broken/`, and in `tests/slips/` right programs with one thing changed. An exercise of
+another folder has them beside it, in `proof/`: `correct/`, `broken/` and `slips.toml`.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import GradingError, exercise
+from course_kit.grading import GradingError, exercise, exercise_folders
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -85,31 +86,53 @@ def all_exercises(root: Path) -> list[str]:
     return sorted(ids, key=lambda name: (exercise.load(name, folder).order, name))
 
 
+@dataclass(frozen=True)
+class ProofFolders:
+    """Where the sets of an exercise lie: right programs, wrong programs, and the file of the slips."""
+
+    correct: Path
+    broken: Path
+    slips: Path
+
+
+def folders_of(task: Exercise, root: Path) -> ProofFolders:
+    """Where the sets of an exercise lie.
+
+    Args:
+        task: the exercise.
+        root: the checkout.
+    """
+    if task.folder == root / "exercises" / task.id:
+        tests = root / "tests"
+        return ProofFolders(
+            tests / "grading" / "correct" / task.id, tests / "broken" / task.id, tests / "slips" / f"{task.id}.toml"
+        )
+    proof = task.folder / exercise_folders.PROOF
+    return ProofFolders(proof / "correct", proof / "broken", proof / "slips.toml")
+
+
 def load(exercise_id: str, root: Path) -> Corpus:
-    """The sets of one exercise of the checkout `root`.
+    """The sets of one exercise of the checkout `root`, or of one that was added.
 
     Raises:
         GradingError: there is no such exercise, or a file of its sets has a mistake.
     """
-    task = exercise.load(exercise_id, root / "exercises")
-    tests = root / "tests"
+    own = root / "exercises" / exercise_id
+    task = exercise.read(own) if own.is_dir() else exercise.load(exercise_id)
     found = [ProofSubmission(task.id, "starter", name, task.folder / name) for name in (task.starter, task.notebook)]
-    solution = root / "solutions" / task.id / f"{task.id}.py"
-    if solution.is_file():
-        found.append(ProofSubmission(task.id, "solution", solution.name, solution))
-    slips, breaks = _slips(task.id, tests, solution)
-    for kind, folder in (("variant", tests / "grading" / "correct"), ("broken", tests / "broken")):
-        paths = sorted((folder / task.id).glob("*.py"))
+    if task.solution.is_file():
+        found.append(ProofSubmission(task.id, "solution", task.solution.name, task.solution))
+    places = folders_of(task, root)
+    slips, breaks = _slips(task, places)
+    for kind, folder in (("variant", places.correct), ("broken", places.broken)):
         found += [
             ProofSubmission(
                 task.id, kind, path.stem, path, breaks=breaks.pop(path.stem, ()) if kind == "broken" else ()
             )
-            for path in paths
+            for path in sorted(folder.glob("*.py"))
         ]
     if breaks:
-        raise GradingError(
-            f"tests/broken/{task.id} has no {next(iter(breaks))}.py, though [broken] says what it breaks."
-        )
+        raise GradingError(f"{places.broken} has no {next(iter(breaks))}.py, though [broken] says what it breaks.")
     found += slips
     for one in found:
         if one.changes:
@@ -117,24 +140,23 @@ def load(exercise_id: str, root: Path) -> Corpus:
     return Corpus(task, tuple(found))
 
 
-def _slips(exercise_id: str, tests: Path, solution: Path) -> tuple[list[ProofSubmission], dict[str, tuple[str, ...]]]:
+def _slips(task: Exercise, places: ProofFolders) -> tuple[list[ProofSubmission], dict[str, tuple[str, ...]]]:
     """The slips, and by the names of broken programs the sentences that those do not keep: the table `broken`."""
-    path = tests / "slips" / f"{exercise_id}.toml"
-    if not path.is_file():
+    if not places.slips.is_file():
         return [], {}
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = tomllib.loads(places.slips.read_text(encoding="utf-8"))
         breaks = {name: tuple(ids) for name, ids in table.pop("broken", {}).items()}
-        return [_slip(exercise_id, name, entry, tests, solution) for name, entry in table.items()], breaks
+        return [_slip(task, name, entry, places) for name, entry in table.items()], breaks
     except (ValueError, KeyError, TypeError) as problem:
         what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
-        raise GradingError(f"{path} cannot be used: {what}.") from problem
+        raise GradingError(f"{places.slips} cannot be used: {what}.") from problem
 
 
-def _slip(exercise_id: str, name: str, entry: dict[str, Any], tests: Path, solution: Path) -> ProofSubmission:
-    base = tests / "grading" / "correct" / exercise_id / f"{entry['base']}.py" if "base" in entry else solution
+def _slip(task: Exercise, name: str, entry: dict[str, Any], places: ProofFolders) -> ProofSubmission:
+    base = places.correct / f"{entry['base']}.py" if "base" in entry else task.solution
     return ProofSubmission(
-        exercise_id,
+        task.id,
         "slip",
         name,
         base,

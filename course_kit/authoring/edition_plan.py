@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from course_kit.authoring import carried_exercises, course_files, parts
 from course_kit.authoring.parts import Owner
 from course_kit.grading import exercise
+from course_kit.grading.checks.declared import solutions
 from course_kit.grading.errors import GradingError
 from course_kit.learner.workspace import PRISTINE
 from course_kit.ros.names import did_you_mean
@@ -172,7 +173,7 @@ class _Planner:
             self._made.unwanted.append(exercise_id)
             return
         task = exercise.load(exercise_id)
-        if carried_exercises.asks_its_solution(task):
+        if solutions.are_asked(task):
             self._made.asking.append(exercise_id)
             return
         self._made.exercises.append(exercise_id)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from course_kit import grading
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
     from concurrent.futures import Future
     from types import TracebackType
 
@@ -36,14 +36,15 @@ def processors() -> int:
 class Gradings:
     """The workers, and the threads that each wait for one of them. Use it in a `with` statement."""
 
-    def __init__(self, exercises: Path, workers: int = 0) -> None:
+    def __init__(self, exercises: Path, workers: int = 0, others: Mapping[str, Path] | None = None) -> None:
         """Start the workers.
 
         Args:
             exercises: the folder of exercises.
             workers: how many gradings run at a time; three for each processor when 0.
+            others: of exercises that lie elsewhere the folders they are in.
         """
-        self._exercises = exercises
+        self._exercises, self._others = exercises, others or {}
         count = workers or WORKERS_A_PROCESSOR * processors()
         self._folder = tempfile.TemporaryDirectory(prefix="course-kit-slips-")
         self._ending = False
@@ -77,9 +78,10 @@ class Gradings:
             path = Path(self._folder.name) / submission.exercise / f"{submission.name}.py"
             path.parent.mkdir(exist_ok=True)
             path.write_text(submission.text(), encoding="utf-8")
+        folder = self._others.get(submission.exercise, self._exercises)
         worker = self._free.get()
         try:
-            report = grading.grade(submission.exercise, path, seed=seed, worker=worker, exercises=self._exercises)
+            report = grading.grade(submission.exercise, path, seed=seed, worker=worker, exercises=folder)
         except grading.GradingError:
             if not self._ending:  # it has ended, or hangs; the others go on
                 worker.close()

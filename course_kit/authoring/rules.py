@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.authoring import sentences, styles
-from course_kit.grading import exit_code
+from course_kit.grading import exercise_folders, exit_code
 from course_kit.grading.diagnosis import catalogue
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from course_kit.authoring.corpus import Corpus, ProofSubmission
     from course_kit.grading import CheckReport, Report
@@ -70,8 +70,17 @@ def solution(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmis
 
 
 def variants(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
-    """At least eight right programs, in all styles that learners write, get full marks."""
+    """At least eight right programs, in all styles that learners write, get full marks.
+
+    Of an exercise of another folder `course-kit prove` makes them.
+    """
     right = sets.of("variant")
+    if not _is_added(sets):
+        yield from _too_few_styles(sets, right)
+    yield from _not_full_marks(right, reports)
+
+
+def _too_few_styles(sets: Corpus, right: Sequence[ProofSubmission]) -> Iterator[str]:
     if len(right) < FEWEST_VARIANTS:
         yield f"there are {len(right)} right programs in other styles; at least {FEWEST_VARIANTS} are wanted."
     solved = "".join(one.text() for one in sets.of("solution"))
@@ -80,15 +89,26 @@ def variants(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmis
         yield from (
             f"no right program shows the style '{style}'." for style in styles.wanted(solved) if style not in shown
         )
-    yield from _not_full_marks(right, reports)
+
+
+def _is_added(sets: Corpus) -> bool:
+    """Whether its programs lie beside it, in the folder of an instructor."""
+    return (sets.task.folder / exercise_folders.PROOF).is_dir()
 
 
 def broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
-    """Each broken program gets the diagnosis it is named after and no other, with evidence and a hint."""
+    """Each broken program gets the diagnosis it is named after and no other, with evidence and a hint.
+
+    Beside an exercise of another folder it may have any name, and then loses points.
+    """
     for one in sets.of("broken"):
         report = reports[one]
         if one.name not in catalogue.catalogue():
-            yield one, "it is named after a code that diagnoses.toml does not have."
+            if not _is_added(sets):
+                yield one, "it is named after a code that diagnoses.toml does not have."
+            elif report.score >= report.max_score:
+                yield one, "it gets full marks."
+            yield from ((one, text) for text in _poor_feedback(report))
             continue
         failed = [check for check in report.checks if check.status == "failed"]
         got = {check.diagnosis for check in failed}

@@ -9,8 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.grading.job import Job
-from course_kit.grading.workers import grader_process
+from course_kit.grading import exercise_job
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -42,8 +41,7 @@ class ProvenSentence:
 def checks_of(task: Exercise, seed: int | None = None) -> Sequence[Check]:
     """The checks of an exercise, as its grader makes them for a seed; for the exercise's own when None."""
     drawn = (task.seed or 0) if seed is None else seed
-    job = Job(task.grader, "attach", "", drawn, variable=task.variable, limits=task.limits)
-    return grader_process.checks_of(grader_process.load(task.grader), job)
+    return exercise_job.checks_of(task, drawn)
 
 
 def faults(task: Exercise, checks: Sequence[Check]) -> list[str]:

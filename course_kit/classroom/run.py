@@ -47,7 +47,7 @@ class Plan:
         out: the folder for all results.
         exercises: what was set.
         seed: what all checks draw from; drawn once for the run when None.
-        seeds: a seed for each student, as for exercise 4.
+        seeds: a seed for each student, where each is to be asked other questions.
         layout: a layout's name, or "auto".
         resume: go on where an earlier run into the same folder has ended.
     """

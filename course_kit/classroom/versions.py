@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import grading, ros
+from course_kit.grading import exercise_folders
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -53,7 +54,7 @@ def _sources_of(exercise: Exercise) -> list[Path]:
     """The files of an exercise's grader; one in the exercise's folder may use all that lies there, the solution too."""
     if exercise.grader and not Path(exercise.grader).is_absolute():
         return _grader_sources(exercise.grader)
-    apart = {exercise.folder / exercise.starter, exercise.folder / "proof"}
+    apart = {exercise.folder / exercise.starter, exercise.folder / exercise_folders.PROOF}
     found = (path for path in exercise.folder.rglob("*") if path.suffix in _SOURCES_BESIDE and path.is_file())
     return sorted(path for path in found if not apart & {path, *path.parents})
 

@@ -55,7 +55,12 @@ def add_to(verbs: Any) -> None:
         "--layout", default="auto", help="canvas, moodle, gradescope, nbgrader, github, folders or files"
     )
     parser.add_argument("--seed", type=int, help="draw the same random values as an earlier run")
-    parser.add_argument("--seeds", type=Path, metavar="CSV", help="two columns, student and seed, as for exercise 4")
+    parser.add_argument(
+        "--seeds",
+        type=Path,
+        metavar="CSV",
+        help="two columns, student and seed: questions of their own where an exercise draws them",
+    )
     add_where(parser)
     parser.set_defaults(run=run)
 

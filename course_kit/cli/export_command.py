@@ -21,9 +21,13 @@ def add_to(verbs: Any) -> None:
     gradescope = kinds.add_parser("gradescope", help="the autograder zip of an exercise for Gradescope")
     classroom50 = kinds.add_parser("classroom50", help="the autograder folder of an exercise for Classroom 50")
     for kind, what in ((gradescope, "a new .zip file"), (classroom50, "a new folder")):
-        kind.add_argument("exercise", help="the exercise's id, e.g. temperature_service")
+        kind.add_argument("exercise", help="the exercise's id, as `course-kit list` shows it")
         kind.add_argument("--to", type=Path, required=True, metavar="PATH", help=what)
-        kind.add_argument("--seed", type=int, help="the same values for everybody, as for exercise 4")
+        kind.add_argument(
+            "--seed",
+            type=int,
+            help="the same values for everybody; an exercise with practice questions needs it for a grade that counts",
+        )
     anonymous = kinds.add_parser("anonymous", help="the reports of a class run, by pseudonyms")
     anonymous.add_argument("results", type=Path, help="the folder that `class --out` named")
     anonymous.add_argument("--to", type=Path, required=True, metavar="DIR", help="a new folder")

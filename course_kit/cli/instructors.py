@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import argparse
 
-from course_kit.cli import class_command, export_command, prove_command, regrade_command, release_command, seeds_command
+from course_kit.cli import (
+    class_command,
+    export_command,
+    new_command,
+    prove_command,
+    regrade_command,
+    release_command,
+    seeds_command,
+)
 from course_kit.integrations import otter
 
 
@@ -17,6 +25,7 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     export_command.add_to(verbs)
     prove_command.add_to(verbs)
     otter.add_to(verbs)
+    new_command.add_to(verbs)
 
     present = verbs.add_parser(
         "present",

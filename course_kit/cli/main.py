@@ -34,7 +34,7 @@ def build_parser() -> argparse.ArgumentParser:
     lab.set_defaults(run=_lab, others=[])
 
     grade = verbs.add_parser("grade", help="grade a solution of an exercise", epilog=_ON_LIMITS)
-    grade.add_argument("exercise", help="the exercise's id, e.g. temperature_service")
+    grade.add_argument("exercise", help="the exercise's id, as `course-kit list` shows it")
     grade.add_argument("path", nargs="?", help="your .py or .ipynb file")
     grade.add_argument(
         "--format",
@@ -52,7 +52,7 @@ def build_parser() -> argparse.ArgumentParser:
 
     _add_exercise_verbs(verbs)
 
-    quiz = verbs.add_parser("quiz", help="print the answer sheet of exercise 4, a file to fill in")
+    quiz = verbs.add_parser("quiz", help="print ten scenarios of the quiz as a form to fill in")
     quiz.add_argument("--seed", type=int, help="the number your instructor gave you")
     quiz.set_defaults(run=_quiz)
 

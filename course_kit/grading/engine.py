@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import secrets
-import shlex
 import time
 from contextlib import ExitStack, nullcontext
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import bounds, exercise, exercise_folders, needs, submission
+from course_kit.grading import bounds, exercise, exercise_job, needs, submission
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.job import Job
 from course_kit.grading.reading import Reader
 from course_kit.grading.report import CheckReport, Report
 from course_kit.grading.workers.worker import Worker
@@ -25,6 +23,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.exercise import Exercise
+    from course_kit.grading.job import Job
     from course_kit.grading.plain_data import Record
     from course_kit.grading.sandbox.isolation import Isolation
     from course_kit.grading.submission import Submission
@@ -103,7 +102,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
         )
     shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
-        return _grade(task, _job(task, None, seed, exec_command), shown, used, require_isolation)
+        return _grade(task, exercise_job.of_running(task, seed, exec_command), shown, used, require_isolation)
 
 
 def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None, require_isolation: bool) -> Report:
@@ -133,7 +132,7 @@ def grade_task(task: Task, worker: Worker | None = None, *, require_isolation: b
     Raises:
         GradingError: a broken installation, a lack of isolation, or the worker ended.
     """
-    job = _job(task.exercise, task.text, task.seed, None)
+    job = exercise_job.of_submission(task.exercise, task.text, task.seed)
     job = replace(job, hidden=(*job.hidden, *task.hidden), first_failure=task.first_failure)
     with Worker() if worker is None else nullcontext(worker) as used:
         return _grade(task.exercise, job, task.shown, used, require_isolation)
@@ -180,66 +179,12 @@ def _domain() -> int:
         raise GradingError(str(problem)) from None
 
 
-def attach_job(task: Exercise, seed: int) -> Job:
-    """The job of grading the node that runs on the ROS graph of this environment.
-
-    Args:
-        task: the exercise.
-        seed: what the checks draw from.
-    """
-    return Job(
-        task.grader,
-        "attach",
-        "",
-        seed,
-        class_name=task.class_name,
-        variable=task.variable,
-        limits=task.limits,
-        hidden=tuple(dict.fromkeys((str(task.folder.resolve()), *exercise_folders.hidden()))),
-        interfaces=task.interfaces,
-        points=task.points,
-        declared=tuple(asdict(one) for one in task.declared),
-    )
-
-
-def _job(task: Exercise, text: Submission | None, seed: int, command: str | None) -> Job:
-    job = attach_job(task, seed)
-    if text is not None:
-        return replace(
-            job,
-            mode="run",
-            name=text.program,
-            source=text.source,
-            fault=_fault(text),
-            places=text.places,
-            facts=text.facts,
-            literal=text.literal,
-        )
-    if command is None:
-        return job
-    try:
-        words = tuple(shlex.split(command))
-    except ValueError as problem:
-        raise GradingError(f"The command cannot be read as a shell would: {problem}.") from None
-    if not words:
-        raise GradingError("The command after --exec is empty.")
-    return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
-
-
 def _told(found: Isolation, mode: str) -> str:
     """What isolated the submission, in one line."""
     if mode == "attach":
         return "none: the node was running already, and the grader only talked to it"
     text = found.describe()
     return text if mode == "run" else f"{text}. The command saw your environment variables and worked in your folder"
-
-
-def _fault(text: Submission) -> str:
-    fault = text.fault
-    if fault is None:
-        return ""
-    where = f" in {text.where(fault.line)}: {fault.text}" if fault.line else ""
-    return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."
 
 
 def _report(task: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:

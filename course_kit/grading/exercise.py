@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -68,6 +68,7 @@ class Exercise:
         diagnoses: by code, those that it words in its own way or links elsewhere.
         sentences: its task, sentence by sentence.
         declared: the checks that its exercise.toml declares.
+        variables: environment variables that a submission is started with, for these.
     """
 
     folder: Path
@@ -88,6 +89,7 @@ class Exercise:
     diagnoses: Mapping[str, Diagnosis]
     sentences: tuple[Sentence, ...] = ()
     declared: tuple[Declaration, ...] = ()
+    variables: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def interfaces(self) -> str:
@@ -101,7 +103,10 @@ class Exercise:
 
     def diagnosis(self, code: str | None) -> Diagnosis | None:
         """A diagnosis as this exercise words it, else as the catalogue does; None when there is none of this code."""
-        return self.diagnoses.get(code or "") or catalogue.catalogue().get(code or "")
+        found = self.diagnoses.get(code or "") or catalogue.catalogue().get(code or "")
+        if found is None or found.notebook:
+            return found
+        return replace(found, notebook=f"exercises/{self.id}/{self.notebook}")
 
 
 def exercises_folder() -> Path:
@@ -275,8 +280,8 @@ def _with_declared(task: Exercise, text: str, table: Record) -> Exercise:
     """
     from course_kit.grading.checks.declared import loading  # only for exercises that declare checks
 
-    path = task.folder / exercise_folders.TOML
-    return replace(task, declared=loading.load(text, table, path))
+    declared = loading.load(text, table, task.folder / exercise_folders.TOML)
+    return replace(task, declared=declared, variables=loading.variables(table))
 
 
 def _diagnoses(tables: object) -> dict[str, Diagnosis]:

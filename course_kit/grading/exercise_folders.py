@@ -26,6 +26,7 @@ VARIABLE = "COURSE_EXERCISES"
 GROUP = "course_kit.exercises"
 TOML = "exercise.toml"
 INTERFACES = "interfaces"  # in an exercise's folder: package/kind/Name.kind
+PROOF = "proof"  # there, too: what proves its grader
 _OPTION = "--exercises"
 
 

@@ -30,7 +30,7 @@ def points(exercise: str, *, points: float | None = None, seed: int | None = Non
 
         from course_kit.integrations import nbgrader
 
-        nbgrader.points("temperature_service")
+        nbgrader.points("EXERCISE")
 
     Args:
         exercise: the exercise's id.

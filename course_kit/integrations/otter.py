@@ -82,7 +82,7 @@ def feedback(report: Report, name: str) -> str:
 
 
 def case_file(exercise: str, seed: int | None = None) -> str:
-    """The text of the test file for an exercise; exercise 4 has other checks with another seed.
+    """The text of the test file for an exercise; one that draws its questions has other checks with another seed.
 
     Raises:
         GradingError: there is no such exercise.
@@ -103,22 +103,22 @@ def case_file(exercise: str, seed: int | None = None) -> str:
 
 def _checks(exercise: str, seed: int | None) -> Sequence[Check]:
     """The checks in the order they are run."""
-    from course_kit.grading import engine
+    from course_kit.grading import exercise_job
     from course_kit.grading.checks.check import in_order
     from course_kit.grading.exercise import load
-    from course_kit.grading.workers import grader_module
 
     task = load(exercise)
     drawn = seed if seed is not None else task.seed or 0
-    job = engine.attach_job(task, drawn)
-    return in_order(grader_module.checks_of(grader_module.load_for(job), job))
+    return in_order(exercise_job.checks_of(task, drawn))
 
 
 def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the verb to the command line's parser."""
     parser = verbs.add_parser("otter", help="print an exercise's test file for Otter-Grader, one test case a check")
     parser.add_argument("exercise", help="the exercise's id")
-    parser.add_argument("--seed", type=int, help="draw the random values from it; exercise 4 then asks other questions")
+    parser.add_argument(
+        "--seed", type=int, help="draw the random values from it, and the questions of an exercise that asks some"
+    )
     parser.set_defaults(run=_run)
 
 

@@ -19,11 +19,10 @@ from course_kit import environment
 from course_kit.authoring import edition_notebooks, edition_plan, release
 from course_kit.authoring.proof import EditionProof
 from course_kit.cli import main as cli
-from tests.authoring.conftest import git
 from tests.course_copy import TEMPERATURE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from tests.course_copy import Course
 
@@ -172,9 +171,10 @@ def test_a_zip_holds_the_same_and_keeps_the_door_executable(student: Path, tmp_p
     assert names >= edition_plan.plan(REPOSITORY).files.keys()
 
 
-def test_the_command_writes_a_zip_and_a_list_of_all_that_stayed_out(clone: Course, tmp_path: Path) -> None:
-    for other in ("move_robot", "robot_parameters", "pattern_choice"):
-        git(clone.root, "rm", "-rq", f"exercises/{other}")
+def test_the_command_writes_a_zip_and_a_list_of_all_that_stayed_out(
+    one_exercise: Callable[[str], Course], tmp_path: Path
+) -> None:
+    clone = one_exercise(TEMPERATURE)
     (clone.root / "exam").mkdir()
     (clone.root / "exam" / "question.md").touch()
     listed = tmp_path / "left out.txt"

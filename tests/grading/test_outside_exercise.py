@@ -51,7 +51,7 @@ def test_two_exercises_may_define_one_interface_each_in_its_own_way(tmp_path: Pa
     ("change", "said"),
     [
         (
-            ("CHECKS = [offered, adds]", "CHECKS = [offered]"),
+            ("CHECKS = [offered, adds]", "CHECKS = tuple([offered])"),
             "the checks are worth 1 points together, but the exercise 3",
         ),
         (("CHECKS = [offered, adds]", "CHECKS = [offered, add]"), "checks.py, line 30, cannot be run: NameError"),

@@ -8,6 +8,7 @@ import pytest
 
 from course_kit import grading
 from course_kit.authoring import corpus, rules, sentences
+from course_kit.grading import exercise as course
 from course_kit.grading.diagnosis.catalogue import catalogue
 from tests.proof.conftest import EXERCISES, ROOT
 
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
 SENTENCES = ROOT / "artifacts" / "sentences.md"
 pytestmark = pytest.mark.timeout(600)  # the first test of an exercise grades all its submissions
-FULL_MARKS = {"temperature_service": 10.0, "move_robot": 20.0, "robot_parameters": 20.0, "pattern_choice": 10.0}
 OF_PATTERNS = ("start.syntax", "start.import", "start.crash", "start.exit", "limit.", "quiz.")
 NOT_OF_SERVICES = ("action.", "parameter.", "topic.", "quiz.", "name.action")
 OF_ACTIONS = ("start.", "limit.", "action.", "name.action", "name.node", "type.", "field.", "validation.overzealous")
@@ -92,7 +92,7 @@ def test_everything_holds(exercise: str, proofs: Proofs) -> None:
     assert [str(fault) for fault in proofs.of(exercise).faults] == []
     for one, report in proofs.of(exercise).runs[0].reports.items():
         if one.kind in ("solution", "variant"):
-            assert report.score == FULL_MARKS[exercise]
+            assert report.score == course.load(exercise).points
 
 
 def names(exercise: str) -> set[str]:

@@ -70,7 +70,7 @@ def _key(unit: Unit) -> Key:
 
 
 def _without_exercise(unit: Unit, exercises: Sequence[str]) -> Unit:
-    """`jane_temperature_service.py` is jane's; a file that is called like the exercise alone stays as it is."""
+    """`jane_EXERCISE.py` is jane's; a file that is called like the exercise alone stays as it is."""
     if unit.item.kind == FOLDER:
         return unit
     for exercise in exercises:

@@ -1,4 +1,4 @@
-"""`--seeds`: a seed for each student, so that each draws questions of their own in exercise 4."""
+"""`--seeds`: a seed for each student, so that each draws questions of their own where an exercise asks some."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Diagnosis:
         title: what is the matter, in a few words.
         explanation: why that happens.
         hint: names the fix without giving it away.
-        notebook: the notebook that teaches it, relative to the course's folder.
+        notebook: the notebook that teaches it, relative to the course's folder; empty for that of the exercise.
         section: the heading there.
     """
 

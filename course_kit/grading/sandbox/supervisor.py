@@ -15,7 +15,7 @@ from course_kit import environment
 from course_kit.grading import limits
 from course_kit.grading.checks.context import PHASES
 from course_kit.grading.output import BoundedOutput
-from course_kit.grading.sandbox import conditions, file_view, init_process, memory
+from course_kit.grading.sandbox import conditions, file_view, init_process, memory, stacks
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import SandboxStartError
 from course_kit.grading.sandbox.output_collector import OutputCollector
@@ -35,12 +35,11 @@ if TYPE_CHECKING:
     from course_kit.grading.workers.grading_outcome import GradingOutcome
 
 _ANSWER_S = 5.0  # how long the init process is waited for; it has answered long before, unless the machine is very busy
-_DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
+_SOLUTION_S = 30.0  # for asking the exercise's solution, which does not count as the submission's time
 _GRADER_GRACE_S = 20.0  # the grader process stops by itself at the wall time; one that hangs is stopped this much later
 _NO_DOMAIN = (
-    "no ROS domain became free within {:g} s, because courses and graders on this machine use all of them. Close some, "
-    "then grade again"
+    "no ROS domain became free within {:g} s: courses and graders on this machine use all. Close some, then grade again"
 )
 
 
@@ -72,6 +71,8 @@ class Supervisor:
         self._queued_s = 0.0
         self._launches = 0
         self._arguments: tuple[str, ...] = ()
+        self._asking_since: float | None = None  # when the exercise's own solution was started, while that runs
+        self._asked_s = 0.0  # for how long it ran, which is not the submission's time
         self._results: list[Record] = []
         self._extra: Record = {}
         self._fault = ""
@@ -157,7 +158,8 @@ class Supervisor:
         Raises:
             _BrokenOffError: the sandbox has failed, or the grader's process hangs.
         """
-        deadline, now = self._began + self._job.limits.wall_s, time.monotonic()
+        now, asking = time.monotonic(), self._asking_since
+        deadline = self._wall_end() if asking is None else asking + _SOLUTION_S
         if self._collector is not None and (fault := self._collector.fault()):
             raise _BrokenOffError(fault)
         if now > deadline and self._collector is not None and not self._collector.over:
@@ -170,36 +172,50 @@ class Supervisor:
         if what == "result":
             self._results.append(message["result"])
             return None
-        if what == "launch":
-            return self._launch(tuple(message["arguments"]), message["files"], message["variables"])
+        if what.startswith("launch"):
+            return self._launch(message, solution=what == "launch solution")
         if what == "time is up":
             self._end_submission("time")
         elif what == "running":  # asked fifty times a second
             return {"running": self._collector is not None and not self._collector.over}
         elif what == "stacks":
             return {"stacks": self._stacks()}
+        elif what == "end solution":
+            self._end_solution()
         elif what == "finish":
             self._finish(message["seconds"])
         return self._facts(fresh=what == "facts")
 
-    def _launch(self, arguments: tuple[str, ...], files: dict[str, str], variables: dict[str, str]) -> Record:
+    def _launch(self, message: Record, *, solution: bool = False) -> Record:
+        """Start the submission, or the exercise's own solution, of which nothing reaches a report."""
         self._stop()
-        self._arguments = arguments
+        self._arguments = arguments = tuple(message["arguments"])
         self._launches += 1
         domain, queued_s = self._domain()
-        job = self._job
-        program = conditions.program(job, arguments, files)
-        variables = {**variables, **self._profile, "ROS_DOMAIN_ID": str(domain)}
+        job, totals = self._job, self._totals
+        if solution:
+            self._asking_since = time.monotonic()
+            job, totals = conditions.of_solution(job), (BoundedOutput(), BoundedOutput())
+        program = conditions.program(job, arguments, message["files"])
+        variables = {**message["variables"], **self._profile, "ROS_DOMAIN_ID": str(domain)}
         cell = conditions.of(job, variables, self._view)
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)
-        self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, self._totals)
+        self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, totals)
         return {"domain": domain, "queued_s": queued_s}
+
+    def _end_solution(self) -> None:
+        """End the exercise's own solution."""
+        self._stop()
+        if self._asking_since is not None:
+            self._asked_s += time.monotonic() - self._asking_since
+        self._asking_since = None
+
+    def _wall_end(self) -> float:
+        return self._began + self._asked_s + self._job.limits.wall_s
 
     def _finish(self, seconds: float) -> None:
         """Wait until the submission has ended, at most for so many seconds, or end it when its time is up."""
-        self._pump_until(
-            lambda collector: collector.over, min(seconds, self._began + self._job.limits.wall_s - time.monotonic())
-        )
+        self._pump_until(lambda collector: collector.over, min(seconds, self._wall_end() - time.monotonic()))
         self._look_after_everything()
 
     def _domain(self) -> tuple[int, float]:
@@ -211,7 +227,7 @@ class Supervisor:
         Raises:
             DomainError: none became free in time.
         """
-        if self._job.isolation.network:
+        if self._network:
             return self._launches, 0.0
         self._domains.close()
         asked = time.monotonic()
@@ -233,21 +249,7 @@ class Supervisor:
     def _stacks(self) -> str:
         if self._collector is None or self._sandbox is None or self._collector.over:
             return ""
-        self._collector.forget_stacks()
-        began = time.monotonic()
-        self._sandbox.ask(init_process.STACKS)
-        self._pump_until(lambda collector: collector.evidence_bytes > 0 or collector.over, _DUMP_S)
-        # Nothing marks a dump's end, and a busy machine may halt it half-way. A second one begins when it is whole.
-        self._sandbox.ask(init_process.STACKS)
-        self._pump_until(
-            lambda collector: collector.has_whole_dump() or collector.over, began + _DUMP_S - time.monotonic()
-        )
-        size = -1
-        # The rest of the second, which would be in the next one's way; a submission can go on writing for ever.
-        while size != self._collector.evidence_bytes and time.monotonic() < began + _DUMP_S:
-            size = self._collector.evidence_bytes
-            self._pump(_QUIET_S, None)
-        return self._collector.stacks()
+        return stacks.dump(self._sandbox, self._collector, self._pump_until)
 
     def _pump_until(self, condition: Callable[[OutputCollector], bool], patience_s: float) -> None:
         deadline = time.monotonic() + patience_s

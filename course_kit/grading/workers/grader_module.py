@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.checks.check import Check
+    from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.job import Job
 
 _DIGITS = 16  # hexadecimal
@@ -76,21 +77,26 @@ def load_for(job: Job) -> Grader | None:
     return load(job.grader) if job.grader else None
 
 
-def checks_of(grader: Grader | None, job: Job) -> list[Check]:
+def checks_of(grader: Grader | None, job: Job, context: CheckContext | None = None) -> list[Check]:
     """The checks of an exercise: those it declares, then those of its grader.
 
     Args:
         grader: what `load_for` gave.
         job: what is graded.
+        context: where the exercise's solution is asked what it answers, if a check compares with that; None to ask
+            nothing, for whoever does not run the checks.
 
     Raises:
-        GradingError: they are not worth what the exercise is.
+        GradingError: they are not worth what the exercise is, or the solution does not answer.
     """
     made: list[Check] = []
     if job.declared:
-        from course_kit.grading.checks.declared import building
+        from course_kit.grading.checks.declared import building, oracle
 
-        made += building.checks_of(building.around_of(job.declared))
+        around = building.around_of(job.declared)
+        if context is not None and not job.fault:
+            oracle.ask(context, around)
+        made += building.checks_of(around)
     if grader is not None:
         made += grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS  # type: ignore[attr-defined]
     worth = sum(one.points for one in made)

@@ -56,9 +56,9 @@ def main(supervisor: Channel, job: Job) -> None:
 def _run(supervisor: Channel, job: Job) -> Record:
     began = time.monotonic()
     grader = grader_module.load_for(job)
-    checks = grader_module.checks_of(grader, job)
     context = CheckContext(supervisor, job, {**job.variables, **getattr(grader, "VARIABLES", {})})
     times = {}
+    checks = grader_module.checks_of(grader, job, context)
     if not job.fault and not job.variable:
         context.launch()
     try:

@@ -47,7 +47,6 @@ def test_a_link_into_a_notebook_that_exists_names_one_of_its_headings(code: str)
 
 
 def test_exercises_word_diagnoses_in_their_own_way() -> None:
-    assert {name for name, _ in OWN} == {"move_robot", "pattern_choice", "robot_parameters"}
     assert ("robot_parameters", "validation.missing") in OWN
     assert ("robot_parameters", "math.formula") in OWN
 
@@ -79,8 +78,17 @@ def test_what_an_exercise_says_of_a_diagnosis_is_in_its_card_and_report(name: st
 def test_a_diagnosis_that_an_exercise_does_not_word_is_the_catalogues() -> None:
     task = exercise.load("temperature_service")
     assert task.diagnoses == {}
-    assert task.diagnosis("math.formula") == catalogue.catalogue()["math.formula"]
+    assert task.diagnosis("name.node") == catalogue.catalogue()["name.node"]
     assert task.diagnosis(None) is task.diagnosis("no.such_code") is None
+
+
+def test_a_diagnosis_of_the_task_itself_leads_to_the_notebook_of_the_exercise() -> None:
+    for name in exercise.ids():
+        task = exercise.load(name)
+        found = task.diagnosis("math.formula")
+        assert found is not None
+        assert found.notebook == f"exercises/{name}/{task.notebook}"
+        assert found.section in headings(task.folder / task.notebook) or not task.class_name
 
 
 @pytest.mark.parametrize(
@@ -110,4 +118,5 @@ def test_a_mistake_in_an_exercises_diagnoses_is_named(table: str, said: str, tmp
 def test_whatever_exercise_1_diagnoses_is_taught_somewhere() -> None:
     codes = BROKEN & set(catalogue.catalogue())
     assert len(codes) > 20
-    assert all((REPOSITORY / catalogue.catalogue()[code].notebook).is_file() for code in codes)
+    taught = [exercise.load("temperature_service").diagnosis(code) for code in codes]
+    assert all(one is not None and (REPOSITORY / one.notebook).is_file() for one in taught)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_kit.grading.checks.declared import inputs
 from course_kit.grading.checks.declared.definitions import fields_of
-from course_kit.grading.checks.declared.kinds import KINDS, ORACLE
+from course_kit.grading.checks.declared.kinds import ORACLE, kind_of
 from course_kit.grading.checks.declared.values import as_list
 from course_kit.interfaces import get_type
 from course_kit.ros.filling import fill_from_yaml
@@ -43,7 +43,7 @@ class Around:
 
     def cases(self, check: Declaration, seed: int) -> list[Case]:
         """The inputs of a check, which are always the same for a seed."""
-        kind = KINDS[check.kind]
+        kind = kind_of({"kind": check.kind, **check.keys})
         if "cases" in check.keys:
             filled = inputs.drawn([case[kind.sends] for case in check.keys["cases"]], seed, check.id)
             return [Case(one, case["expect"]) for one, case in zip(filled, check.keys["cases"], strict=True)]
@@ -73,7 +73,7 @@ class Around:
         return None
 
 
-def made(message_type: type[Message], fields: Record, what: str) -> Message:
+def made(message_type: Any, fields: Record, what: str) -> Message:
     """A message with these fields, as an author has written them.
 
     Args:

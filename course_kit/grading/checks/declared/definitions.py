@@ -5,14 +5,18 @@ What an interface is made of is "request" and "response", "goal", "result" and "
 
 from __future__ import annotations
 
+import os
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
 
     from course_kit.interfaces.definition import MessageDefinition
     from course_kit.interfaces.field_types import FieldType
@@ -95,7 +99,6 @@ def _word_of(value: object) -> str:
     return words.get(type(value), "a table" if isinstance(value, dict) else type(value).__name__)
 
 
-@lru_cache(maxsize=64)
 def fields_of(interface: str) -> Mapping[str, Fields]:
     """The fields of an interface, by the parts it is made of.
 
@@ -105,6 +108,28 @@ def fields_of(interface: str) -> Mapping[str, Fields]:
     Raises:
         UnknownInterfaceError: there is none, or its definition has a mistake.
     """
+    return _fields_of(interface, os.environ.get(PATH_VARIABLE, ""))
+
+
+@contextmanager
+def also_in(folder: Path) -> Iterator[None]:
+    """Find interfaces in a folder as well, before others: those that an exercise brings with it."""
+    before = os.environ.get(PATH_VARIABLE)
+    if folder.is_dir():
+        os.environ[PATH_VARIABLE] = path_with(str(folder.absolute()))
+    try:
+        yield
+    finally:
+        if before is None:
+            os.environ.pop(PATH_VARIABLE, None)
+        else:
+            os.environ[PATH_VARIABLE] = before
+
+
+@lru_cache(maxsize=64)
+def _fields_of(interface: str, folders: str) -> Mapping[str, Fields]:
+    """The fields of an interface, which are other ones where other folders are searched."""
+    del folders
     from course_kit.interfaces import InterfaceDefinitionError, InterfaceNotFoundError, text_of
     from course_kit.interfaces.parser import parse
 

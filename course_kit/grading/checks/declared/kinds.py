@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -53,23 +53,24 @@ class Kind:
     Attributes:
         about: what it looks at, in a few words.
         endpoints: the keys that name an endpoint, each one of the exercise's `[[endpoints]]` of that kind.
-        optional: those of them without which it can do.
         keys: its other keys.
         sends: the part of the interface that its inputs are of; also the name of an input in expressions.
         receives: the part that `expect` is about.
         deadline_s: seconds for all its waiting, unless the check says otherwise.
         node: whether it needs the node's name.
+        names: what expressions may use beside the solution's answer.
+        oracle: whether the exercise's solution can be asked what it answers.
     """
 
     about: str
     keys: Mapping[str, Key]
     endpoints: tuple[str, ...] = ()
-    optional: tuple[str, ...] = ()
     sends: str = ""
     receives: str = ""
     deadline_s: float = 6.0
     node: bool = False
     names: tuple[str, ...] = field(default=())
+    oracle: bool = False
 
     @property
     def inputs(self) -> str:
@@ -82,12 +83,18 @@ def _exchange(sends: str, receives: str, **more: Key) -> dict[str, Key]:
     return {
         f"{sends}s": Key(INPUTS, sends),
         "cases": Key(CASES, sends),
-        "expect": Key(EXPECT, receives),
+        "expect": Key(EXPECT, receives, required=True),
         "tolerance": Key(TOLERANCE),
         **more,
     }
 
 
+_ACTS = {
+    "set": Key(SETTINGS, required=True),
+    "at_start": Key(TRUTH),
+    "expect": Key(EXPECT, "message", required=True),
+    "tolerance": Key(TOLERANCE),
+}
 KINDS: dict[str, Kind] = {
     "offered": Kind(
         "endpoints are there, each with its type",
@@ -103,6 +110,7 @@ KINDS: dict[str, Kind] = {
         receives="response",
         deadline_s=10.0,
         names=("request",),
+        oracle=True,
     ),
     "refuses": Kind(
         "a service refuses these requests, gives a reason, and lives on",
@@ -124,5 +132,118 @@ KINDS: dict[str, Kind] = {
         receives="message",
         deadline_s=10.0,
         names=("message", "parameters"),
+        oracle=True,
+    ),
+    "topic_rate": Kind(
+        "messages come at this rate",
+        {"hz": Key(NUMBER, required=True), "tolerance": Key(NUMBER)},
+        endpoints=("publisher",),
+        deadline_s=12.0,
+    ),
+    "parameter_declared": Kind(
+        "the node has declared a parameter, with this type and default",
+        {"parameter": Key(TEXT, required=True), "type": Key(TEXT), "default": Key(VALUE)},
+        node=True,
+    ),
+    "parameter_acts": Kind(
+        "a parameter that is set changes what the node publishes",
+        _ACTS,
+        endpoints=("publisher",),
+        receives="message",
+        deadline_s=12.0,
+        node=True,
+        names=("parameters",),
+        oracle=True,
+    ),
+    "parameter_refuses": Kind(
+        "these values of parameters are refused, and the old ones stay",
+        {"set": Key(SETTINGS, required=True), "reason": Key(TEXTS), "together": Key(TRUTH)},
+        deadline_s=10.0,
+        node=True,
+    ),
+    "goal_succeeds": Kind(
+        "goals are accepted and end SUCCEEDED",
+        {**_exchange("goal", "result", within_s=Key(NUMBER)), "expect": Key(EXPECT, "result")},
+        endpoints=("action",),
+        sends="goal",
+        receives="result",
+        deadline_s=30.0,
+        names=("goal",),
+        oracle=True,
+    ),
+    "goal_feedback": Kind(
+        "feedback comes while a goal runs",
+        {
+            "goals": Key(INPUTS, "goal", required=True),
+            "at_least": Key(COUNT),
+            "spread": Key(TRUTH),
+            "rising": Key(TEXTS, "feedback"),
+            "falling": Key(TEXTS, "feedback"),
+            "first": Key(EXPECT, "feedback"),
+            "each": Key(EXPECT, "feedback"),
+            "last": Key(EXPECT, "feedback"),
+            "tolerance": Key(TOLERANCE),
+            "within_s": Key(NUMBER),
+        },
+        endpoints=("action",),
+        sends="goal",
+        deadline_s=30.0,
+        names=("goal", "feedback"),
+    ),
+    "goal_refused": Kind(
+        "goals are rejected",
+        {
+            "goals": Key(INPUTS, "goal", required=True),
+            "while_running": Key(FIELDS, "goal"),
+            "within_s": Key(NUMBER),
+        },
+        endpoints=("action",),
+        sends="goal",
+        deadline_s=30.0,
+    ),
+    "goal_cancelled": Kind(
+        "a goal that runs can be cancelled",
+        {
+            "goals": Key(INPUTS, "goal", required=True),
+            "after_s": Key(NUMBER),
+            "within_s": Key(NUMBER),
+            "expect": Key(EXPECT, "result"),
+            "tolerance": Key(TOLERANCE),
+            "then": Key(FIELDS, "goal"),
+        },
+        endpoints=("action",),
+        sends="goal",
+        receives="result",
+        deadline_s=30.0,
+        names=("goal",),
     ),
 }
+# What a parameter acts on, when that is an answer: by the key of what is sent.
+_ANSWERS = {
+    "requests": replace(
+        KINDS["parameter_acts"],
+        keys={**_ACTS, "requests": Key(INPUTS, "request"), "expect": Key(EXPECT, "response", required=True)},
+        endpoints=("service",),
+        sends="request",
+        receives="response",
+        names=("request", "parameters"),
+    ),
+    "messages": replace(
+        KINDS["parameter_acts"],
+        keys={**_ACTS, "messages": Key(INPUTS, "message")},
+        endpoints=("subscription", "publisher"),
+        sends="message",
+        names=("message", "parameters"),
+    ),
+}
+
+
+def kind_of(table: Mapping[str, Any]) -> Kind:
+    """The kind of a check, which for `parameter_acts` depends on what is sent.
+
+    Args:
+        table: the check, with a `kind` that there is.
+    """
+    if table["kind"] != "parameter_acts":
+        return KINDS[table["kind"]]
+    return next((kind for key, kind in _ANSWERS.items() if key in table), KINDS["parameter_acts"])

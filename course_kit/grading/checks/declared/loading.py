@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.declared import agreement, reading
+from course_kit.grading.checks.declared.definitions import also_in
 from course_kit.grading.checks.declared.lines import Lines
 from course_kit.grading.checks.declared.mistakes import Mistakes
 from course_kit.grading.checks.declared.python_checks import CheckFacts, facts_of
+from course_kit.grading.exercise_folders import INTERFACES
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -15,23 +17,23 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.declared.declaration import Declaration
     from course_kit.grading.plain_data import Record
 
-_PYTHON = ".py"
+_PYTHON, _ENVIRONMENT = ".py", "environment"
 
 
-def load(text: str, table: Record, path: Path, *, oracle: bool = False) -> tuple[Declaration, ...]:
+def load(text: str, table: Record, path: Path) -> tuple[Declaration, ...]:
     """The declared checks of an exercise.
 
     Args:
         text: of its exercise.toml.
         table: what that says.
         path: of that file.
-        oracle: whether the exercise has a solution to ask.
 
     Raises:
         GradingError: the author has made mistakes; with all of them, each with its line.
     """
     lines, mistakes = Lines(text), Mistakes(path)
-    found = reading.read(table, lines, mistakes, oracle=oracle)
+    with also_in(path.parent / INTERFACES):
+        found = reading.read(table, lines, mistakes)
     grader = str(table.get("grader", ""))
     python = facts_of(path.parent / grader) if grader.endswith(_PYTHON) else [] if not grader else None
     facts = agreement.declared_facts(table, lines, CheckFacts) + (python or [])
@@ -39,3 +41,9 @@ def load(text: str, table: Record, path: Path, *, oracle: bool = False) -> tuple
         agreement.require(facts, table, lines, mistakes, whole=python is not None)
     mistakes.require_none()
     return found
+
+
+def variables(table: Record) -> dict[str, str]:
+    """The environment variables that a submission is started with: the texts of `[environment]`."""
+    found = table.get(_ENVIRONMENT, {})
+    return {name: str(value) for name, value in found.items()} if isinstance(found, dict) else {}

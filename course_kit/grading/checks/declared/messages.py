@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.declared.expressions import Expression
+from course_kit.grading.checks.declared.kinds import ORACLE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from course_kit.grading.checks.declared.declaration import Declaration
     from course_kit.ros.messages import Message
 
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of the last digits
@@ -19,6 +21,7 @@ _LONGEST = 60  # characters of a text that is shown, and elements of a list
 _MOST = 12  # fields of a part that is shown
 _FEW = 4  # fields; of larger messages only those are shown that are not zero
 MISSING = object()
+PARAMETERS = "parameters"  # their name in expressions
 
 
 @dataclass(frozen=True)
@@ -84,6 +87,32 @@ def worked_out(expected: Any, names: Mapping[str, Any]) -> Any:
     if isinstance(expected, dict):
         return {name: worked_out(value, names) for name, value in expected.items()}
     return expected
+
+
+def parameters_in(expected: Any) -> list[str]:
+    """The parameters that the expressions of what is expected look up."""
+    if isinstance(expected, dict):
+        return list(dict.fromkeys(name for value in expected.values() for name in parameters_in(value)))
+    paths = Expression.parse(expected).paths() if isinstance(expected, str) else []
+    return list(dict.fromkeys(path[1] for path in paths if path[0] == PARAMETERS and len(path) > 1))
+
+
+def uses_parameters(expected: Any) -> bool:
+    """Whether what is expected depends on parameters."""
+    return bool(parameters_in(expected))
+
+
+def check_asks_the_solution(check: Declaration) -> bool:
+    """Whether a check compares with what the exercise's solution answers."""
+    expected = [check.keys.get("expect"), *(case["expect"] for case in check.keys.get("cases", ()))]
+    return any(map(_asks_the_solution, expected))
+
+
+def _asks_the_solution(expected: Any) -> bool:
+    """Whether what is expected depends on what the exercise's solution answers."""
+    if isinstance(expected, dict):
+        return any(map(_asks_the_solution, expected.values()))
+    return isinstance(expected, str) and any(path[0] == ORACLE for path in Expression.parse(expected).paths())
 
 
 def differences(wanted: Any, got: Any, tolerance: Tolerance, path: str = "") -> Iterator[tuple[str, Any, Any]]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from course_kit.grading.checks.declared import kinds, values
+from course_kit.grading.checks.declared import kinds, rules, values
 from course_kit.grading.checks.declared.declaration import Declaration
 from course_kit.grading.checks.declared.definitions import Fields
 from course_kit.grading.checks.declared.endpoints import AN_ENDPOINT, ENDPOINTS, choice, endpoints_of, part_of
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.declared.lines import Lines
     from course_kit.grading.checks.declared.mistakes import Mistakes
     from course_kit.grading.plain_data import Record
+    from course_kit.interfaces.field_types import FieldType
 
 CHECKS = "checks"
 
 
-def read(table: Record, lines: Lines, mistakes: Mistakes, *, oracle: bool) -> tuple[Declaration, ...]:
+def read(table: Record, lines: Lines, mistakes: Mistakes) -> tuple[Declaration, ...]:
     """The declared checks of an exercise, in their order; those with mistakes are left out.
 
     Args:
         table: the whole exercise.toml.
         lines: where its parts stand.
         mistakes: gets what is wrong.
-        oracle: whether the exercise has a solution to ask.
     """
-    reading = _Reading(table, lines, mistakes, oracle=oracle)
+    reading = _Reading(table, lines, mistakes)
     return tuple(one for number in range(len(tables_of(table, CHECKS))) if (one := reading.check(number)) is not None)
 
 
@@ -44,12 +44,11 @@ def tables_of(table: Record, name: str) -> list[Record]:
 class _Reading:
     """One exercise that is being read."""
 
-    def __init__(self, table: Record, lines: Lines, mistakes: Mistakes, *, oracle: bool) -> None:
+    def __init__(self, table: Record, lines: Lines, mistakes: Mistakes) -> None:
         self._checks = tables_of(table, CHECKS)
-        self._lines, self._mistakes, self._oracle = lines, mistakes, oracle
+        self._lines, self._mistakes = lines, mistakes
         self._endpoints = endpoints_of(tables_of(table, ENDPOINTS), lines, mistakes)
-        declared = [one.get("parameter") for one in self._checks if one.get("kind") == "parameter_declared"]
-        self._parameters = [name for name in declared if isinstance(name, str)]
+        self.types = rules.types_of(self._checks)
         named = [one.get("node") for one in self._checks if one.get("kind") == "node_name"]
         self._node = next((name for name in named if isinstance(name, str)), "")
 
@@ -83,12 +82,8 @@ class _Reading:
 
     def parameters(self) -> Fields | None:
         """The parameters that checks declare, as fields whose values may be anything; None when none does."""
-        known = dict.fromkeys(self._parameters, cast("FieldType", None))  # which nobody looks at
+        known = dict.fromkeys(self.types, cast("FieldType", None))  # which nobody looks at
         return _Parameters("the node's parameters", known) if known else None
-
-    def has_oracle(self) -> bool:
-        """Whether there is a solution to ask."""
-        return self._oracle
 
 
 class _Parameters(Fields):
@@ -98,6 +93,10 @@ class _Parameters(Fields):
         """A parameter holds no fields."""
         del name
         return None
+
+
+def _may_need_node(kind: Kind) -> bool:
+    return kind.node or "node" in kind.keys or "parameters" in kind.names
 
 
 class _OneCheck:
@@ -116,7 +115,9 @@ class _OneCheck:
         endpoints, node = self._endpoints(kind), self._node(kind)
         if not self._sound:
             return None
-        self._look_over_values(kind, endpoints)
+        self._look_over_values(kind, endpoints, node)
+        for problem, key in rules.problems(self._table, self._around.types):
+            self._tell(problem, key)
         table = self._table
         own = {key: value for key, value in table.items() if key in kind.keys and key != "node"}
         texts = {key: tuple(table.get(key, [])) for key in ("depends_on", "proves")}
@@ -147,12 +148,12 @@ class _OneCheck:
         if name not in kinds.KINDS:
             self._tell(f"There is no kind '{name}'.{choice(name, kinds.KINDS)}", "kind")
             return None
-        return kinds.KINDS[name]
+        return kinds.kind_of(self._table)
 
     def _look_over_keys(self, kind: Kind) -> None:
         forms = {**kinds.COMMON, **{key: one.form for key, one in kind.keys.items()}}
-        forms |= dict.fromkeys((*kind.endpoints, *(["node"] if kind.node else [])), kinds.TEXT)
-        required = [*kinds.REQUIRED, *(key for key, one in kind.keys.items() if one.required)]
+        forms |= dict.fromkeys((*kind.endpoints, *(["node"] if _may_need_node(kind) else [])), kinds.TEXT)
+        required = [*kinds.REQUIRED, *(key for key, one in kind.keys.items() if one.required and key != "expect")]
         for key in required:
             if key not in self._table:
                 self._tell(f"'{key}' is missing.")
@@ -162,16 +163,16 @@ class _OneCheck:
                 self._tell(f"The kind '{self._table['kind']}' has no key '{key}'.{told}", key)
             elif problem := values.problem_of_form(forms[key], value):
                 self._tell(f"'{key}' has to be {problem}, not {value!r}.", key)
-        if "cases" in kind.keys:
+        if kind.inputs in kind.keys and kind.receives:
             self._look_over_cases(kind)
 
     def _look_over_cases(self, kind: Kind) -> None:
         given, cases = kind.inputs in self._table, "cases" in self._table
-        if given == cases:
+        if given == cases and "cases" in kind.keys:
             self._tell(f"It needs either '{kind.inputs}' with one 'expect' for all, or 'cases' with one each.")
         if cases and "expect" in self._table:
             self._tell("With 'cases' each case has its own 'expect'.", "expect")
-        if given and "expect" not in self._table:
+        if given and kind.keys["expect"].required and "expect" not in self._table:
             self._tell("'expect' is missing: what is to come back.")
         for case in self._table.get("cases", []):
             if isinstance(case, dict) and set(case) != {kind.sends, "expect"}:
@@ -182,7 +183,7 @@ class _OneCheck:
     def _endpoints(self, kind: Kind) -> dict[str, WantedEndpoint]:
         if "endpoints" in kind.keys:
             return self._all_endpoints()
-        found = {key: self._endpoint(key, optional=key in kind.optional) for key in kind.endpoints}
+        found = {key: self._endpoint(key) for key in kind.endpoints}
         return {key: one for key, one in found.items() if one is not None}
 
     def _all_endpoints(self) -> dict[str, WantedEndpoint]:
@@ -200,7 +201,7 @@ class _OneCheck:
                 self._tell(f"No endpoint is called '{name}'.{choice(name, known)}", "endpoints", name)
         return found
 
-    def _endpoint(self, key: str, *, optional: bool) -> WantedEndpoint | None:
+    def _endpoint(self, key: str) -> WantedEndpoint | None:
         known = {one.name: one for one in self._around.endpoints if one.kind == key}
         name = self._table.get(key)
         if isinstance(name, str):
@@ -209,8 +210,6 @@ class _OneCheck:
                 self._tell(f"No {key} is called '{name}'.{told}", key)
                 return None
             return known[from_root(name)]
-        if optional:
-            return None
         if len(known) != 1:
             which = f"one of {', '.join(known)}" if known else f"but the exercise's [[endpoints]] have no {key}"
             self._tell(f"'{key}' is missing: {which}.")
@@ -218,16 +217,18 @@ class _OneCheck:
         return next(iter(known.values()))
 
     def _node(self, kind: Kind) -> str:
-        if not kind.node and "node" not in kind.keys:
+        if not _may_need_node(kind):
             return ""
         name = self._table.get("node", self._around.node)
+        if not name and not kind.node:
+            return ""
         if not isinstance(name, str) or not name:
             self._tell("'node' is missing: the name of the node, here or in a check of the kind 'node_name'.")
             return ""
         return from_root(name)
 
-    def _look_over_values(self, kind: Kind, endpoints: Mapping[str, WantedEndpoint]) -> None:
-        names = self._names(kind, endpoints)
+    def _look_over_values(self, kind: Kind, endpoints: Mapping[str, WantedEndpoint], node: str) -> None:
+        names = self._names(kind, endpoints, node)
         for key, spec in kind.keys.items():
             if key not in self._table:
                 continue
@@ -236,13 +237,12 @@ class _OneCheck:
             def tell(text: str, *words: str, of: str = key) -> None:
                 self._tell(text, of, *words)
 
-            if spec.form in (kinds.INPUTS, kinds.FIELDS) and fields is not None:
-                for one in values.as_list(value):
-                    values.look_over_fields(one, fields, tell)
-            elif spec.form == kinds.EXPECT:
+            if spec.form == kinds.EXPECT:
                 values.look_over_expected(value, fields, names, tell)
             elif spec.form == kinds.CASES:
                 self._look_over_each(kind, endpoints, names, tell)
+            elif fields is not None:
+                _look_over_plain(spec.form, value, fields, tell)
 
     def _look_over_each(
         self,
@@ -257,11 +257,22 @@ class _OneCheck:
                 values.look_over_fields(case[kind.sends], sent, tell)
             values.look_over_expected(case["expect"], received, names, tell)
 
-    def _names(self, kind: Kind, endpoints: Mapping[str, WantedEndpoint]) -> dict[str, Fields | None]:
+    def _names(self, kind: Kind, endpoints: Mapping[str, WantedEndpoint], node: str) -> dict[str, Fields | None]:
         """The names of expressions in this check."""
         found: dict[str, Fields | None] = {name: part_of(name, kind.inputs, endpoints) for name in kind.names}
-        if "parameters" in found:
+        if "parameters" in found and node:
             found["parameters"] = self._around.parameters()
-        if self._around.has_oracle() and kind.receives:
+        elif "parameters" in found:
+            del found["parameters"]  # of whom is not known
+        if kind.oracle:
             found[kinds.ORACLE] = part_of(kind.receives, "expect", endpoints)
         return found
+
+
+def _look_over_plain(form: str, value: Any, fields: Fields, tell: Callable[..., None]) -> None:
+    """Look over fields with their values, or names of fields."""
+    for one in values.as_list(value):
+        if form in (kinds.INPUTS, kinds.FIELDS):
+            values.look_over_fields(one, fields, tell)
+        elif problem := fields.problem_of_path(tuple(str(one).split("."))):
+            tell(problem, one)

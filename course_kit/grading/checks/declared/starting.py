@@ -9,6 +9,7 @@ from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
 from course_kit.grading.checks.declared.around import interface_of, made
+from course_kit.grading.checks.declared.declaration import Declaration
 from course_kit.grading.checks.declared.services import service_of
 from course_kit.grading.checks.discovery import ENDED, ensure_ready, expect_node, expect_offered, has_settled
 from course_kit.grading.checks.topics import Topic, expect_endpoints
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.declared.around import Around
-    from course_kit.grading.checks.declared.declaration import Declaration, WantedEndpoint
+    from course_kit.grading.checks.declared.declaration import WantedEndpoint
 
 
 def offered(context: CheckContext, check: Declaration, around: Around) -> Evidence:
@@ -78,6 +79,17 @@ def ensure_up(context: CheckContext, around: Around) -> None:
         context.spoil()
         evidence = Evidence("", "your program, started again", "no topic of it")
         raise Failed(evidence, "Your program started once, but did not come up when it was started again.")
+
+
+def await_up(context: CheckContext, around: Around) -> None:
+    """Wait until a program that has just been started offers what the exercise names.
+
+    Raises:
+        Failed: it does not.
+    """
+    endpoints = {one.name: one for check in around.declarations for one in check.endpoints.values()}
+    look = Declaration("up", "offered", "", 0.0, 0.0, endpoints=endpoints)
+    offered(context, look, around)
 
 
 def action_of(endpoint: WantedEndpoint) -> WantedAction:

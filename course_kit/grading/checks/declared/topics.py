@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.declared.around import made
 from course_kit.grading.checks.declared.explaining import Exchanged, explained
-from course_kit.grading.checks.declared.messages import Tolerance, differences, plain, shown, shown_part, worked_out
+from course_kit.grading.checks.declared.messages import (
+    Tolerance,
+    differences,
+    plain,
+    shown,
+    shown_part,
+    uses_parameters,
+    worked_out,
+)
+from course_kit.grading.checks.declared.settings import served, values_in
 from course_kit.grading.checks.declared.starting import ensure_up, topic_of
 from course_kit.grading.checks.topics import TopicExchange
 from course_kit.grading.diagnosis.exceptions import explained as explained_end
@@ -38,8 +47,9 @@ def topic_answers(context: CheckContext, check: Declaration, around: Around) -> 
     heard = context.grader_node.inbox(*_end_of(check))
     before = 0
     for number, case in enumerate(around.cases(check, context.job.seed)):
-        message = made(topic_of(check.endpoints["subscription"]).interface, case.fields, "the message")  # type: ignore[arg-type] # a class
-        wanted = worked_out(case.expected, {"message": plain(message), **around.oracle(check, number)})
+        message = made(topic_of(check.endpoints["subscription"]).interface, case.fields, "the message")
+        names = {"message": plain(message), "parameters": _parameters(context, check, case.expected)}
+        wanted = worked_out(case.expected, {**names, **around.oracle(check, number)})
         one = exchanged(exchange, message, wanted, tolerance, _evidence(check, plain(message), wanted))
         before = before or heard.count - 1
         exchanges.append(one)
@@ -52,6 +62,11 @@ def topic_answers(context: CheckContext, check: Declaration, around: Around) -> 
         return _require_exactly_one(context, check, heard.count - before, exchanges)
     last = exchanges[-1]
     return _evidence(check, last.sent, last.wanted, last.got)
+
+
+def _parameters(context: CheckContext, check: Declaration, expected: Any) -> dict[str, Any]:
+    """The parameters in force, of which what is expected depends."""
+    return values_in(served(context, check.node), expected) if uses_parameters(expected) else {}
 
 
 def answering(context: CheckContext, check: Declaration) -> TopicExchange:
@@ -89,7 +104,7 @@ def ask(context: CheckContext, check: Declaration, around: Around) -> list[Any]:
     """What the solution, which runs now, publishes for the messages of a check."""
     exchange, found = answering(context, check), []
     for case in around.cases(check, context.job.seed):
-        message = made(topic_of(check.endpoints["subscription"]).interface, case.fields, "the message")  # type: ignore[arg-type] # a class
+        message = made(topic_of(check.endpoints["subscription"]).interface, case.fields, "the message")
         evidence = Evidence(shown(plain(message)), "an answer of the solution")
         found.append(plain(exchange.send(message, evidence)[0]))
     return found

@@ -1,0 +1,97 @@
+"""What a worker is asked to do for an exercise: the job of grading a submission, a command, or a running node."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit.grading import exercise_folders
+from course_kit.grading.checks.declared import solutions
+from course_kit.grading.errors import GradingError
+from course_kit.grading.job import Job
+from course_kit.grading.workers import grader_module
+
+if TYPE_CHECKING:
+    from course_kit.grading.checks.check import Check
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.submission import Submission
+
+
+def of_submission(task: Exercise, text: Submission, seed: int) -> Job:
+    """The job of grading a program.
+
+    Args:
+        task: the exercise.
+        text: the program.
+        seed: what the checks draw from.
+    """
+    return replace(
+        of_running(task, seed),
+        mode="run",
+        name=text.program,
+        source=text.source,
+        fault=_fault(text),
+        places=text.places,
+        facts=text.facts,
+        literal=text.literal,
+    )
+
+
+def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
+    """The job of grading a node that is no program of ours to start.
+
+    Args:
+        task: the exercise.
+        seed: what the checks draw from.
+        command: what starts the node; None for the one that runs on the ROS graph of this environment.
+
+    Raises:
+        GradingError: the command is none.
+    """
+    job = Job(
+        task.grader,
+        "attach",
+        "",
+        seed,
+        class_name=task.class_name,
+        variable=task.variable,
+        limits=task.limits,
+        hidden=tuple(dict.fromkeys((str(task.folder.resolve()), *exercise_folders.hidden()))),
+        interfaces=task.interfaces,
+        points=task.points,
+        declared=tuple(asdict(one) for one in task.declared),
+        solution=solutions.text_for(task),
+    )
+    if command is None:
+        return job
+    try:
+        words = tuple(shlex.split(command))
+    except ValueError as problem:
+        raise GradingError(f"The command cannot be read as a shell would: {problem}.") from None
+    if not words:
+        raise GradingError("The command after --exec is empty.")
+    return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
+
+
+def checks_of(task: Exercise, seed: int) -> list[Check]:
+    """The checks of an exercise, loaded into this process.
+
+    Args:
+        task: the exercise.
+        seed: what they draw from.
+
+    Raises:
+        GradingError: they cannot be loaded.
+    """
+    job = of_running(task, seed)
+    return grader_module.checks_of(grader_module.load_for(job), job)
+
+
+def _fault(text: Submission) -> str:
+    fault = text.fault
+    if fault is None:
+        return ""
+    where = f" in {text.where(fault.line)}: {fault.text}" if fault.line else ""
+    return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."

@@ -1,0 +1,154 @@
+"""`course-kit new exercise`: what it makes works at once, and is kept in step with its exercise.toml."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from course_kit import environment
+from course_kit.authoring import check, corpus, new_exercise
+from course_kit.cli.main import main
+from course_kit.grading import exercise
+from course_kit.grading.exercise_folders import VARIABLE
+
+ROOT = environment.checkout() or Path()
+FEW = 0.35  # of full marks, for a starter
+
+pytestmark = pytest.mark.answers
+
+
+@pytest.fixture
+def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of somebody's exercises, which counts."""
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "mine"))
+    return tmp_path / "mine"
+
+
+def make(folder: Path, kind: str = "topic", name: str = "dead_band") -> exercise.Exercise:
+    return new_exercise.create(name, kind, folder)
+
+
+@pytest.mark.parametrize("kind", new_exercise.KINDS)
+def test_what_is_made_is_proven_by_its_own_set(kind: str, mine: Path) -> None:
+    """Really graded: the starter and its notebook, the solution, a right program, a wrong one, and slips."""
+    task = make(mine, kind, f"my_{kind}")
+    found = check.check(ROOT, [task.id])
+    assert [str(one) for one in found.faults] == []
+    (run,) = found.runs
+    scores = {(one.kind, one.name): report.score / task.points for one, report in run.reports.items()}
+    assert {purpose for purpose, _ in scores} == {"starter", "solution", "variant", "broken", "slip"}
+    for (purpose, name), share in scores.items():
+        if purpose in ("solution", "variant"):
+            assert share == 1.0, name
+        else:
+            assert share < (FEW if purpose == "starter" else 1.0), name
+    assert {one.id for one in task.declared} == {check.id for check in next(iter(run.reports.values())).checks}
+
+
+def test_a_fault_of_the_proof_set_is_found(mine: Path) -> None:
+    """The same proof, red: a wrong program that gets full marks, and a slip that is seen by another check."""
+    task = make(mine)
+    proof = task.folder / "proof"
+    shutil.copy(task.solution, proof / "broken" / "unchanged.py")
+    slips = (proof / "slips.toml").read_text()
+    (proof / "slips.toml").write_text(slips.replace('failed = { once = "" }', 'failed = { doubled = "" }'))
+    faults = {(one.rule, one.submission) for one in check.check(ROOT, [task.id]).faults}
+    assert {("broken", "broken unchanged"), ("slips", "slip twice")} <= faults
+
+
+def test_sentences_and_starter_are_written_anew_and_what_the_author_added_stays(mine: Path) -> None:
+    task = make(mine)
+    toml, starter, notebook = (task.folder / name for name in ("exercise.toml", task.starter, task.notebook))
+    toml.write_text(toml.read_text().replace("is published doubled", "comes back twice as large"))
+    starter.write_text(starter.read_text().replace("# Your code goes here.", "# Yours."))
+    content = json.loads(notebook.read_text())
+    content["cells"].insert(1, {"cell_type": "markdown", "id": "own", "metadata": {}, "source": ["My own words."]})
+    notebook.write_text(json.dumps(content))
+    assert set(new_exercise.refresh(exercise.read(task.folder))) == {starter, notebook}
+    assert "comes back twice as large" in starter.read_text()
+    cells = {cell["id"]: "".join(cell["source"]) for cell in json.loads(notebook.read_text())["cells"]}
+    assert list(cells)[:3] == ["title", "own", "task"]
+    assert cells["own"] == "My own words."
+    assert "comes back twice as large" in cells["task"]
+    assert cells["title"] == "# A node that doubles numbers\n\n5 points, 3 to pass."
+    assert cells["answer"].startswith("%%submission dead_band\nimport rclpy\n")
+    assert cells["answer"].endswith("# Yours.")
+    assert new_exercise.refresh(exercise.read(task.folder)) == []
+
+
+def test_the_program_of_the_notebook_is_that_of_the_starter(mine: Path) -> None:
+    (program, notebook) = corpus.load(make(mine).id, ROOT).of("starter")
+    cells = {cell["id"]: "".join(cell["source"]) for cell in json.loads(notebook.path.read_text())["cells"]}
+    assert cells["answer"].partition("\n")[2] in program.path.read_text()
+
+
+def test_the_command_says_what_to_do_next(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "exercise", "dead_band", "--topic", "--in", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert f"grade dead_band {tmp_path}/dead_band/solution/dead_band.py --exercises {tmp_path}/dead_band" in said
+    toml = tmp_path / "dead_band" / "exercise.toml"
+    toml.write_text(toml.read_text().replace("exact to 1e-9", "exactly"))
+    assert main(["new", "exercise", "dead_band", "--refresh", "--in", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "dead_band.py" in said
+    assert "dead_band.ipynb" in said
+    assert main(["new", "exercise", "dead_band", "--refresh", "--in", str(tmp_path)]) == 0
+    assert "are as its exercise.toml says" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("name", "proposed"),
+    [
+        ("Dead-Band", "such as dead_band."),
+        ("DeadBand", "such as dead_band."),
+        ("3d", "a letter first."),
+        ("", "a letter first."),
+        ("class", "a letter first."),
+        ("../up", "such as up."),
+        ("a" * 41, "up to 40 small letters"),
+    ],
+)
+def test_a_bad_name_is_a_sentence(name: str, proposed: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "exercise", name, "--topic", "--in", str(tmp_path)]) == 2
+    assert proposed in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nothing_that_is_there_is_written_over(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "dead_band").mkdir()
+    assert main(["new", "exercise", "dead_band", "--topic", "--in", str(tmp_path)]) == 2
+    assert f"{tmp_path}/dead_band exists already." in capsys.readouterr().err
+    assert main(["new", "exercise", "temperature_service", "--topic", "--in", str(tmp_path)]) == 2
+    assert "There is an exercise 'temperature_service' already" in capsys.readouterr().err
+    (tmp_path / "file").touch()
+    assert main(["new", "exercise", "dead_band", "--topic", "--in", str(tmp_path / "file")]) == 2
+    assert "could not be written" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["dead_band", "file"]
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "sentence"),
+    [
+        ("exercise.toml", 'id = "doubled"\nheading', 'id = "douled"\nheading', "line"),
+        ("dead_band.ipynb", '"id": "answer"', '"id": "other"', "has no cell with the id 'answer'"),
+        ("dead_band.ipynb", '"cells"', '"no cells"', "is not a notebook"),
+        ("dead_band.py", '"""A node', "x = 1\n" + '"""A node', "does not begin with a docstring"),
+    ],
+)
+def test_what_cannot_be_written_anew_is_a_sentence(  # noqa: PLR0913, PLR0917 - a table of cases
+    file: str, old: str, new: str, sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    make(tmp_path)
+    path = tmp_path / "dead_band" / file
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new))
+    assert main(["new", "exercise", "dead_band", "--refresh", "--in", str(tmp_path)]) == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_an_unknown_one_cannot_be_refreshed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "exercise", "dead_bnd", "--refresh", "--in", str(tmp_path)]) == 2
+    assert "There is no exercise 'dead_bnd'." in capsys.readouterr().err

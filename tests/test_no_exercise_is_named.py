@@ -1,0 +1,47 @@
+"""The kit knows no exercise by its name: what is particular to one is in its folder, or in what it is made of."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from course_kit import environment
+from course_kit.grading import exercise
+
+KIT = environment.PACKAGE
+# What one exercise is made of: the quiz and its panel, the robot and the panels that show it.
+MADE_OF = (
+    "graders",
+    "quiz",
+    "starters",
+    "robot.py",
+    "panels/__init__.py",
+    "panels/arena_map.py",
+    "panels/demo_robot.py",
+    "panels/quiz_panel.py",
+    "panels/quiz_answers.py",
+)
+# Lists of what was given out, by exercise, which a tool writes.
+WRITTEN = ("classroom/intake/known_starters.json",)
+NAMES = re.compile(
+    rf"\b({'|'.join(exercise.ids(exercise.exercises_folder()))})\b|\bexercises? [1-9]\b|\bfour exercises\b"
+)
+FILES = sorted(
+    path.relative_to(KIT).as_posix()
+    for path in KIT.rglob("*")
+    if path.suffix in (".py", ".toml", ".json", ".html", ".js", ".in")
+)
+
+
+@pytest.mark.parametrize("name", [one for one in FILES if not one.startswith(MADE_OF) and one not in WRITTEN])
+def test_no_file_of_the_kit_names_an_exercise(name: str) -> None:
+    lines = (KIT / name).read_text(encoding="utf-8").splitlines()
+    assert [line for line in lines if NAMES.search(line)] == []
+
+
+def test_every_file_is_looked_at() -> None:
+    assert len(FILES) > len(MADE_OF) + 200
+    assert all((KIT / one).exists() for one in (*MADE_OF, *WRITTEN))
+    assert NAMES.search("as for exercise 4")
+    assert NAMES.search("%grade temperature_service")
