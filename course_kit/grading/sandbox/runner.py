@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from types import TracebackType
 
-    from rclpy.context import Context
-
     from course_kit.grading.sandbox.sandbox import Conditions, Streams
 
 # Ignored unless handled: harmless to a program that has replaced itself by another (exec).
@@ -163,24 +161,21 @@ def _run(program: Program, evidence: int) -> None:
     if program.variable:
         values.run(code, module, program.variable, partial(_note, evidence))
         return
-    default = _default_context()
+    default = _default_context()  # rclpy forgets one that was shut down, and with it that there was a node
     exec(code, module.__dict__)  # noqa: S102
-    if _is_over(default) or _has_made_nodes():
+    if _has_made_nodes():
         return
+    del default
     node_class = _find_class(module, program.class_name, evidence)
     if node_class is not None:
         _spin(node_class)
 
 
-def _default_context() -> Context:
-    """What `rclpy.init()` initialises; whoever holds it knows that it was, even after rclpy has let go of it."""
+def _default_context() -> object:
+    """The context that `rclpy.init()` will use."""
     from rclpy.utilities import get_default_context
 
     return get_default_context()
-
-
-def _is_over(context: Context) -> bool:
-    return context.handle is not None and not context.ok()
 
 
 def _has_made_nodes() -> bool:
@@ -192,7 +187,7 @@ def _has_made_nodes() -> bool:
         kind = type(thing)  # not isinstance(): a proxy among the learner's objects may answer in its own way
         if issubclass(kind, Node):
             return True
-        if issubclass(kind, Context) and _is_over(thing):
+        if issubclass(kind, Context) and thing.handle is not None and not thing.ok():
             return True
     return False
 
