@@ -32,9 +32,13 @@ from course_kit.grading.checks.check import Evidence, Failed, check
 from course_kit.grading.checks.parameters import require_proper_answer, shown
 
 _DIGITS = 9  # decimal places, so that a line with a rounded number shows it
+# A valid value, and after it one that no range refuses, but a callback.
+_BY_A_CALLBACK = ({"wheel_diameter": 0.5, "max_velocity": 0.0}, {"max_velocity": 1.5, "robot_name": ""})
 _BEYOND_AN_EDGE = 1e-4  # nearer ones are left to rclpy, whose ranges have a relative tolerance of 1e-6
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from geometry_msgs.msg import Twist
 
     from course_kit.grading.checks.context import CheckContext
@@ -163,9 +167,28 @@ def atomic(context: CheckContext) -> Evidence:
             outcome = limiter.remote.set_together(values)
             evidence = require_refused(outcome, values, expected, "validation.missing")
             _require_unchanged(limiter, before, was, evidence)
+    for values in _BY_A_CALLBACK:
+        _require_each_judged(context, values)
     with Limiter(context) as limiter:
         limiter.set_together(max_velocity=drawn(context, 1.1, 2.0), wheel_diameter=drawn(context, 0.2, 0.9))
     return evidence
+
+
+def _require_each_judged(context: CheckContext, values: Mapping[str, object]) -> None:
+    """Of several values the last one is judged as well as the first one."""
+    name = list(values)[-1]
+    alone = shown({name: values[name]})
+    with Limiter(context) as limiter:
+        before = limiter.driving()
+        if limiter.remote.set(name, values[name]).successful:
+            return  # the check `refuses` says so
+        was = _seen(limiter, command(BEYOND))
+        outcome = limiter.remote.set_together(values)
+        evidence = Evidence(shown(values), f"refused, and nothing changed: {alone} is not valid", outcome.shown())
+        if outcome.successful:
+            message = f"Your node refuses {alone} by itself, and accepts it beside another value: judge each of them."
+            raise Failed(evidence, message, "validation.missing")
+        _require_unchanged(limiter, before, was, evidence)
 
 
 def _seen(limiter: Limiter, twist: Twist) -> Reaction:

@@ -26,8 +26,10 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.actions import ReceivedFeedback
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.goals import CheckedGoal
 
 _SAME = 0.005  # of progress
+_ROUNDING = 1e-9  # of progress
 
 
 def feedback_of_a_move(context: CheckContext) -> Evidence:
@@ -105,6 +107,19 @@ def require_no_z(move: Move, z: float) -> None:
         done = 1.0 - left / move.length
         if _is_progress_with_z(feedback.progress, done, (left, move.length), z):
             raise _counts_z(move, z, "progress", done, feedback.progress)
+
+
+def require_progress_limits(goal: CheckedGoal) -> None:
+    """Progress goes from 0 to 1, also where there is no way to go and no feedback is needed.
+
+    Raises:
+        Failed: a message said something else.
+    """
+    for told in goal.wait_for_last_feedback(lambda _: True):
+        progress = told.feedback.progress
+        if not -_ROUNDING <= progress <= 1.0 + _ROUNDING:
+            evidence = Evidence(goal.shown, "progress from 0 to 1, if there is feedback", f"progress={progress:.4g}")
+            raise Failed(evidence, "A goal at the present position needs no feedback, but progress goes from 0 to 1.")
 
 
 def _is_complete(heard: Sequence[ReceivedFeedback]) -> bool:

@@ -40,7 +40,7 @@ from course_kit.graders._moves import (
     place_of,
     telling_target,
 )
-from course_kit.graders._watching import feedback_of_a_move, progress_of_a_move, require_no_z
+from course_kit.graders._watching import feedback_of_a_move, progress_of_a_move, require_no_z, require_progress_limits
 from course_kit.grading.checks.check import Check, Evidence, Failed, check
 from course_kit.grading.checks.discovery import ensure_ready, expect_node, expect_offered
 
@@ -119,7 +119,7 @@ def any_z(context: CheckContext) -> Evidence:
     return evidence
 
 
-@check(points=1.0, depends_on=["arrives"], deadline_s=30.0, proves=["already_there"])
+@check(points=1.0, depends_on=["arrives"], deadline_s=30.0, proves=["already_there", "progress_limits"])
 def already_there(context: CheckContext) -> Evidence:
     """A goal at the present position succeeds at once."""
     place = here(context)
@@ -129,6 +129,7 @@ def already_there(context: CheckContext) -> Evidence:
     except Failed:
         context.spoil()
         raise
+    require_progress_limits(goal)
     return _require_arrived(Move(place, place, goal, ended))
 
 
@@ -185,12 +186,14 @@ def cancel(context: CheckContext) -> Evidence:
     return fairly(context, cancel_midway)
 
 
-@check(points=1.0, depends_on=["cancel"], deadline_s=30.0, proves=["after_cancel"])
+@check(points=1.0, depends_on=["cancel"], deadline_s=60.0, proves=["after_cancel", "cancel_accepted"])
 def after_cancel(context: CheckContext) -> Evidence:
-    """After a cancelled goal the next one works, and starts where the robot stopped."""
+    """After a cancelled goal the next one works, starts where the robot stopped, and can be cancelled as well."""
     move = drive_on(context, SHORTEST_M)
     _require_arrived(move)
-    return _require_distance(context, move)
+    evidence = _require_distance(context, move)
+    fairly(context, cancel_midway)
+    return evidence
 
 
 CHECKS: tuple[Check, ...] = (
