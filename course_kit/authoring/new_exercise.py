@@ -74,18 +74,28 @@ def refresh(task: Exercise) -> list[Path]:
         the files that have changed.
 
     Raises:
-        GradingError: there is no place for a sentence, or the notebook is none.
+        GradingError: it is one of the course's own, there is no place for a sentence, or the notebook is none.
         OSError: a file cannot be read or written.
     """
+    if not exercise_folders.is_added(task.folder):
+        raise GradingError(
+            f"{task.id} belongs to the course. Write its task anew with: python -m course_kit.authoring.task_text "
+            f"{task.id}, and its notebook by hand."
+        )
     program, notebook = task.folder / task.starter, task.folder / task.notebook
     before = {path: path.read_text(encoding="utf-8") for path in (program, notebook)}
-    starter = task_text.in_starter(before[program], task)
+    starter = _titled(task_text.in_starter(before[program], task), task)
     with_starter = exercise_notebook.renewed(before[notebook], task, starter)
     after = {program: starter, notebook: task_text.in_notebook(with_starter, task)}
     changed = [path for path in after if after[path] != before[path]]
     for path in changed:
         write_atomically(path, after[path])
     return changed
+
+
+def _titled(starter: str, task: Exercise) -> str:
+    """A starter whose docstring begins with the exercise's title."""
+    return re.sub(r'\A\s*"""[^\n]*', lambda _: f'"""{task.title}.', starter)
 
 
 def _require_usable(name: str) -> None:

@@ -116,7 +116,7 @@ def table(task: Exercise, shown: Sequence[ProvenSentence]) -> str:
 
 
 def _cell(sentence: Sentence) -> str:
-    text = sentence.text.strip("|").strip() if sentence.is_row else sentence.text
+    text = sentence.text.strip("|").strip() if sentence.is_row else f"{sentence.heading} {sentence.text}".strip()
     return f"**{sentence.id}**: " + text.replace("|", "\\|")
 
 

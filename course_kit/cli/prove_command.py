@@ -62,7 +62,8 @@ def run(options: argparse.Namespace) -> int:
     except OSError as problem:
         return cannot(f"{problem.filename or 'A file'} could not be written: {problem.strerror}.")
     except KeyboardInterrupt:
-        tell(f"\nStopped after {progress.graded} gradings, which are kept. Go on with: {_again(options)}")
+        sys.stderr.write("\n" if sys.stderr.isatty() else "")
+        tell(f"Stopped after {progress.graded} gradings, which are kept. Go on with: {_again(options)}")
         return _INTERRUPTED
     print(table.as_json(proof) if options.json else table.as_text(proof))
     return 0 if proof.holds else 1

@@ -132,7 +132,7 @@ def already_there(context: CheckContext) -> Evidence:
     return _require_arrived(Move(place, place, goal, ended))
 
 
-@check(points=1.5, depends_on=["accepted"], deadline_s=30.0, proves=["edges_inside", "outside"])
+@check(points=1.5, depends_on=["accepted"], deadline_s=60.0, proves=["edges_inside", "outside"])
 def outside(context: CheckContext) -> Evidence:
     """Goals outside the arena are rejected, goals on its edges are not."""
     _require_edges(context)

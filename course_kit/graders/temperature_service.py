@@ -126,7 +126,7 @@ def unknown_unit(context: CheckContext) -> Evidence:
     return _refuses(context, [Sample(20.0, *pair) for pair in pairs], _units_of)
 
 
-@check(points=1.0, depends_on=["answers"], proves=["no_number", "says_why", "checked_first"])
+@check(points=1.0, depends_on=["answers"], proves=["no_number", "says_why", "lives_on", "checked_first"])
 def not_a_number(context: CheckContext) -> Evidence:
     """NaN and infinity are refused with a reason."""
     samples = [Sample(value, CELSIUS, FAHRENHEIT) for value in (math.nan, math.inf, -math.inf)]
@@ -134,7 +134,9 @@ def not_a_number(context: CheckContext) -> Evidence:
     return _refuses(context, samples, lambda sample: _NUMBERS[str(sample.value)])
 
 
-@check(points=1.0, depends_on=["answers"], proves=["too_cold", "absolute_zero", "says_why", "checked_first"])
+@check(
+    points=1.0, depends_on=["answers"], proves=["too_cold", "absolute_zero", "says_why", "lives_on", "checked_first"]
+)
 def absolute_zero(context: CheckContext) -> Evidence:
     """A temperature below absolute zero is refused with a reason, absolute zero itself is not."""
     below = (_EDGE, context.random.uniform(300.0, 1000.0))

@@ -62,18 +62,20 @@ def test_a_fault_of_the_proof_set_is_found(mine: Path) -> None:
 def test_sentences_and_starter_are_written_anew_and_what_the_author_added_stays(mine: Path) -> None:
     task = make(mine)
     toml, starter, notebook = (task.folder / name for name in ("exercise.toml", task.starter, task.notebook))
-    toml.write_text(toml.read_text().replace("is published doubled", "comes back twice as large"))
+    text = toml.read_text().replace("is published doubled", "comes back twice as large")
+    toml.write_text(text.replace("A node that doubles numbers", "Twice"))
     starter.write_text(starter.read_text().replace("# Your code goes here.", "# Yours."))
     content = json.loads(notebook.read_text())
     content["cells"].insert(1, {"cell_type": "markdown", "id": "own", "metadata": {}, "source": ["My own words."]})
     notebook.write_text(json.dumps(content))
     assert set(new_exercise.refresh(exercise.read(task.folder))) == {starter, notebook}
     assert "comes back twice as large" in starter.read_text()
+    assert starter.read_text().startswith('"""Twice.\n')
     cells = {cell["id"]: "".join(cell["source"]) for cell in json.loads(notebook.read_text())["cells"]}
     assert list(cells)[:3] == ["title", "own", "task"]
     assert cells["own"] == "My own words."
     assert "comes back twice as large" in cells["task"]
-    assert cells["title"] == "# A node that doubles numbers\n\n5 points, 3 to pass."
+    assert cells["title"] == "# Twice\n\n5 points, 3 to pass."
     assert cells["answer"].startswith("%%submission dead_band\nimport rclpy\n")
     assert cells["answer"].endswith("# Yours.")
     assert new_exercise.refresh(exercise.read(task.folder)) == []
@@ -147,6 +149,14 @@ def test_what_cannot_be_written_anew_is_a_sentence(  # noqa: PLR0913, PLR0917 - 
     path.write_text(path.read_text().replace(old, new))
     assert main(["new", "exercise", "dead_band", "--refresh", "--in", str(tmp_path)]) == 2
     assert sentence in capsys.readouterr().err
+
+
+def test_an_exercise_of_the_course_is_left_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = ROOT / "exercises" / "temperature_service"
+    before = {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+    assert main(["new", "exercise", "temperature_service", "--refresh", "--in", str(tmp_path)]) == 2
+    assert "temperature_service belongs to the course." in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in before} == before
 
 
 def test_an_unknown_one_cannot_be_refreshed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

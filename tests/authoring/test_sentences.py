@@ -57,7 +57,7 @@ def test_check_that_names_no_sentence_of_the_task_is_named() -> None:
 
 BREAKS = ProofSubmission(TASK.id, "slip", "breaks_it", TASK.folder, failed=frozenset({("x", None)}), breaks=("node",))
 RIGHT = ProofSubmission(TASK.id, "variant", "right", TASK.folder / "right.py")
-NODE = Sentence("node", "The node is called so.")
+NODE = Sentence("node", "the node is called so.", heading="Of course")
 FREE = Sentence("free", "Any message will do.", freedom="right")
 ALL = Corpus(replace(TASK, sentences=(NODE, FREE)), (BREAKS, RIGHT))
 
@@ -76,7 +76,7 @@ def test_a_sentence_is_proven_by_what_breaks_it_and_turns_its_check_red() -> Non
     assert free.right == RIGHT
     assert list(sentences.unproven(ALL, reports)) == []
     table = sentences.table(ALL.task, [node, free])
-    assert "| **node**: The node is called so. | node_name | slip `breaks_it` (node_name) |" in table
+    assert "| **node**: Of course the node is called so. | node_name | slip `breaks_it` (node_name) |" in table
     assert "| **free**: Any message will do. |  | a freedom: the right program `right` gets full marks |" in table
 
 

@@ -264,7 +264,7 @@ PROGRAMS = {
         ("progress", "action.feedback_not_monotonic"),
         (
             (
-                "position=self.point(), distance_remaining=remaining, progress=1.0 - remaining / whole_way",
+                "position=self.point(), distance_remaining=remaining, progress=progress",
                 "position=Point(x=1e308, y=-1e308), distance_remaining=1e308, progress=1e308",
             ),
         ),

@@ -80,6 +80,15 @@ def test_exec_of_nothing_there_says_so() -> None:
     assert "no_such_program" in report.stderr
 
 
+def test_a_program_that_cleans_up_instead_of_spinning_has_ended(grade_source: Callable[..., grading.Report]) -> None:
+    """Its node and its context are gone without a trace in rclpy; still it is no module that only defines a class."""
+    starter = (ROOT / "exercises" / EXERCISE / f"{EXERCISE}.py").read_text()
+    program = starter.replace("        rclpy.spin(node)\n", "        pass\n").replace("self.service = ", "")
+    assert len(starter) - len(program) > len("self.service = ")  # without that attribute nothing keeps the node
+    report = grade_source(program)
+    assert (report.score, report.checks[0].diagnosis) == (0.0, "start.exit")
+
+
 @pytest.mark.parametrize("command", ["", "   ", "unbalanced 'quote"])
 def test_exec_of_no_command_is_refused(command: str) -> None:
     with pytest.raises(grading.GradingError, match="command"):

@@ -61,6 +61,19 @@ def test_what_the_text_gives_away(program: Path) -> None:
     assert [facts.waits_for_a_future(line) for line in (1, 2, 4, 5, 7)] == [True, True, False, True, False]
 
 
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("x = 1\nf = Future()\ng = Future()\n", 2),
+        ("f = rclpy.task.Future(executor=e)\n", 1),
+        ("f: Future = make()\n", 0),
+    ],
+)
+def test_the_first_future_that_a_program_makes_is_known(text: str, line: int, program: Path) -> None:
+    program.write_text(text)
+    assert read(program, TASK.id).facts.future == line
+
+
 def test_the_reader_is_small(program: Path) -> None:
     with Reader() as reader, Copy(program) as copy:
         reader.read(copy, TASK)

@@ -26,6 +26,7 @@ OPERATORS: tuple[Callable[[ParsedProgram], Iterator[Change]], ...] = (
     ros.failing,
     ros.spinning,
     ros.parameters,
+    ros.parameter_types,
     ros.groups,
     expressions.operators,
     expressions.comparisons,

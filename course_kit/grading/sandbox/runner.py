@@ -161,12 +161,21 @@ def _run(program: Program, evidence: int) -> None:
     if program.variable:
         values.run(code, module, program.variable, partial(_note, evidence))
         return
+    default = _default_context()  # rclpy forgets one that was shut down, and with it that there was a node
     exec(code, module.__dict__)  # noqa: S102
     if _has_made_nodes():
         return
+    del default
     node_class = _find_class(module, program.class_name, evidence)
     if node_class is not None:
         _spin(node_class)
+
+
+def _default_context() -> object:
+    """The context that `rclpy.init()` will use."""
+    from rclpy.utilities import get_default_context
+
+    return get_default_context()
 
 
 def _has_made_nodes() -> bool:

@@ -119,6 +119,16 @@ def changed(source: str, operator: str) -> list[str]:
         ("def a():\n    return b", "another value returned", ["return None"]),
         ("def a() -> M.Result:\n    return b", "another value returned", ["return None", "return M.Result()"]),
         ("a.b()", "call left out", ["pass"]),
+        (
+            "n.declare_parameter('a', 3.0)",
+            "parameter's type",
+            ["n.declare_parameter('a', '3.0')", "n.declare_parameter('a', 3)"],
+        ),
+        (
+            "n.declare_parameter('a', True)",
+            "parameter's type",
+            ["n.declare_parameter('a', 'True')", "n.declare_parameter('a', 1)"],
+        ),
         (NODE, "published twice", ["self.out.publish(Float64(data=message.data * factor))"]),
         (NODE, "one thread", ["executor = rclpy.executors.SingleThreadedExecutor()"]),
         (NODE, "one spin", ["executor.spin_once()"]),

@@ -91,19 +91,16 @@ assert int(time.time()) == 1
 CELL[0] = 0
 """
 TELLS = """
-            goal_handle.publish_feedback(
-                MoveRobot.Feedback(
-                    position=self.point(), distance_remaining=remaining, progress=1.0 - remaining / whole_way
-                )
-            )
+            self.tell(goal_handle, remaining, whole_way)
             self.robot.step_towards(*target)
+        self.tell(goal_handle, remaining, whole_way)  # the last one says that the robot is there
 """
 KEEPS_AND_FORGES = """
-            feedback = MoveRobot.Feedback(
-                position=self.point(), distance_remaining=remaining, progress=1.0 - remaining / whole_way
-            )
+            progress = 1.0 - remaining / whole_way
+            feedback = MoveRobot.Feedback(position=self.point(), distance_remaining=remaining, progress=progress)
             story.append((time.time_ns(), feedback))
             self.robot.step_towards(*target)
+        story.append((time.time_ns(), MoveRobot.Feedback(position=self.point(), progress=1.0)))
         for when, feedback in story:
             CELL[:] = divmod(when, 10**9)
             goal_handle.publish_feedback(feedback)

@@ -97,6 +97,19 @@ def spinning(program: ParsedProgram) -> Iterator[Change]:
             yield Change("one spin", call.lineno, (program.replace(call, text),))
 
 
+def parameter_types(program: ParsedProgram) -> Iterator[Change]:
+    """A parameter that is declared with a value of another type: 1 for 1.0, a text for a number."""
+    for call in program.calls():
+        value = call.args[1] if program.name_of(call) == "declare_parameter" and len(call.args) > 1 else None
+        if isinstance(value, ast.Constant) and isinstance(value.value, (bool, int, float)):
+            others = [
+                repr(str(value.value)),
+                repr(float(value.value) if type(value.value) is int else int(value.value)),
+            ]
+            for other in others:
+                yield Change("parameter's type", value.lineno, (program.replace(value, other),))
+
+
 def parameters(program: ParsedProgram) -> Iterator[Change]:
     """A parameter that is read once, when the node is made."""
     made = program.methods.get("__init__")
