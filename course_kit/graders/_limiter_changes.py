@@ -24,13 +24,12 @@ from course_kit.graders._limiter_node import (
     WHEELS,
     Limiter,
     drawn,
-    require_proper_answer,
     require_refused,
     rest,
 )
 from course_kit.graders._limiter_status import expect_status
 from course_kit.grading.checks.check import Evidence, Failed, check
-from course_kit.grading.checks.parameters import shown
+from course_kit.grading.checks.parameters import require_proper_answer, shown
 
 _DIGITS = 9  # decimal places, so that a line with a rounded number shows it
 _BEYOND_AN_EDGE = 1e-4  # nearer ones are left to rclpy, whose ranges have a relative tolerance of 1e-6

@@ -12,9 +12,9 @@ from std_msgs.msg import Float64, String
 from course_kit.graders import _limiter
 from course_kit.graders._limiter import TYPES, LimiterSettings, Reaction, same_reaction
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.parameters import Remote, SetResult, ensure_served, shown
+from course_kit.grading.checks.parameters import Remote, SetResult, ensure_served, require_proper_answer, shown
 from course_kit.grading.checks.topics import Topic, TopicExchange
-from course_kit.grading.diagnosis.exceptions import INVALID_RESULT, explained
+from course_kit.grading.diagnosis.exceptions import explained
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -254,17 +254,6 @@ def require_refused(outcome: SetResult, values: Mapping[str, object], expected: 
     if outcome.successful:
         raise Failed(evidence, f"Your node accepted {shown(values)}.", accepted)
     return evidence
-
-
-def require_proper_answer(outcome: SetResult, evidence: Evidence) -> None:
-    """A refusal is the learner's own, not rclpy's for a callback that returned something else.
-
-    Raises:
-        Failed: with parameter.bad_callback.
-    """
-    if INVALID_RESULT in outcome.reason:
-        message = "Your set-parameters callback did not return a SetParametersResult, so rclpy refused the change."
-        raise Failed(evidence, message, "parameter.bad_callback")
 
 
 def _shown(reaction: Reaction, part: str) -> str:

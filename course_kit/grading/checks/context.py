@@ -64,7 +64,7 @@ class CheckContext:
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
         self._supervisor = supervisor
         self._grader_node: GraderNode | None = None
-        self._started = self._spoiled = False
+        self._started = self._spoiled = self._asking = False
         self.deadline_s = 0.0
         self.spent = dict.fromkeys(PHASES, 0.0)  # seconds
         self._clock: FairClock | None = None
@@ -101,6 +101,8 @@ class CheckContext:
         Raises:
             NotRun: arguments for a program that somebody else has started.
         """
+        if self._asking:  # never the submission, whose answers would count as the solution's
+            raise Failed(Evidence(got="it has ended, or hangs"), "It has ended, or hangs.")
         if arguments and self.job.mode == "attach":
             raise NotRun("it starts your program again, but with --attach your program is already running.")
         began = time.monotonic()
@@ -110,7 +112,7 @@ class CheckContext:
         self.memory.clear()
         if arguments:
             self.record.sent(f"start with {' '.join(arguments)}", "message")
-        domain = None if self.job.mode == "attach" else self._start(arguments, files or {}, variables or {})
+        domain = None if self.job.mode == "attach" else self._start(arguments, files or {}, variables or {}, "launch")
         self._grader_node = GraderNode(domain)
         self.spent["start"] += time.monotonic() - began
 
@@ -119,13 +121,14 @@ class CheckContext:
         """Run the exercise's own solution, for at most so many seconds; it has ended before the submission starts."""
         began, spent = time.monotonic(), dict(self.spent)
         self._grader_node = GraderNode(self._start((), {}, {}, "launch solution"))
+        self._asking = True
         self.begin(deadline_s)
         try:
             yield
         finally:
             self.close()
             self._ask("end solution")
-            self._clock, self._spoiled = None, False
+            self._clock, self._asking, self._spoiled = None, False, False
             self.spent = {**spent, "start": spent["start"] + time.monotonic() - began}
 
     def run_to_end(self) -> ProcessStatus:
@@ -134,17 +137,15 @@ class CheckContext:
         It is ended when the check's time is up. What it has put into the job's variable is in the notes of the result,
         as `values.describe` puts it.
         """
-        self._start((), {}, {})
+        self._start((), {}, {}, "launch")
         while (process := ProcessStatus.from_mapping(self._ask("finish", seconds=_FINISH_S))).running:
             if self.time_is_up():
                 return ProcessStatus.from_mapping(self._ask("time is up"))
         return process
 
-    def _start(
-        self, arguments: Sequence[str], files: Mapping[str, str], variables: Mapping[str, str], what: str = "launch"
-    ) -> int:
+    def _start(self, arguments: Sequence[str], files: Mapping[str, str], more: Mapping[str, str], what: str) -> int:
         """Have the submission started; returns its ROS domain."""
-        program = {"arguments": list(arguments), "files": dict(files), "variables": {**self._variables, **variables}}
+        program = {"arguments": list(arguments), "files": dict(files), "variables": {**self._variables, **more}}
         answer = self._ask(what, patience_s=limits.QUEUE_S, **program)
         self._started = True
         self._queued_s += float(answer["queued_s"])

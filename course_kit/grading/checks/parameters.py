@@ -108,6 +108,17 @@ class Remote:
             raise exceptions.unanswered(context, evidence, clock.fair())
 
 
+def require_proper_answer(outcome: SetResult, evidence: Evidence) -> None:
+    """A refusal is the learner's own, not rclpy's for a callback that returned something else.
+
+    Raises:
+        Failed: with parameter.bad_callback.
+    """
+    if exceptions.INVALID_RESULT in outcome.reason:
+        message = "Your set-parameters callback did not return a SetParametersResult, so rclpy refused the change."
+        raise Failed(evidence, message, "parameter.bad_callback")
+
+
 def shown(values: Mapping[str, object]) -> str:
     """`max_velocity=2.5, enabled=False`."""
     return ", ".join(f"{name}={value!r}" for name, value in values.items())

@@ -197,8 +197,7 @@ class Supervisor:
             self._asking_since = time.monotonic()
             job, totals = conditions.of_solution(job), (BoundedOutput(), BoundedOutput())
         program = conditions.program(job, arguments, message["files"])
-        variables = {**message["variables"], **self._profile, "ROS_DOMAIN_ID": str(domain)}
-        cell = conditions.of(job, variables, self._view)
+        cell = conditions.of(job, {**message["variables"], **self._profile, "ROS_DOMAIN_ID": str(domain)}, self._view)
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)
         self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, totals)
         return {"domain": domain, "queued_s": queued_s}

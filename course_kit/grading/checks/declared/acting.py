@@ -12,11 +12,11 @@ from course_kit.grading.checks.declared.around import Case, made
 from course_kit.grading.checks.declared.explaining import Exchanged, explained
 from course_kit.grading.checks.declared.inputs import drawn
 from course_kit.grading.checks.declared.messages import Tolerance, differences, plain, shown, shown_part, worked_out
-from course_kit.grading.checks.declared.services import service_of
 from course_kit.grading.checks.declared.settings import accept, put_back, require_values, served, values_in
-from course_kit.grading.checks.declared.starting import topic_of
+from course_kit.grading.checks.declared.starting import ensure_up
 from course_kit.grading.checks.declared.topics import answering, exchanged
 from course_kit.grading.checks.declared.values import as_list
+from course_kit.grading.checks.declared.wanted import meet, service_of, topic_of
 from course_kit.grading.checks.parameters import expect_served
 from course_kit.grading.checks.parameters import shown as shown_values
 from course_kit.grading.checks.services import call
@@ -58,9 +58,13 @@ def _while_it_runs(
     values: Mapping[str, Any],
     cases: Sequence[tuple[Case, Mapping[str, Any]]],
 ) -> Evidence:
+    ensure_up(context, check.endpoints)
     remote = served(context, check.node)
     with put_back(context, remote, values):
-        before = [_observed(context, check, case, None, Evidence(_sent({}, check, case))).got for case, _ in cases]
+        before = [
+            _observed(context, check, case, None, Evidence(_sent({}, check, case), _any(check))).got
+            for case, _ in cases
+        ]
         accept(remote, values)
         evidence, wrong = _look(context, check, remote, values, cases)
         if wrong is None:
@@ -102,6 +106,7 @@ def _at_start(
             expect_served(context, check.node)
         except Failed as failed:
             raise Failed(replace(failed.evidence, sent=sent), failed.message, failed.diagnosis) from None
+        meet(context, check.endpoints.values())
         remote = served(context, check.node)
         message = "The program was started with these values, but its parameters have others."
         require_values(remote, values, sent, message, "parameter.override_ignored")
@@ -152,6 +157,11 @@ def _observed(context: CheckContext, check: Declaration, case: Case, wanted: Any
         message = made(topic.interface, case.fields, "the message")
         return exchanged(answering(context, check), message, {} if wanted is None else wanted, tolerance, evidence)
     return _heard(context, check, wanted, tolerance, evidence)
+
+
+def _any(check: Declaration) -> str:
+    """What is expected where it does not matter yet what comes."""
+    return "an answer" if "service" in check.endpoints else f"a message on {check.endpoints['publisher'].name}"
 
 
 def _heard(

@@ -10,7 +10,8 @@ from course_kit.grading.checks.declared.around import made
 from course_kit.grading.checks.declared.explaining import Exchanged, explained
 from course_kit.grading.checks.declared.messages import Tolerance, differences, plain, shown, shown_part, worked_out
 from course_kit.grading.checks.declared.services import require_not_before
-from course_kit.grading.checks.declared.starting import action_of
+from course_kit.grading.checks.declared.starting import ensure_up
+from course_kit.grading.checks.declared.wanted import action_of
 from course_kit.grading.checks.goals import SUCCEEDED, CheckedGoal, Ended
 from course_kit.grading.diagnosis import goals
 
@@ -89,6 +90,7 @@ def _accepted(first: CheckedGoal | None, evidence: Evidence) -> Failed:
 
 def send(context: CheckContext, check: Declaration, fields: Record) -> CheckedGoal:
     """Send a goal with these fields."""
+    ensure_up(context, check.endpoints)
     message = made(_goal_type(check), fields, "the goal")
     return CheckedGoal(context, action_of(check.endpoints["action"]), message, f"a goal with {shown(plain(message))}")
 

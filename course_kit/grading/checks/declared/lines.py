@@ -33,11 +33,21 @@ class Lines:
         self._tables: dict[str, list[_Table]] = {}
         bare = _OPAQUE.sub(_blanked, text).split("\n")
         table, number = self._root, 0
+        within: tuple[_Table, str] | None = (
+            None  # the table, and its key that a header such as [checks.expect] is about
+        )
         while number < len(bare):
             first, number = number, _end(bare, number)
             if header := _HEADER.match(bare[first]):
+                outer, _, key_name = header["name"].partition(".")
+                within = (
+                    (self._tables[outer][-1], key_name.split(".")[0]) if key_name and outer in self._tables else None
+                )
                 table = _Table(first + 1)
                 self._tables.setdefault(header["name"], []).append(table)
+            if within is not None:
+                keys, key_name = within[0].keys, within[1]
+                keys[key_name] = (keys.get(key_name, (first + 1, 0))[0], number)
             elif key := _KEY.match(bare[first]):
                 table.keys.setdefault(key["name"].strip("\"'"), (first + 1, number))
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.declared.inputs import drawn
 from course_kit.grading.checks.declared.rules import type_of
-from course_kit.grading.checks.declared.settings import put_back, require_proper_answer, served
+from course_kit.grading.checks.declared.settings import put_back, served
 from course_kit.grading.checks.declared.values import as_list
-from course_kit.grading.checks.parameters import shown
+from course_kit.grading.checks.parameters import require_proper_answer, shown
 from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:

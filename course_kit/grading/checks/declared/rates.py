@@ -6,7 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.declared.starting import ensure_up, topic_of
+from course_kit.grading.checks.declared.starting import ensure_up
+from course_kit.grading.checks.declared.wanted import topic_of
 from course_kit.grading.checks.topics import await_next
 from course_kit.grading.diagnosis.hangs import told
 
@@ -29,7 +30,8 @@ def topic_rate(context: CheckContext, check: Declaration, around: Around) -> Evi
     Raises:
         Failed: they come at another, or not at all; with topic.silent.
     """
-    ensure_up(context, around)
+    del around
+    ensure_up(context, check.endpoints)
     topic = topic_of(check.endpoints["publisher"])
     inbox = context.grader_node.inbox(topic.interface, topic.name)
     period_s, off_by = 1.0 / check.keys["hz"], float(check.keys.get("tolerance", _OFF_BY))

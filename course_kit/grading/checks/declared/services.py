@@ -9,15 +9,18 @@ from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.declared.around import interface_of, made
 from course_kit.grading.checks.declared.explaining import Exchanged, explained
 from course_kit.grading.checks.declared.messages import Tolerance, differences, plain, shown, shown_part, worked_out
+from course_kit.grading.checks.declared.starting import ensure_up
+from course_kit.grading.checks.declared.wanted import service_of
 from course_kit.grading.checks.load_test import Load, call_many
-from course_kit.grading.checks.services import Service, call
+from course_kit.grading.checks.services import call
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.declared.around import Around
-    from course_kit.grading.checks.declared.declaration import Declaration, WantedEndpoint
+    from course_kit.grading.checks.declared.declaration import Declaration
+    from course_kit.grading.checks.services import Service
     from course_kit.grading.plain_data import Record
     from course_kit.ros.messages import Message
 
@@ -26,17 +29,13 @@ _TOGETHER_S = 5.0  # within which many requests at a time are answered, unless t
 _EXACT = Tolerance(0.0, 0.0)
 
 
-def service_of(endpoint: WantedEndpoint) -> Service:
-    """The service of an endpoint."""
-    return Service(endpoint.name, interface_of(endpoint.type))
-
-
 def answers(context: CheckContext, check: Declaration, around: Around) -> Evidence:
     """Each request gets the answer that is expected.
 
     Raises:
         Failed: one gets another, or none.
     """
+    ensure_up(context, check.endpoints)
     asked = _asked(context, check, around)
     tolerance = Tolerance.of(check.keys.get("tolerance"))
     ask = _together if "clients" in check.keys else _one_by_one
@@ -67,6 +66,7 @@ def refuses(context: CheckContext, check: Declaration, around: Around) -> Eviden
     Raises:
         Failed: one is accepted, refused without a reason, or the last that the node answers.
     """
+    ensure_up(context, check.endpoints)
     service = service_of(check.endpoints["service"])
     refusal = check.keys.get("refused") or around.refusal(service.name)
     reason = check.keys.get("reason") or _reason_of(service.interface.Response())

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.declared.messages import parameters_in
-from course_kit.grading.checks.parameters import Remote, SetResult, ensure_served, expect_served, shown
-from course_kit.grading.diagnosis.exceptions import INVALID_RESULT
+from course_kit.grading.checks.parameters import Remote, ensure_served, expect_served, require_proper_answer, shown
 from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:
@@ -89,14 +88,3 @@ def require_values(
     read = {name: one.value for name, one in remote.values(list(values)).items()}
     if read != dict(values):
         raise Failed(Evidence(sent, f"afterwards get_parameters says {shown(values)}", shown(read)), message, diagnosis)
-
-
-def require_proper_answer(outcome: SetResult, evidence: Evidence) -> None:
-    """A refusal is the learner's own, not rclpy's for a callback that returned something else.
-
-    Raises:
-        Failed: with parameter.bad_callback.
-    """
-    if INVALID_RESULT in outcome.reason:
-        message = "Your set-parameters callback did not return a SetParametersResult, so rclpy refused the change."
-        raise Failed(evidence, message, "parameter.bad_callback")

@@ -18,7 +18,8 @@ from course_kit.grading.checks.declared.messages import (
     worked_out,
 )
 from course_kit.grading.checks.declared.settings import served, values_in
-from course_kit.grading.checks.declared.starting import ensure_up, topic_of
+from course_kit.grading.checks.declared.starting import ensure_up
+from course_kit.grading.checks.declared.wanted import topic_of
 from course_kit.grading.checks.topics import TopicExchange
 from course_kit.grading.diagnosis.exceptions import explained as explained_end
 
@@ -40,18 +41,21 @@ def topic_answers(context: CheckContext, check: Declaration, around: Around) -> 
     Raises:
         Failed: by another, or by none.
     """
-    ensure_up(context, around)
+    ensure_up(context, check.endpoints)
     exchange, tolerance = answering(context, check), Tolerance.of(check.keys.get("tolerance"))
     exchanges: list[Exchanged] = []
     wrong: Exchanged | None = None
+    cases = around.cases(check, context.job.seed)
+    messages = [made(topic_of(check.endpoints["subscription"]).interface, one.fields, "the message") for one in cases]
+    parameters = _parameters(context, check, {str(number): one.expected for number, one in enumerate(cases)})
     heard = context.grader_node.inbox(*_end_of(check))
-    before = 0
-    for number, case in enumerate(around.cases(check, context.job.seed)):
-        message = made(topic_of(check.endpoints["subscription"]).interface, case.fields, "the message")
-        names = {"message": plain(message), "parameters": _parameters(context, check, case.expected)}
+    if check.keys.get("exactly_one"):  # what an earlier message has left behind comes before
+        exchange.send(messages[0], _evidence(check, plain(messages[0]), "a message"))
+    before = heard.count
+    for number, (case, message) in enumerate(zip(cases, messages, strict=True)):
+        names = {"message": plain(message), "parameters": parameters}
         wanted = worked_out(case.expected, {**names, **around.oracle(check, number)})
         one = exchanged(exchange, message, wanted, tolerance, _evidence(check, plain(message), wanted))
-        before = before or heard.count - 1
         exchanges.append(one)
         if wrong is None and not _fits(one, tolerance):
             wrong = one

@@ -11,7 +11,7 @@ from course_kit.grading.checks.declared.around import made
 from course_kit.grading.checks.declared.explaining import Exchanged, explained
 from course_kit.grading.checks.declared.goals import send, succeed, wait_for_acceptance
 from course_kit.grading.checks.declared.messages import Tolerance, differences, plain, shown, shown_part, worked_out
-from course_kit.grading.checks.declared.starting import action_of
+from course_kit.grading.checks.declared.wanted import action_of
 from course_kit.grading.checks.discovery import ENDED
 from course_kit.grading.checks.goals import CANCELED, SUCCEEDED, CheckedGoal, Ended
 from course_kit.grading.diagnosis import goals, hangs
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.declared.declaration import Declaration
 
 _PROMPT_S = 1.0  # within which a request to cancel is answered, unless the check says otherwise
+_AT_ONCE_S = 0.3  # a request that waited for longer, of a goal that ran when it was sent, was kept waiting
 _UNDER_WAY_S = 0.3  # when a goal is cancelled that gives no feedback
 _ROUNDING = 1e-6
 _GOOD_PART = 0.4  # of a goal's time, over which feedback that is spread comes
@@ -179,25 +180,24 @@ def _get_under_way(context: CheckContext, check: Declaration, goal: CheckedGoal,
 
 
 def _have_it_accepted(context: CheckContext, goal: CheckedGoal, prompt_s: float, expected: str) -> None:
-    clock = context.clock()
+    clock, running = context.clock(), goal.over_at is None
     answer = goal.cancel()
     with explained_end(context, Evidence(goal.shown, expected), goals.of_program, "no answer: the program ended"):
         context.wait_until(answer.answered, hangs.ANSWER_S)
     if not answer.answered():
         raise hangs.unanswered(context, goal.shown, expected, clock.fair())
     waited_s, late = clock.wall(), clock.past(prompt_s)
-    over = goal.over_at is not None
     if goal.is_cancelled_by(answer.response()):
         if late:
             evidence = Evidence(goal.shown, expected, f"accepted after {waited_s:.1f} s")
             message = f"Your server answered the request to cancel only after {waited_s:.1f} s."
             raise Failed(evidence, message, "action.cancel_blocked")
         return
-    if not over:
+    if goal.over_at is None:
         message = "Your server refused to cancel the goal, and the goal went on."
         raise Failed(Evidence(goal.shown, expected, "cancelling refused"), message, "action.cancel_refused")
     evidence = Evidence(goal.shown, expected, f"an answer after {waited_s:.1f} s, when the goal was over")
-    if late:
+    if running and clock.past(min(prompt_s, _AT_ONCE_S)):
         message = "Your server did not answer the request to cancel before the goal was over."
         raise Failed(evidence, message, "action.cancel_blocked")
     raise Failed(evidence, "The goal was over before the request to cancel arrived.")

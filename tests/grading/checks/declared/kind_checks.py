@@ -78,7 +78,10 @@ kind = "refuses"
 title = "It works."
 points = 1.0
 service = "/convert"
-requests = [{value = 1, from_unit = "kelvin", to_unit = "celsius"}, {from_unit = "celsius", to_unit = {choice = ["", "C"]}}]
+requests = [
+  {value = 1, from_unit = "kelvin", to_unit = "celsius"},
+  {from_unit = "celsius", to_unit = {choice = ["", "C"]}},
+]
 """
 CONVERTS_AND_REFUSES = CONVERTS + REFUSES
 LIMITS = """
@@ -92,8 +95,11 @@ messages = [
   {linear = {x = {draw = [-3.0, 3.0], count = 4}, y = 0.5}},
   {linear.x = 0.25, angular.z = 1},
 ]
-expect = {linear.x = "clamp(message.linear.x, -parameters.limit, parameters.limit)", linear.y = "message.linear.y", angular = "message.angular"}
 node = "all_kinds"
+[checks.expect]
+linear.x = "clamp(message.linear.x, -parameters.limit, parameters.limit)"
+linear.y = "message.linear.y"
+angular = "message.angular"
 """
 EXACTLY_ONE = """
 [[checks]]

@@ -69,6 +69,7 @@ id = "goal"
 kind = "goal_feedback"
 title = "It tells."
 points = 1.0
+action = "/fib"
 goals = {order = 5}
 rising = ["sequence"]
 """
@@ -284,6 +285,12 @@ c = [ # with a bracket ]
 d = 5
 [[checks]]
 c = 6
+[checks.expect]
+e = 7
+[[checks.cases]]
+f = 8
+[[checks.cases]]
+f = 9
 '''
 
 
@@ -300,6 +307,8 @@ c = 6
         (Lines(TEXT).within("checks", 0, "quoted"), 11),
         (Lines(TEXT).within("checks", 1, "c"), 15),
         (Lines(TEXT).within("checks", 1, "z"), 14),
+        (Lines(TEXT).within("checks", 1, "expect", "e"), 17),
+        (Lines(TEXT).within("checks", 1, "cases", "f", "9"), 21),
         (Lines(TEXT).within("none", 1, "z"), 1),
     ],
 )
