@@ -60,6 +60,8 @@ def _lines(planned: EditionPlan, proven: EditionProof) -> Iterator[str]:
         f"It holds {_count(len(planned.files), 'file')} and {_count(len(planned.exercises), 'exercise')}: "
         f"{', '.join(planned.exercises) or 'none'}."
     )
+    if planned.drills:
+        yield f"For practice it holds {_count(len(planned.drills), 'drill')}: {', '.join(planned.drills)}."
     graded = f"{_count(proven.programs, 'program')} found in it {'was' if proven.programs == 1 else 'were'} graded"
     yield f"{graded} in {proven.duration_s:.0f} s: none scores more than its exercise's starter."
     yield f"Left out: {_by_folder(planned.instructors)}."

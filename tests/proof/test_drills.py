@@ -20,7 +20,7 @@ SYMPTOMS = {  # what an untouched drill is told, and in which words the fact is 
     "deaf_to_cancel": ("action.cancel_blocked", "did not answer the request to cancel before the goal was over"),
     "stuck_call": ("service.deadlock", "self.adder.call(request)"),
     "stubborn_limit": ("parameter.read_once", "what comes out is the same as before"),
-    "long_queue": ("service.blocks", "the last of 5 clients that ask together waits"),
+    "long_queue": ("service.blocks", "the last of 8 clients that ask together waits"),
     "dark_lamp": ("type.interface", "/brightness with type std_msgs/msg/Float32, expected std_msgs/msg/Float64"),
     "two_at_once": ("action.concurrent_goals", "accepted a second goal while the first was running"),
     "good_but_aborted": ("action.no_terminal", "returned without saying how the goal ended"),

@@ -1,14 +1,14 @@
 """Drill 5: everybody waits in one queue.
 
-One client waits half a second for its weight. Five clients that ask together: the last one waits two and a
-half.
+One client waits half a second for its weight. Eight clients that ask together: the last one waits four
+seconds.
 
 The program runs. Repair what is wrong with it:
 
 - Names. The program offers the service `/weigh` (`example_interfaces/srv/AddTwoInts`).
 - The weight. It answers with `a + b`.
 - Half a second. The scale needs half a second: no answer comes sooner than 0.4 s after its request.
-- Together. Five clients that ask together all have their answers within 1.5 s.
+- Together. Eight clients that ask together all have their answers within 3 s.
 """
 
 import time

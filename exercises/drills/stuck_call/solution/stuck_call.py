@@ -3,25 +3,21 @@
 import rclpy
 from example_interfaces.srv import AddTwoInts
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
 
-class Adder(Node):
+class Calculator(Node):
     def __init__(self):
-        super().__init__("adder")
+        super().__init__("calculator")
         self.create_service(AddTwoInts, "add", self.add)
+        own = MutuallyExclusiveCallbackGroup()
+        self.create_service(AddTwoInts, "add_doubled", self.add_doubled, callback_group=own)
+        self.adder = self.create_client(AddTwoInts, "add")
 
     def add(self, request, response):
         response.sum = request.a + request.b
         return response
-
-
-class Doubler(Node):
-    def __init__(self):
-        super().__init__("doubler")
-        self.adder = self.create_client(AddTwoInts, "add", callback_group=MutuallyExclusiveCallbackGroup())
-        self.create_service(AddTwoInts, "add_doubled", self.add_doubled)
 
     async def add_doubled(self, request, response):
         answer = await self.adder.call_async(request)
@@ -31,11 +27,8 @@ class Doubler(Node):
 
 def main():
     rclpy.init()
-    executor = SingleThreadedExecutor()
-    for node in (Adder(), Doubler()):
-        executor.add_node(node)
     try:
-        executor.spin()
+        rclpy.spin(Calculator())
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
 

@@ -46,6 +46,16 @@ service = "/add"
 cases = [{request = {a = 1, b = 2}, expect = {sum = 3}}]
 within_s = 0.4
 """
+TAKES_ITS_TIME = """
+[[checks]]
+id = "not_before"
+kind = "goal_succeeds"
+title = "It works."
+points = 1.0
+action = "/fib"
+goals = [{order = 10}]
+not_before_s = 0.05
+"""
 TOGETHER = """
 [[checks]]
 id = "together"

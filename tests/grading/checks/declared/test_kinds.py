@@ -125,6 +125,15 @@ CASES: dict[str, Wrong] = {
         "service.blocks",
         "every other client has to wait",
     ),
+    "too soon": Wrong(
+        checks.WITHIN.replace("within_s = 0.4", "not_before_s = 0.4"),
+        (),
+        None,
+        "the work that takes so long was not done",
+    ),
+    "goal ends too soon": Wrong(
+        checks.TAKES_ITS_TIME.replace("0.05", "9.0"), (), None, "the work that takes so long was not done"
+    ),
     "hangs": Wrong(
         checks.ADDS, (("r.sum = q.a + q.b", "time.sleep(99)"),), "service.blocks", "Your callback is blocked in line"
     ),
