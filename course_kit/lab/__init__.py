@@ -78,3 +78,8 @@ __all__ = [
     "subscribe",
     "use",
 ]
+
+
+def __dir__() -> list[str]:
+    """What Tab offers after `lab.`: what learners use, and no modules."""
+    return __all__

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from course_kit.lab.awaiting import to_be_awaited
 from course_kit.lab.singleton import current
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ def nodes() -> NodeList:
     return current().nodes()
 
 
+@to_be_awaited("lab.call")
 async def call(
     service: str, service_type: ServiceType, request: Message = None, /, *, timeout: float = 5.0, **fields: object
 ) -> Message:
@@ -125,6 +127,7 @@ def publish(topic: str, message_type: type[Message], message: Message = None, /,
     topics.publish(current().engine, topic, message_type, message, fields)
 
 
+@to_be_awaited("lab.next_messages", "Nothing was received")
 async def next_messages(
     topic: str, message_type: type[Message], count: int = 1, *, timeout: float = 5.0
 ) -> list[Message]:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionClient, ActionServer
 
+from course_kit.lab.recording.hooks import WrongResultError
 from course_kit.lab.runtime.executor import CallbackStopped, Turn
 
 if TYPE_CHECKING:
@@ -66,20 +67,27 @@ def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[B
         node = server._node  # noqa: SLF001 - rclpy has no other way to it
         begun = time.monotonic()
 
+        async def called(handle: ServerGoalHandle) -> Message:
+            if executions.runs(node):
+                return await executions.run(server, execute_callback, handle)
+            if inspect.iscoroutinefunction(execute_callback):
+                return await execute_callback(handle)
+            return execute_callback(handle)
+
         async def execute(handle: ServerGoalHandle) -> Message:
             try:
-                if executions.runs(node):
-                    return await executions.run(server, execute_callback, handle)
-                if inspect.iscoroutinefunction(execute_callback):
-                    return await execute_callback(handle)
-                return execute_callback(handle)
+                result = await called(handle)
+                if not isinstance(result, server.action_type.Result):
+                    raise WrongResultError(result, server.action_type)  # noqa: TRY301 - told as any other error
             except CallbackStopped:
                 raise
             except BaseException as error:  # noqa: BLE001 - whatever the learner's code raises
-                crashed(error, Turn(None, node, begun))
+                crashed(error, Turn(None, node, begun, execute_callback))
                 if handle.is_active:
                     handle.abort()
                 return server.action_type.Result()
+            else:
+                return result
 
         await execute_goal(server, execute, goal_handle)
 

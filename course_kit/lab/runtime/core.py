@@ -11,11 +11,13 @@ from course_kit.lab.errors import LabError
 from course_kit.lab.notebook.cells import Notebook
 from course_kit.lab.notebook.output import Output
 from course_kit.lab.recording.events import EventStream
+from course_kit.lab.runtime.slow_start import told_if_slow
 from course_kit.ros import graph as ros_graph
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable
 
+    from course_kit.lab.awaiting import Pending
     from course_kit.lab.recording.recording import Recording
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.nodes import NodeList
@@ -76,11 +78,17 @@ class Lab:
         """In a notebook: see to it from now on that lines land in the right cell; otherwise from the first node on."""
         self._notebook.watch_output()
 
+    def expect(self, verb: Pending[Any], *, awaited: bool = False) -> None:
+        """A verb was called, or awaited; a cell that ends without having awaited it is told so."""
+        self._notebook.expect(verb, awaited=awaited)
+
     def start(self, node_class: type, /, *arguments: Any, **options: Any) -> Any:
         """See `course_kit.lab.start`."""
         self._not_in_callback("lab.start()")
         __tracebackhide__ = True  # IPython: the learner's own lines are what matters
-        node = self.engine.nodes.start(node_class, arguments, options)
+        engine = self.engine
+        with told_if_slow(node_class, self._notebook.locate, engine.note):
+            node = engine.nodes.start(node_class, arguments, options)
         self.output.drain()
         return node
 

@@ -16,7 +16,7 @@ from rclpy.action import ActionServer
 from course_kit.lab.clients import Clients
 from course_kit.lab.errors import DeadlockError
 from course_kit.lab.notebook import asyncio_bridge
-from course_kit.lab.overrides import rclpy_functions
+from course_kit.lab.overrides import callbacks, rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
 from course_kit.lab.recording.hooks import MessageHooks
 from course_kit.lab.runtime import actions, timeout_reasons
@@ -82,6 +82,7 @@ class Engine:
     def _install(self) -> None:
         quieten_finalizers(self._patches)
         rclpy_functions.install(self._patches, self)
+        callbacks.install(self._patches, self._locate)
         if self._found.has(compat_names.WAITING_FOR_GOALS):
             rclpy_functions.guard_goals(self._patches, self)
         if self._found.has(compat_names.GOAL_RECORDING):

@@ -22,6 +22,7 @@ from rclpy.action import ActionClient, ActionServer
 
 from course_kit.lab.clients import HIDDEN_NAME, incompatible
 from course_kit.lab.errors import LabError
+from course_kit.lab.runtime.advice import without_self
 from course_kit.lab.runtime.describe import channels_of
 from course_kit.ros.names import full_name
 
@@ -133,6 +134,8 @@ class Nodes:
             self._destroy(made)
             if isinstance(error, AttributeError) and not made:
                 raise LabError(_no_super(node_class)) from error
+            if isinstance(error, TypeError) and not made and (missing := without_self(node_class, "__init__")):
+                raise LabError(f"{error}: {missing}") from None
             if incompatible(error):
                 raise LabError(self._other_type(node_class, error)) from error
             raise
