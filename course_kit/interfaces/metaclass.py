@@ -39,11 +39,11 @@ def _refuse_fields(cls: type, name: str, value: object) -> None:
     """Refuse `Fibonacci.Feedback.sequence = [0]`, which would take the field away from all messages of the type.
 
     Raises:
-        AttributeError: it is a field.
+        TypeError: it is a field.
     """
     if isinstance(vars(cls).get(name), property):
         kind = cls.__name__.replace("_", ".")
-        raise AttributeError(f"{kind} is the type, not a message: make one with {kind}(), then set its {name}.")
+        raise TypeError(f"{kind} is the type, not a message: make one with {kind}(), then set its {name}.")
     type.__setattr__(cls, name, value)
 
 

@@ -90,3 +90,11 @@ class Kernel:
     def run(self, code: str) -> Shown:
         """Run a cell to its end."""
         return self.finish(self.send(code))
+
+    def complete(self, code: str) -> set[str]:
+        """What Tab offers after some code."""
+        message = self.client.complete(code)
+        while True:
+            reply = self.client.get_shell_msg(timeout=DEADLINE)
+            if reply["parent_header"].get("msg_id") == message:
+                return {str(match).rpartition(".")[2] for match in reply["content"]["matches"]}

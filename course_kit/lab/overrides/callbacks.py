@@ -11,12 +11,14 @@ from rclpy.action import ActionServer
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 
+from course_kit import environment
 from course_kit.lab.errors import CallbackError
 from course_kit.lab.runtime.callback_errors import is_own, own_line
 from course_kit.ros.messages import with_article
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from types import FrameType
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.runtime.callback_errors import Locate
@@ -46,13 +48,21 @@ def _require_callable(  # noqa: PLR0913, PLR0917 - a method, where its callback 
         __tracebackhide__ = True  # IPython: the learner's own lines are what matters
         if place < len(arguments) or option in options:
             given = arguments[place] if place < len(arguments) else options[option]
-            caller = sys._getframe(1)  # noqa: SLF001 - the documented way to the caller
-            if not callable(given) and is_own(caller.f_code.co_filename):
+            caller = _caller()
+            if not callable(given) and caller is not None and is_own(caller.f_code.co_filename):
                 where, line = own_line(caller.f_code.co_filename, caller.f_lineno, locate)
                 raise CallbackError(_no_function(shown, given, where, line))
         return original(subject, *arguments, **options)
 
     patches.set(owner, method, checked)
+
+
+def _caller() -> FrameType | None:
+    """Who has called, past the functions of the kit that stand in for rclpy's."""
+    frame: FrameType | None = sys._getframe(1)  # noqa: SLF001 - the documented way to the caller
+    while frame is not None and frame.f_code.co_filename.startswith(str(environment.PACKAGE)):
+        frame = frame.f_back
+    return frame
 
 
 def _no_function(method: str, given: object, where: str, line: str) -> str:

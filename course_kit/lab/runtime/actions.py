@@ -67,18 +67,9 @@ def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[B
         node = server._node  # noqa: SLF001 - rclpy has no other way to it
         begun = time.monotonic()
 
-        async def called(handle: ServerGoalHandle) -> Message:
-            if executions.runs(node):
-                return await executions.run(server, execute_callback, handle)
-            if inspect.iscoroutinefunction(execute_callback):
-                return await execute_callback(handle)
-            return execute_callback(handle)
-
         async def execute(handle: ServerGoalHandle) -> Message:
             try:
-                result = await called(handle)
-                if not isinstance(result, server.action_type.Result):
-                    raise WrongResultError(result, server.action_type)  # noqa: TRY301 - told as any other error
+                return await _result(executions, server, execute_callback, handle)
             except CallbackStopped:
                 raise
             except BaseException as error:  # noqa: BLE001 - whatever the learner's code raises
@@ -86,9 +77,26 @@ def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[B
                 if handle.is_active:
                     handle.abort()
                 return server.action_type.Result()
-            else:
-                return result
 
         await execute_goal(server, execute, goal_handle)
 
     patches.set(ActionServer, "_execute_goal", execute_goal_apart)
+
+
+async def _result(
+    executions: Executions, server: ActionServer, execute_callback: Execute, handle: ServerGoalHandle
+) -> Message:
+    """What an execute callback returns.
+
+    Raises:
+        WrongResultError: it is no result; rclpy fails on that so late that the client never hears of it.
+    """
+    if executions.runs(server._node):  # noqa: SLF001 - as above
+        result = await executions.run(server, execute_callback, handle)
+    elif inspect.iscoroutinefunction(execute_callback):
+        result = await execute_callback(handle)
+    else:
+        result = execute_callback(handle)
+    if not isinstance(result, server.action_type.Result):
+        raise WrongResultError(result, server.action_type)
+    return result
