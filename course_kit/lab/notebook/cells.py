@@ -37,11 +37,13 @@ class Notebook:
 
     Attributes:
         present: whether there is one.
+        nodes_run: tells whether the lab has nodes.
     """
 
     def __init__(self, shell: Any, output: Output) -> None:
         self._shell = shell
         self._output = output
+        self.nodes_run: Callable[[], bool] = lambda: False
         self._not_awaited = NotAwaited()
         self._limits = {name: CellLimit() for name in _STREAMS}
         self._patches = Patches()
@@ -108,7 +110,7 @@ class Notebook:
         self._route()
         self._shell.events.register("pre_run_cell", self._before_cell)
         self._shell.events.register("post_run_cell", self._after_cell)
-        interrupts.tell_briefly(self._shell, self.locate, _nodes_run)
+        interrupts.tell_briefly(self._shell, self.locate, lambda: self.nodes_run())
         with suppress(RuntimeError):  # a terminal has no loop; there lines wait for the end of a command
             self._loop = asyncio.get_running_loop()
             self._output.on_put = self._drain_soon
@@ -244,12 +246,6 @@ class Notebook:
             if self._beat is not None:
                 self._beat.cancel()
             self._beat = self._loop.call_later(_BEAT, self._keep_beating)
-
-
-def _nodes_run() -> bool:
-    from course_kit.lab.singleton import current
-
-    return bool(current().nodes())
 
 
 class _LogCapture:

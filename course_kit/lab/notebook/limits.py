@@ -26,17 +26,22 @@ class CellLimit:
 
     def take(self, text: str) -> str:
         """What of this text is shown."""
+        if self._lines >= LINES or self._characters >= CHARACTERS:
+            self._leave_out(text)
+            return ""
+        lines = text.splitlines(keepends=True)[: LINES - self._lines]
+        shown = "".join(lines)[: CHARACTERS - self._characters]
+        self._lines += shown.count("\n")
+        self._characters += len(shown)
         if self._lines < LINES and self._characters < CHARACTERS:
-            self._lines += text.count("\n")
-            self._characters += len(text)
-            if self._lines < LINES and self._characters < CHARACTERS:
-                return text
-            shown = text[: CHARACTERS - (self._characters - len(text))]
-            ending = "" if shown.endswith("\n") else "\n"
-            return f"{shown}{ending}... This cell has printed {self._how_much()}: the rest is left out.\n"
+            return shown
+        self._leave_out(text[len(shown) :])
+        ending = "" if shown.endswith("\n") else "\n"
+        return f"{shown}{ending}... This cell has printed {self._how_much()}: the rest is left out.\n"
+
+    def _leave_out(self, text: str) -> None:
         self._left_out += text.count("\n")
         self._last.extend(text[-CHARACTERS:].splitlines(keepends=True)[-_LAST:])
-        return ""
 
     def end(self) -> str:
         """What is said at the end of the cell: how much was left out, and the last of it."""

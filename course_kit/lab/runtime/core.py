@@ -40,6 +40,7 @@ class Lab:
         self.events = EventStream()
         self.output = Output()
         self._notebook = Notebook.of_this_process(self.output)
+        self._notebook.nodes_run = lambda: bool(self.nodes())
         self._engine: Engine | None = None
         self._scripts: Scripts | None = None
         self._recorder: Recording | None = None
