@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.integrations.grade_magics import SubmissionCells, parse
+from course_kit.integrations.grade_magics import parse
+from course_kit.integrations.submission_cells import SubmissionCells
 from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:

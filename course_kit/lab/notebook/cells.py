@@ -110,7 +110,7 @@ class Notebook:
         self._route()
         self._shell.events.register("pre_run_cell", self._before_cell)
         self._shell.events.register("post_run_cell", self._after_cell)
-        interrupts.tell_briefly(self._shell, self.locate, lambda: self.nodes_run())
+        interrupts.tell_briefly(self._shell, self.locate, self.nodes_run)
         with suppress(RuntimeError):  # a terminal has no loop; there lines wait for the end of a command
             self._loop = asyncio.get_running_loop()
             self._output.on_put = self._drain_soon
