@@ -32,8 +32,8 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
         error = result.error_in_exec
         if isinstance(error, NameError) and error.name in _NAMES:
             sys.stderr.write(
-                f"After a start or restart of the kernel {error.name} has to be imported again: run the notebook's first "
-                "code cell, then the cells down to this one.\n"
+                f"The kernel has just been started and does not know {error.name} yet: run the notebook's first code "
+                "cell, then the cells down to this one.\n"
             )
 
     shell.events.register("post_run_cell", after_cell)
