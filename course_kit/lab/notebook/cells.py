@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import asyncio
 import builtins
+import os
 import sys
 import threading
 import warnings
 from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.lab.errors import InputError
@@ -58,6 +60,12 @@ class Notebook:
         module = sys.modules.get("IPython")
         shell = module.get_ipython() if module is not None else None
         return cls(shell, output)
+
+    @property
+    def title(self) -> str:
+        """What other notebooks call this one: its file, or the program's."""
+        session = os.environ.get("JPY_SESSION_NAME", "") if self.present else sys.argv[0]
+        return Path(session).name or "another program"
 
     @property
     def present(self) -> bool:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 _WHERE = "_course_kit_where"  # on a client, service, publisher or subscription: what `where` has found out
 # rclpy publishes these on its own; a learner never meant to.
-_SILENT_TOPICS = frozenset({"/parameter_events", "/rosout"})
+_SILENT_TOPICS = frozenset({"/parameter_events", "/rosout", "/_lab/nodes", "/_lab/stop"})  # the last two are the lab's
 
 
 class WrongResponseError(TypeError):

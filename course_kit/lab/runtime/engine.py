@@ -26,6 +26,7 @@ from course_kit.lab.runtime.executor import Turn
 from course_kit.lab.runtime.executor_thread import ExecutorThread
 from course_kit.lab.runtime.failures import Failures
 from course_kit.lab.runtime.nodes import Nodes
+from course_kit.lab.runtime.surroundings import Surroundings
 from course_kit.ros import compat_names
 
 if TYPE_CHECKING:
@@ -78,6 +79,7 @@ class Engine:
         self.nodes = Nodes(self.executor_thread, self._end_goals, self._forget)
         self.clients = Clients(self.executor_thread, self._hooks, LAB_NAME)
         self._install()
+        self.surroundings = Surroundings(self, notebook.title)
 
     def _install(self) -> None:
         quieten_finalizers(self._patches)
@@ -107,6 +109,7 @@ class Engine:
 
     def close(self) -> bool:
         """End everything; False if a callback could not be ended."""
+        self.surroundings.close()
         self._end_goals([live.node for live in self.nodes], _LAST_JOIN)
         try:
             return self.executor_thread.close(self._destroy_nodes)
@@ -275,3 +278,4 @@ class Engine:
                 channels |= {subscription.topic_name for subscription in node.subscriptions}
                 channels |= actions_of(node)
         self.clients.forget(channels)
+        self.surroundings.announce()

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.runtime.executor_thread import ExecutorThread
+    from course_kit.lab.runtime.neighbours import OtherNotebook
 
 _BETWEEN_CALLBACKS = 1.0  # seconds a running callback may take before its node is destroyed under it
 
@@ -211,14 +212,21 @@ class Nodes:
 
 
 class NodeList(list[LiveNode]):
-    """Live nodes that print as a list of what each offers."""
+    """Live nodes that print as a list of what each offers.
+
+    Attributes:
+        others: other notebooks that have nodes on this graph; they print after the nodes.
+    """
+
+    others: list[OtherNotebook]
 
     def __repr__(self) -> str:
         from course_kit.lab.runtime.describe import describe_node
 
-        if not self:
-            return "No node is running in the lab."
-        return "\n".join(describe_node(live.node) for live in self)
+        lines = [describe_node(live.node) for live in self] or ["No node is running in the lab."]
+        if others := getattr(self, "others", []):
+            lines += ["Of other notebooks, which lab.stop_others() stops:", *(f"    {one}" for one in others)]
+        return "\n".join(lines)
 
 
 def _destroy_actions(node: Node) -> None:
