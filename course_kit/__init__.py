@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
     """Called by `%load_ext course_kit`."""
+    import os
     import sys
 
     from course_kit import environment
@@ -25,6 +26,7 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     shell.register_magic_function(hint_line, "line", "hint")
     shell.register_magic_function(ros2_line, "line", "ros2")
     environment.put_scripts_first()  # !ros2, %%bash and subprocess find the programs of this Python
+    environment.choose_graph(os.environ.get("JPY_SESSION_NAME", ""))
     environment.apply()  # before rclpy is imported; grading works also where this finds no ROS domain
     if told := environment.middleware.unsupported():
         sys.stderr.write(f"{told}\n")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
@@ -155,3 +157,25 @@ def test_stop_closes_subscriptions_too(two: tuple[Kernel, Kernel]) -> None:
     first.run("from std_msgs.msg import String\nears = lab.subscribe('/chatter', String, print)\nlab.stop()")
     assert first.run("ears").result["text/plain"] == "subscription to /chatter [std_msgs/msg/String] (closed)"
     assert first.run("lab.publish('/chatter', String, data='hello')").stdout == ""
+
+
+def test_another_program_that_offers_the_name_is_told(two: tuple[Kernel, Kernel]) -> None:
+    _, second = two
+    stranger = (
+        "import rclpy\nrclpy.init()\nfrom rclpy.node import Node\nfrom std_srvs.srv import Trigger\n"
+        "node = Node('stranger')\nnode.create_service(Trigger, 'ask', print)\nprint('up', flush=True)\nrclpy.spin(node)"
+    )
+    domain_id = second.run("import os; print(os.environ['ROS_DOMAIN_ID'])").stdout.strip()
+    environ = environment.child_environment(ROS_DOMAIN_ID=domain_id)
+    with subprocess.Popen([sys.executable, "-c", stranger], env=environ, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "up\n"
+            wait = "import asyncio\nfor _ in range(300):\n    await asyncio.sleep(0.1)"
+            message = second.send(SERVER.format(name="Mine", node="mine") + f"started = lab.start(Mine)\n{wait}")
+            shown = second.finish(message, until="both answer")
+            assert shown.stdout == "/ask is offered by stranger in another program, too: both answer every request.\n"
+            second.manager.interrupt_kernel()
+            second.finish(message)
+        finally:
+            process.terminate()
