@@ -94,6 +94,7 @@ class GradeMagics(Magics):
             return
         from course_kit import grading
         from course_kit.learner import progress
+        from course_kit.learner.next_step import next_step
 
         try:
             report = grading.grade(exercise, file, seed=seed) if file else self.grade_cells(exercise, seed)
@@ -111,6 +112,8 @@ class GradeMagics(Magics):
         display(Card(report, _notebook_folder()))
         if trouble := progress.record(report):
             complain(trouble)
+        if report.passed:
+            print(next_step(exercise))
 
     def grade_cells(self, exercise: str, seed: int | None = None) -> Report | None:
         """Grade what was last run in the exercise's `%%submission` cells; None when there were none.

@@ -48,6 +48,7 @@ def test_the_card_shows_the_grade_and_the_text_says_the_same(kernel: Kernel) -> 
     done = kernel.run("%grade temperature_service --seed 7")
     assert "10 of 10 points" in done.result["text/html"]
     assert "10 of 10 points" in done.result["text/plain"]
+    assert "Next: lesson 2, notebooks/02_actions.ipynb; then exercise 2, move_robot." in done.stdout
 
 
 @pytest.mark.parametrize(

@@ -51,7 +51,7 @@
     id: 'ros2-course-kit:links',
     autoStart: true,
     activate(app) {
-      const alone = !document.querySelector('#jp-main-dock-panel'); // Notebook 7: one notebook a tab
+      const alone = app.name !== 'JupyterLab'; // Notebook 7: one notebook a tab
       const stop = () => landings++;
       window.addEventListener('wheel', stop, { capture: true, passive: true });
       window.addEventListener('keydown', stop, true);
