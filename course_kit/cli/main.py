@@ -162,6 +162,7 @@ def _grade(options: argparse.Namespace) -> int:
     from course_kit import grading
     from course_kit.learner import progress
     from course_kit.learner.next_step import next_step
+    from course_kit.text.console import wrapped
 
     try:
         if options.format in autograde.FORMATS:

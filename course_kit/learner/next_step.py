@@ -34,10 +34,12 @@ def next_step(passed: str, root: Path | None = None) -> str:
 
 
 def _in_order() -> list[Exercise]:
-    found = []
-    for name in exercise.ids():
-        try:
-            found.append(exercise.load(name))
-        except GradingError:  # one that is being written
-            continue
+    found = [task for name in exercise.ids() if (task := _load(name)) is not None]
     return sorted(found, key=lambda task: task.order)
+
+
+def _load(name: str) -> Exercise | None:
+    try:
+        return exercise.load(name)
+    except GradingError:  # one that is being written
+        return None
