@@ -179,3 +179,9 @@ def test_another_program_that_offers_the_name_is_told(two: tuple[Kernel, Kernel]
             second.finish(message)
         finally:
             process.terminate()
+
+
+def test_what_notebooks_tell_each_other_is_on_no_list_of_topics(two: tuple[Kernel, Kernel]) -> None:
+    listed = two[0].run("%ros2 topic list --include-hidden-topics").stdout
+    assert "/rosout" in listed
+    assert "_lab" not in listed

@@ -25,8 +25,9 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
 
 NODES_TOPIC, STOP_TOPIC = "/_lab/nodes", "/_lab/stop"
-_KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-_PASSING = QoSProfile(depth=10)
+# Without ROS's prefix on the name, so that no `ros2 topic list` shows a learner what no lesson speaks of.
+_KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, avoid_ros_namespace_conventions=True)
+_PASSING = QoSProfile(depth=10, avoid_ros_namespace_conventions=True)
 _STOPPING = 8.0  # seconds another notebook is given: its scripts have 4 to end, and a callback may run
 _POLL = 0.02
 
