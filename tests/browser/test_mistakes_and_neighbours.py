@@ -114,13 +114,6 @@ def test_mistakes_are_told_where_a_learner_looks(lab: JupyterLab) -> None:
     lab.page.locator("[data-command='notebook:interrupt-kernel']").first.click()
     expect(cell).to_contain_text(re.compile(r"Interrupted in In\[\d+\], line 3\."))
     expect(cell).not_to_contain_text("Traceback")
-    cell.locator(".cm-content").click()
-    lab.page.keyboard.press("Control+A")
-    lab.page.keyboard.type("lab.st")
-    lab.page.keyboard.press("Tab")
-    offered = lab.page.locator(".jp-Completer-item")
-    expect(offered.filter(has_text=re.compile("^start"))).to_have_count(1)
-    assert not offered.filter(has_text="singleton").count()
 
 
 @pytest.mark.answers
