@@ -30,6 +30,7 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     environment.put_scripts_first()  # !ros2, %%bash and subprocess find the programs of this Python
     if path := exercise_folders.interface_path():  # of exercises that bring types of their own
         os.environ[PATH_VARIABLE] = path
+    environment.choose_graph(os.environ.get("JPY_SESSION_NAME", ""))
     environment.apply()  # before rclpy is imported; grading works also where this finds no ROS domain
     if told := environment.middleware.unsupported():
         sys.stderr.write(f"{told}\n")

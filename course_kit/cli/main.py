@@ -180,6 +180,8 @@ def _quiz(options: argparse.Namespace) -> int:
 def _grade(options: argparse.Namespace) -> int:
     from course_kit import grading
     from course_kit.learner import progress
+    from course_kit.learner.next_step import next_step
+    from course_kit.text.console import wrapped
 
     try:
         if options.format in autograde.FORMATS:
@@ -201,6 +203,8 @@ def _grade(options: argparse.Namespace) -> int:
         print(grading.render_text(report))
         _tell(grading.advice_for_root())
     _tell(progress.record(report))
+    if report.passed and options.format != "json":
+        print("\n".join(["", *wrapped(next_step(options.exercise))]))
     return grading.exit_code(report)
 
 

@@ -43,6 +43,7 @@ __all__ = [
     "apply",
     "checkout",
     "child_environment",
+    "choose_graph",
     "command",
     "defaults",
     "exclusive_domain",
@@ -70,6 +71,9 @@ PRIVATE_NETWORK_PROFILE = Path(__file__).with_name("private_network.xml")  # for
 _PROFILES = (str(LOOPBACK_PROFILE), str(FAST_DISCOVERY_PROFILE))
 # Tells the kit's own choice from the user's in the environment a child process inherits.
 _CHOSEN_BY_KIT = "COURSE_KIT_DOMAIN_ID"
+# A name for a graph of its own beside the course's. In the environment, so that child processes join it, too.
+_GRAPH = "COURSE_KIT_GRAPH"
+_WITH_OWN_GRAPH = "demos"  # the folder of notebooks that fail on purpose: a node of another one would repair them
 _LOGS_KEPT = 40
 _HIGHEST_DOMAIN = 232  # the ports of a higher one would lie past 65535
 
@@ -149,6 +153,17 @@ def apply() -> Settings:
     return Settings(domain_id, "the course kit" if by_user is None else "ROS_DOMAIN_ID", kit)
 
 
+def choose_graph(notebook: str) -> None:
+    """Have this process join the graph that is meant for a notebook: a demo has one of its own; call it before `apply`.
+
+    Args:
+        notebook: the notebook's path; empty where nobody tells.
+    """
+    path = Path(notebook)
+    if path.parent.name == _WITH_OWN_GRAPH:
+        os.environ[_GRAPH] = f"{_WITH_OWN_GRAPH}/{path.stem}"
+
+
 def child_environment(**changes: str | None) -> dict[str, str]:
     """The environment for a child process: the settings of `apply`, the course's programs first on PATH, `changes`.
 
@@ -226,7 +241,8 @@ def _hold_domain() -> None:
             os.environ.pop(name, None)
         # By the bytes of its name: what Python makes of them depends on the locale, and may be no text at all.
         folder = os.fsencode(checkout() or state_dir()).decode("ascii", errors="backslashreplace")
-        _Held.lease = share(f"{os.getuid()}:{folder}")
+        graph = os.environ.get(_GRAPH, "")
+        _Held.lease = share(f"{os.getuid()}:{folder}{f':{graph}' if graph else ''}")
         _Held.process_id = os.getpid()
     os.environ["ROS_DOMAIN_ID"] = os.environ[_CHOSEN_BY_KIT] = str(_Held.lease.domain_id)
 

@@ -15,9 +15,10 @@ from IPython.core.magic import Magics, cell_magic, line_magic, magics_class
 from IPython.display import display
 
 from course_kit.grading.errors import GradingError
+from course_kit.integrations.submission_cells import SubmissionCells
 
 if TYPE_CHECKING:
-    from IPython.core.interactiveshell import InteractiveShell
+    from IPython.core.interactiveshell import ExecutionInfo, ExecutionResult, InteractiveShell
 
     from course_kit.grading import Report
 
@@ -43,41 +44,6 @@ class Card:
         return grading.render_text(self._report)
 
 
-class SubmissionCells:
-    """The `%%submission` cells of this session as last run, in the notebook's order."""
-
-    def __init__(self) -> None:
-        self._cells: dict[str, dict[str, str]] = {}
-
-    def keep(self, exercise: str, cell_id: str | None, source: str) -> None:
-        """Remember a cell's text; a cell without an id (no JupyterLab behind it) replaces all of its exercise.
-
-        Args:
-            exercise: its id.
-            cell_id: the cell's, empty when it has none.
-            source: its text.
-        """
-        cells = self._cells.setdefault(exercise, {})
-        if cell_id is None:
-            cells.clear()
-        cells[cell_id or ""] = source
-
-    def of(self, exercise: str) -> list[str]:
-        """The texts that make up the submission, magic lines included."""
-        order = {cell_id: place for place, cell_id in enumerate(_ids_in_file())}
-        cells = self._cells.get(exercise, {})
-        return [cells[cell_id] for cell_id in sorted(cells, key=lambda cell_id: order.get(cell_id, len(order)))]
-
-
-def _ids_in_file() -> list[str]:
-    """Cell ids of the notebook this kernel belongs to, as last saved; empty where the server does not name it."""
-    path = Path(os.environ.get("JPY_SESSION_NAME", ""))
-    try:
-        return [cell.get("id", "") for cell in nbformat.read(path, as_version=4).cells]
-    except Exception:  # noqa: BLE001 - no such file, not saved yet, half written: the order of running will do
-        return []
-
-
 def _notebook_folder() -> Path | None:
     """Where the notebook lies; a learner may have changed the kernel's own folder. None where nobody tells."""
     session = Path(os.environ.get("JPY_SESSION_NAME", ""))
@@ -92,6 +58,8 @@ class GradeMagics(Magics):
         super().__init__(shell)
         self._submissions = SubmissionCells()
         self._reports: dict[tuple[str, int | None], Report] = {}
+        shell.events.register("pre_run_cell", self._before_cell)
+        shell.events.register("post_run_cell", self._after_cell)
 
     @cell_magic
     def submission(self, line: str, cell: str) -> None:
@@ -105,13 +73,14 @@ class GradeMagics(Magics):
         except GradingError as problem:
             complain(str(problem))
             return
-        self._submissions.keep(exercise, self._cell_id(), f"%%submission {line}\n{cell}")
+        first = f"%%submission {line}\n"
+        self._submissions.keep(exercise, self._cell_id(), first + cell, self._number())
         self._reports.clear()
         # A script's last lines start its node for ever; in the notebook the lab does that.
         namespace_name = self.shell.user_ns.get("__name__")
         self.shell.user_ns["__name__"] = exercise
         try:
-            self.shell.run_cell(cell)
+            self._run_in_its_cell(first, cell)
         finally:
             self.shell.user_ns["__name__"] = namespace_name
 
@@ -125,6 +94,7 @@ class GradeMagics(Magics):
             return
         from course_kit import grading
         from course_kit.learner import progress
+        from course_kit.learner.next_step import next_step
 
         try:
             report = grading.grade(exercise, file, seed=seed) if file else self.grade_cells(exercise, seed)
@@ -132,11 +102,18 @@ class GradeMagics(Magics):
             complain(str(problem))
             return
         if report is None:
-            complain(f"Nothing to grade yet: run the cell that begins with %%submission {exercise}, then grade again.")
+            complain(
+                f"Nothing to grade yet: run the cell that begins with %%submission {exercise}, then grade again. "
+                "(After a restart of the kernel, too; cells that were deleted do not count.)"
+            )
             return
+        if not file:
+            self._say_what_was_graded(exercise)
         display(Card(report, _notebook_folder()))
         if trouble := progress.record(report):
             complain(trouble)
+        if report.passed:
+            print(next_step(exercise))
 
     def grade_cells(self, exercise: str, seed: int | None = None) -> Report | None:
         """Grade what was last run in the exercise's `%%submission` cells; None when there were none.
@@ -147,7 +124,7 @@ class GradeMagics(Magics):
         from course_kit import grading
 
         require(exercise)
-        cells = [nbformat.v4.new_code_cell(cell) for cell in self._submissions.of(exercise)]
+        cells = [nbformat.v4.new_code_cell(cell.source) for cell in self._submissions.of(exercise)]
         if not cells:
             return None
         with tempfile.TemporaryDirectory() as folder:
@@ -165,10 +142,42 @@ class GradeMagics(Magics):
             self._reports[key] = report
         return self._reports[key]
 
-    def _cell_id(self) -> str | None:
+    def _say_what_was_graded(self, exercise: str) -> None:
+        cells = self._submissions.of(exercise)
+        print(f"Graded: {'; '.join(map(str, cells))}.")
+        for warning in self._submissions.warnings(exercise):
+            complain(warning)
+
+    def _run_in_its_cell(self, first: str, cell: str) -> None:
+        """Run the rest of a cell so that errors name the cell, and its lines as the notebook counts them."""
+        after_it, self.shell.execution_count = self.shell.execution_count, self._number()
+        try:
+            self.shell.run_cell(f"# {first}{cell}")
+        finally:
+            self.shell.execution_count = after_it
+
+    def _number(self) -> int:
+        """The number of the running cell; `execution_count` is the next one's already, or not, with the version."""
+        return len(self.shell.history_manager.input_hist_parsed) - 1
+
+    def _before_cell(self, info: ExecutionInfo) -> None:
+        metadata = self._metadata()
+        cell_id = metadata.get("cellId")
+        deleted = [one for one in metadata.get("deletedCells") or () if isinstance(one, str)]
+        self._submissions.before(cell_id if isinstance(cell_id, str) else None, info.raw_cell, deleted)
+
+    def _after_cell(self, result: ExecutionResult) -> None:
+        self._submissions.after(result.info.raw_cell, result.execution_count or 0)
+
+    def _metadata(self) -> dict[str, Any]:
+        """What JupyterLab has sent with the cell."""
         get_parent = getattr(self.shell, "get_parent", None)
         parent: dict[str, Any] = get_parent() if get_parent else {}
-        cell_id = parent.get("metadata", {}).get("cellId")
+        metadata: dict[str, Any] = parent.get("metadata", {})
+        return metadata
+
+    def _cell_id(self) -> str | None:
+        cell_id = self._metadata().get("cellId")
         if isinstance(cell_id, str):
             return cell_id
         # Graders name no cells; but they run each once, from top to bottom.

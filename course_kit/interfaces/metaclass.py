@@ -27,11 +27,24 @@ def make_metaclass(definition: Definition, what: str, attributes: Mapping[str, o
         {
             "__module__": python_module(definition),
             "__doc__": f"Metaclass of {what} '{name}'.",
+            "__setattr__": _refuse_fields,
             "__import_type_support__": classmethod(_import_type_support),
             "_TYPE_SUPPORT": None,
             **attributes,
         },
     )
+
+
+def _refuse_fields(cls: type, name: str, value: object) -> None:
+    """Refuse `Fibonacci.Feedback.sequence = [0]`, which would take the field away from all messages of the type.
+
+    Raises:
+        TypeError: it is a field.
+    """
+    if isinstance(vars(cls).get(name), property):
+        kind = cls.__name__.replace("_", ".")
+        raise TypeError(f"{kind} is the type, not a message: make one with {kind}(), then set its {name}.")
+    type.__setattr__(cls, name, value)
 
 
 def python_module(definition: Definition) -> str:

@@ -13,11 +13,13 @@ from course_kit.lab.api import (
     diagram,
     next_messages,
     nodes,
+    others,
     publish,
     record,
     script,
     start,
     stop,
+    stop_others,
     stop_script,
     subscribe,
 )
@@ -65,6 +67,7 @@ __all__ = [
     "get_parameters_blocking",
     "next_messages",
     "nodes",
+    "others",
     "publish",
     "record",
     "script",
@@ -74,7 +77,13 @@ __all__ = [
     "set_parameters_blocking",
     "start",
     "stop",
+    "stop_others",
     "stop_script",
     "subscribe",
     "use",
 ]
+
+
+def __dir__() -> list[str]:
+    """What Tab offers after `lab.`: what learners use, and no modules."""
+    return __all__

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from course_kit.lab.awaiting import to_be_awaited
 from course_kit.lab.singleton import current
 
 if TYPE_CHECKING:
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
 
     from course_kit.lab.calls import ServiceCall
+    from course_kit.lab.runtime.neighbours import OtherNotebook
     from course_kit.lab.runtime.nodes import NodeList
     from course_kit.lab.scripts.script import Script
     from course_kit.lab.topics import Subscription
@@ -48,10 +50,26 @@ def start(node_class: type[NodeT], /, *args: Any, **kwargs: Any) -> NodeT:
 def stop(target: object = None, /) -> None:
     """Take nodes off the ROS graph: a node, all of a class, one by name, or all of them.
 
+    Without a target it closes the subscriptions of `lab.subscribe`, too.
+
     Raises:
         LabError: no such node is running.
     """
     current().stop(target)
+
+
+def others() -> list[OtherNotebook]:
+    """Other notebooks that have nodes on this graph, by title; a list of their `title` and `nodes`."""
+    return current().others()
+
+
+def stop_others(title: str | None = None, /) -> None:
+    """Have other notebooks stop their nodes and scripts: the one of this title, such as "02_actions.ipynb", or all.
+
+    Raises:
+        LabError: no such notebook has nodes here, or one has not stopped them within some seconds.
+    """
+    current().stop_others(title)
 
 
 def nodes() -> NodeList:
@@ -59,6 +77,7 @@ def nodes() -> NodeList:
     return current().nodes()
 
 
+@to_be_awaited("lab.call")
 async def call(
     service: str, service_type: ServiceType, request: Message = None, /, *, timeout: float = 5.0, **fields: object
 ) -> Message:
@@ -125,6 +144,7 @@ def publish(topic: str, message_type: type[Message], message: Message = None, /,
     topics.publish(current().engine, topic, message_type, message, fields)
 
 
+@to_be_awaited("lab.next_messages", "Nothing was received")
 async def next_messages(
     topic: str, message_type: type[Message], count: int = 1, *, timeout: float = 5.0
 ) -> list[Message]:
@@ -156,15 +176,14 @@ def subscribe(
         qos: an rclpy QoSProfile; what the topic's publishers offer at this moment, with a depth of 10, unless given.
 
     Returns:
-        the subscription; it goes on until its `close()`, or until the lab ends.
+        the subscription; it goes on until its `close()`, `lab.stop()`, or the end of the lab.
 
     Raises:
         FieldError: this is no message type.
         LabError: the topic is no ROS name, or is in use here with another type.
     """
-    from course_kit.lab.topics import Subscription
-
-    return Subscription(current().engine, topic, message_type, callback, qos)
+    subscription: Subscription = current().subscribe(topic, message_type, callback, qos)
+    return subscription
 
 
 def script(name: str, source: str, /, *args: object, mode: str = "auto") -> Script:

@@ -66,6 +66,7 @@ class PendingCall(ABC):
             LabError: it has been waited for long enough; the error says what is there instead.
         """
         if self._is_there():
+            self._lab.surroundings.tell_who_answers(self._wanted.role, self._wanted.name)
             return True
         waited = min(_APPEARANCE, self._timeout)
         if time.monotonic() - self._start < waited:

@@ -46,5 +46,13 @@ class DeadlockError(LabError):
     """A callback was about to wait for something only the thread it runs on could do."""
 
 
+class CallbackError(LabError, TypeError):
+    """Something that cannot be called was given as a callback."""
+
+
+class InputError(LabError):
+    """A callback has asked for input, which would stop every node until somebody types."""
+
+
 class ScriptError(LabError):
     """A script could not be started, or is not there to be stopped."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from course_kit.lab.awaiting import to_be_awaited
 from course_kit.lab.singleton import current
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import ActionType, Message
 
 
+@to_be_awaited("lab.send_goal")
 async def send_goal(  # noqa: PLR0913 - four of them are options, by name
     action: str,
     action_type: ActionType,

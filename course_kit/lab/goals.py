@@ -8,6 +8,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING, NamedTuple
 
+from course_kit.lab.awaiting import to_be_awaited
 from course_kit.lab.calls import PendingCall, call_async, call_blocking, not_of_kind
 from course_kit.lab.errors import FieldError, LabError, NoAnswerError
 from course_kit.lab.goal_waits import Awaited, Wait, gone
@@ -82,6 +83,7 @@ class Goal:
         """The feedback messages received so far."""
         return list(self._tracker.feedback)
 
+    @to_be_awaited("goal.result", "The result was not waited for")
     async def result(self, timeout: float = 60.0) -> Message:
         """Wait for the result message; `status` says whether it was reached.
 
@@ -95,6 +97,7 @@ class Goal:
         """The same as `result` for programs, which have no `await` at top level."""
         return self._result_of(call_blocking(self._wait_for_end(timeout)))
 
+    @to_be_awaited("goal.cancel")
     async def cancel(self, timeout: float = 5.0) -> bool:
         """Ask the server to cancel it.
 

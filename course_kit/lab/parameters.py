@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, TypeVar
 
+from course_kit.lab.awaiting import to_be_awaited
 from course_kit.lab.errors import (
     FieldError,
     LabError,
@@ -30,6 +31,7 @@ T = TypeVar("T")
 _TIMEOUT = 5.0  # seconds for each answer
 
 
+@to_be_awaited("lab.get_parameters")
 async def get_parameters(node: str | Node, /, *names: str, timeout: float = _TIMEOUT) -> Values:
     """Values of a node's parameters: `await lab.get_parameters("/parameter_node", "max_velocity")`.
 
@@ -56,6 +58,7 @@ def get_parameters_blocking(node: str | Node, /, *names: str, timeout: float = _
     return _ask_blocking(name, _getting(name, names), timeout)
 
 
+@to_be_awaited("lab.set_parameters")
 async def set_parameters(
     node: str | Node, given: dict[str, object] | None = None, /, *, atomically: bool = False, **values: object
 ) -> Outcome:
@@ -99,6 +102,7 @@ def set_parameters_blocking(
     return outcome
 
 
+@to_be_awaited("lab.describe_parameters")
 async def describe_parameters(node: str | Node, /, *, timeout: float = _TIMEOUT) -> Descriptors:
     """What a node says about its parameters: name, type, description, range, read_only, constraints.
 

@@ -76,6 +76,11 @@ class Subscription:
         if not lab.in_callback():
             _wait_until(lambda: hears(lab.node, self._subscription))
 
+    @property
+    def is_open(self) -> bool:
+        """Whether it has not been closed."""
+        return self._open
+
     def close(self) -> None:
         """End it: the callback is not called again. Safe to call twice, and after the lab has ended."""
         if self._open:

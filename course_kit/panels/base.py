@@ -52,6 +52,10 @@ class Panel:
         """
         raise NotImplementedError
 
+    def displayed(self) -> Widget:
+        """What a notebook displays: the widget, or for a subclass more than that."""
+        return self.widget
+
     def at_close(self, function: Callable[[], None]) -> None:
         """Have a function called when the panel ends; the last one first."""
         self._closing.append(function)
@@ -62,7 +66,7 @@ class Panel:
             self._closing.pop()()
 
     def _repr_mimebundle_(self, **options: Any) -> dict[str, Any]:
-        shown = self.widget._repr_mimebundle_(**options) or {}
+        shown = self.displayed()._repr_mimebundle_(**options) or {}
         bundle: dict[str, Any] = dict(shown[0] if isinstance(shown, tuple) else shown)  # anywidget adds metadata
         bundle["text/plain"] = self.describe()
         return bundle

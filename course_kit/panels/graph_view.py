@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 
 import anywidget
 import traitlets
+from ipywidgets import VBox
 
 from course_kit import lab
 from course_kit.panels.base import RATE, Panel, of_files
+from course_kit.panels.other_notebooks import OtherNotebooks
 from course_kit.ros import graph
 from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
+    from ipywidgets import Widget
+
     from course_kit.ros.graph import Overview, Use
 
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
@@ -57,6 +61,7 @@ class GraphView(Panel):
         self._shown: Overview | None = None
         self._ended = threading.Event()
         self.widget = GraphWidget()
+        self._others = OtherNotebooks()
         self._came: frozenset[str] = frozenset()  # nodes whose coming is the last news
         self._look()
         self.widget.observe(lambda _: self._look(), "plumbing")
@@ -68,9 +73,14 @@ class GraphView(Panel):
         """The graph in lines: each node, what it does, and what may be amiss."""
         return in_lines(graph.read(self._node))
 
+    def displayed(self) -> Widget:
+        """The picture, and below it what other notebooks run."""
+        return VBox([self.widget, self._others.widget])
+
     def _watch(self) -> None:
         while not self._ended.wait(_PAUSE):
             self._look()
+            self._others.show(lab.others())
 
     def _look(self) -> None:
         with self._lock:  # the page and the thread may ask at the same time

@@ -12,6 +12,7 @@ import numpy as np
 import traitlets
 
 from course_kit import lab
+from course_kit.lab.topics import Subscription
 from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.number_field import NumberField
 from course_kit.ros.messages import type_name
@@ -80,7 +81,7 @@ class Plot(Panel):
         self.at_close(self._end)
         self._updates = Latest(self._show)
         self.at_close(self._updates.close)
-        self.at_close(lab.subscribe(topic, message_type, self._take, qos=_quality(topic)).close)
+        self.at_close(Subscription(lab.current().engine, topic, message_type, self._take, _quality(topic)).close)
 
     @property
     def samples(self) -> list[tuple[float, float]]:

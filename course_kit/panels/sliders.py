@@ -11,6 +11,7 @@ import traitlets
 from course_kit import lab
 from course_kit.lab.errors import LabError
 from course_kit.lab.parameters import full_name
+from course_kit.lab.topics import Subscription
 from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.parameter_entry import EntryError, entry, shown, typed
 from course_kit.ros.parameters import from_message, is_of_every_node
@@ -123,7 +124,9 @@ class ParameterSliders(Panel):
         from rcl_interfaces.msg import ParameterEvent
         from rclpy.qos import qos_profile_parameter_events
 
-        subscription = lab.subscribe(_EVENTS, ParameterEvent, self._happened, qos=qos_profile_parameter_events)
+        subscription = Subscription(
+            lab.current().engine, _EVENTS, ParameterEvent, self._happened, qos=qos_profile_parameter_events
+        )
         self.at_close(subscription.close)
 
     def _happened(self, event: Message) -> None:

@@ -115,14 +115,30 @@ def _refused(field: object, value: object, field_type: str, owner: str) -> str:
     elif _INTEGER.fullmatch(field_type):
         wanted = "a whole number in its range"
     else:
-        example = "a dict of its fields" if "/" in field_type else "one that fits"
-        wanted = f"a value of that type, such as {'a list' if _list_type(field_type) else example}"
+        example = "one that fits"
+        if _list_type(field_type):
+            example = "a list"
+        elif "/" in field_type:
+            example = _example(value, field_type)
+        wanted = f"a value of that type, such as {example}"
     shown = textwrap.shorten(repr(value), 40, placeholder="...")
     comma = "," if ", " in owner else ""  # after "position, a geometry_msgs/Point"
     return (
         f"The field {field!r} in {owner}{comma} has the type {ros_word(field_type)} and takes {wanted}; "
         f"it was given {shown}, {with_article(type(value).__name__)}."
     )
+
+
+def _example(value: object, field_type: str) -> str:
+    """A value that a field of a message's type takes; of the same numbers, where a tuple or a list was given."""
+    from course_kit import interfaces
+
+    package, name = field_type.split("/")
+    fields = list(interfaces.get_type(f"{package}/msg/{name}").get_fields_and_field_types())
+    if not isinstance(value, (tuple, list)) or len(value) != len(fields):
+        return "a dict of its fields"
+    given = dict(zip(fields, value, strict=True))
+    return f"{name}({', '.join(f'{field}={one!r}' for field, one in given.items())}) or {given!r}"
 
 
 def _list_type(field_type: str) -> re.Match[str] | None:

@@ -110,6 +110,9 @@ class Inbox:
         return node.create_subscription(message_type, topic, take, qos, event_callbacks=events, raw=raw)
 
 
+_UNKNOWN, _NOT_YET_NAMED = "_NODE_NAME_UNKNOWN_", "a node that is just starting"
+
+
 @dataclass(frozen=True)
 class Endpoint:
     """A publisher or a subscription on the graph.
@@ -154,4 +157,9 @@ def hears(node: Node, subscription: Subscription) -> bool:
 
 
 def _endpoints(found: Iterable[TopicEndpointInfo]) -> list[Endpoint]:
-    return [Endpoint(one.node_name, one.topic_type, one.qos_profile) for one in found]
+    return [Endpoint(_name(one.node_name), one.topic_type, one.qos_profile) for one in found]
+
+
+def _name(node: str) -> str:
+    """A node's name; an endpoint may be discovered before its node is, and rmw then makes one up."""
+    return _NOT_YET_NAMED if node == _UNKNOWN else node

@@ -8,9 +8,11 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import nbformat
 import pytest
 
-from course_kit.integrations.grade_magics import SubmissionCells, parse
+from course_kit.integrations.grade_magics import parse
+from course_kit.integrations.submission_cells import SubmissionCells
 from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
@@ -46,6 +48,7 @@ def test_the_card_shows_the_grade_and_the_text_says_the_same(kernel: Kernel) -> 
     done = kernel.run("%grade temperature_service --seed 7")
     assert "10 of 10 points" in done.result["text/html"]
     assert "10 of 10 points" in done.result["text/plain"]
+    assert "Next: lesson 2, notebooks/02_actions.ipynb; then exercise 2, move_robot." in done.stdout
 
 
 @pytest.mark.parametrize(
@@ -71,23 +74,31 @@ def test_a_misspelt_exercise_in_the_cell_is_named_at_once(kernel: Kernel) -> Non
     assert done.stdout == ""
 
 
-def test_cells_of_a_submission_are_joined_in_the_notebooks_order(monkeypatch: pytest.MonkeyPatch) -> None:
+def sources(cells: SubmissionCells, exercise: str = "exercise") -> list[str]:
+    return [cell.source for cell in cells.of(exercise)]
+
+
+def test_cells_of_a_submission_are_joined_in_the_notebooks_order(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     cells = SubmissionCells()
     cells.keep("exercise", "second", "b")
     cells.keep("exercise", "first", "a")
-    assert cells.of("exercise") == ["b", "a"]  # the order of running, while the notebook is not known
-    monkeypatch.setattr("course_kit.integrations.grade_magics._ids_in_file", lambda: ["first", "second"])
-    assert cells.of("exercise") == ["a", "b"]
+    assert sources(cells) == ["b", "a"]  # the order of running, while the notebook is not known
+    made = [nbformat.v4.new_code_cell(id=cell_id) for cell_id in ("first", "second")]
+    nbformat.write(nbformat.v4.new_notebook(cells=made), tmp_path / "notebook.ipynb")
+    monkeypatch.setenv("JPY_SESSION_NAME", str(tmp_path / "notebook.ipynb"))
+    assert sources(cells) == ["a", "b"]
     cells.keep("exercise", "second", "new b")
-    assert cells.of("exercise") == ["a", "new b"]
+    assert sources(cells) == ["a", "new b"]
 
 
 def test_without_cell_ids_the_last_cell_counts() -> None:
     cells = SubmissionCells()
     cells.keep("exercise", None, "old")
     cells.keep("exercise", None, "new")
-    assert cells.of("exercise") == ["new"]
-    assert cells.of("another") == []
+    assert sources(cells) == ["new"]
+    assert sources(cells, "another") == []
 
 
 def test_the_line_of_the_magic() -> None:

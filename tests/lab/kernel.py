@@ -65,9 +65,12 @@ class Kernel:
     def pid(self) -> int:
         return int(self.manager.provisioner.pid)
 
-    def send(self, code: str) -> str:
-        """Begin to run a cell; returns its message's id."""
-        return str(self.client.execute(code, allow_stdin=False))
+    def send(self, code: str, **metadata: object) -> str:
+        """Begin to run a cell, with what JupyterLab tells of it; returns its message's id."""
+        content = {"code": code, "silent": False, "store_history": True, "user_expressions": {}, "allow_stdin": False}
+        message = self.client.session.msg("execute_request", content, metadata=metadata)
+        self.client.shell_channel.send(message)
+        return str(message["header"]["msg_id"])
 
     def finish(self, message: str, *, until: str | None = None) -> Shown:
         """Collect a cell's outputs until it has ended, or until `until` was printed."""
@@ -87,6 +90,14 @@ class Kernel:
                 return shown
         raise AssertionError(f"The cell did not end within {DEADLINE} s. So far: {shown}")
 
-    def run(self, code: str) -> Shown:
+    def run(self, code: str, **metadata: object) -> Shown:
         """Run a cell to its end."""
-        return self.finish(self.send(code))
+        return self.finish(self.send(code, **metadata))
+
+    def complete(self, code: str) -> set[str]:
+        """What Tab offers after some code."""
+        message = self.client.complete(code)
+        while True:
+            reply = self.client.get_shell_msg(timeout=DEADLINE)
+            if reply["parent_header"].get("msg_id") == message:
+                return {str(match).rpartition(".")[2] for match in reply["content"]["matches"]}

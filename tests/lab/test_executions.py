@@ -334,7 +334,7 @@ def test_interrupting_a_cell_that_waits_for_a_goal(kernel: Kernel) -> None:
         message = kernel.send("print('begun', flush=True)\n" + code)
         kernel.finish(message, until="begun")
         kernel.manager.interrupt_kernel()
-        assert re.search("KeyboardInterrupt|CancelledError", kernel.finish(message).error), code
+        assert kernel.finish(message).error.startswith("Interrupted in In["), code
     shown = kernel.run(
         "assert len(goal.feedback) > 1\nprint(await goal.cancel(), (await goal.result()).sequence)\ngoal"
     )

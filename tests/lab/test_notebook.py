@@ -137,7 +137,7 @@ def test_interrupting_an_await_a_blocking_call_and_a_spin(kernel: Kernel) -> Non
         message = kernel.send("print('begun', flush=True)\n" + code)
         kernel.finish(message, until="begun")
         kernel.manager.interrupt_kernel()
-        assert re.search("KeyboardInterrupt|CancelledError", kernel.finish(message).error), code
+        assert kernel.finish(message).error.startswith("Interrupted in In["), code
     assert kernel.run("answer = await lab.call('/ask', SetBool, data=True)").ok
 
 

@@ -63,6 +63,14 @@ def test_it_begins_with_what_you_will_be_able_to_do_and_ends_with_a_check_of_it(
 
 
 @lessons
+def test_it_ends_with_the_end_of_its_nodes(path: Path) -> None:
+    """A node that is left running would answer in the next notebook."""
+    last = nbformat.read(path, as_version=4).cells[-1]
+    assert last.cell_type == "code"
+    assert "lab.stop()" in last.source.splitlines()
+
+
+@lessons
 def test_its_outputs_are_stored_and_every_cell_was_run_in_order(path: Path) -> None:
     code = cells(path, "code")
     assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import pytest
 import rclpy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 from std_msgs.msg import Int32, String
 
 from course_kit.ros import topic
@@ -15,6 +16,8 @@ from tests.ros.two_nodes import TwoNodes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from rclpy.node import Node
 
 
 class Pair(TwoNodes):
@@ -83,3 +86,16 @@ def test_an_end_that_is_there_and_not_connected_is_waited_for(pair: Pair) -> Non
     assert not topic.is_heard(pair.talker, unreliable)
     pair.spin_until(lambda: pair.listener.count_publishers("/sensed") == 1)
     assert not topic.hears(pair.listener, reliable)
+
+
+class EndpointsStandIn:
+    """Stands in for a node that has discovered a publisher and not its node: nobody can make that last."""
+
+    def get_publishers_info_by_topic(self, name: str) -> list[TopicEndpointInfo]:
+        assert name == "/words"
+        return [TopicEndpointInfo(node_name="_NODE_NAME_UNKNOWN_", topic_type="std_msgs/msg/String")]
+
+
+def test_a_node_that_is_not_known_yet_has_no_made_up_name() -> None:
+    found = topic.publishers(cast("Node", EndpointsStandIn()), "/words")
+    assert [one.node for one in found] == ["a node that is just starting"]

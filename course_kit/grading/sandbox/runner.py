@@ -8,6 +8,7 @@ process tells the grader beyond what stands on the ROS graph is a hint for the d
 from __future__ import annotations
 
 import atexit
+import builtins
 import faulthandler
 import fcntl
 import gc
@@ -97,6 +98,7 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
     if program.command:
         _execute(program)
     gc.enable()
+    builtins.input = _refuse_input
     faulthandler.register(STACKS_SIGNAL, file=evidence, all_threads=True)
     status = 1
     try:
@@ -130,6 +132,12 @@ def _arrange_streams(inside: Streams) -> int:
 def _text(descriptor: int) -> io.TextIOWrapper:
     raw = open(descriptor, "wb", buffering=8192, closefd=False)  # noqa: SIM115 - it stays open
     return io.TextIOWrapper(raw, encoding="utf-8", errors="backslashreplace", line_buffering=True)
+
+
+def _refuse_input(*prompt: object) -> str:
+    """Stands in for `input`, which would find the end of an empty file and say no more than that."""
+    del prompt
+    raise EOFError("no one is there to type an answer")
 
 
 def _with_files(program: Program, folder: Path) -> Program:

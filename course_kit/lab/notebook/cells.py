@@ -8,17 +8,25 @@ are taken where rclpy hands them to C, before they get a timestamp and bypass Py
 from __future__ import annotations
 
 import asyncio
+import builtins
+import os
 import sys
 import threading
 import warnings
 from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from course_kit.lab.errors import InputError
+from course_kit.lab.notebook import interrupts
+from course_kit.lab.notebook.cell_end import NotAwaited, tell_meaning
+from course_kit.lab.notebook.limits import CellLimit
 from course_kit.lab.overrides.patches import Patches
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from course_kit.lab.awaiting import Pending
     from course_kit.lab.notebook.output import Output, Stream
     from course_kit.ros.compat import Compatibility
 
@@ -31,11 +39,15 @@ class Notebook:
 
     Attributes:
         present: whether there is one.
+        nodes_run: tells whether the lab has nodes.
     """
 
     def __init__(self, shell: Any, output: Output) -> None:
         self._shell = shell
         self._output = output
+        self.nodes_run: Callable[[], bool] = lambda: False
+        self._not_awaited = NotAwaited()
+        self._limits = {name: CellLimit() for name in _STREAMS}
         self._patches = Patches()
         self._attached = False
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -48,6 +60,12 @@ class Notebook:
         module = sys.modules.get("IPython")
         shell = module.get_ipython() if module is not None else None
         return cls(shell, output)
+
+    @property
+    def title(self) -> str:
+        """What other notebooks call this one: its file, or the program's."""
+        session = os.environ.get("JPY_SESSION_NAME", "") if self.present else sys.argv[0]
+        return Path(session).name or "another program"
 
     @property
     def present(self) -> bool:
@@ -74,6 +92,11 @@ class Notebook:
             return str(found[1]) if found else None
         return None
 
+    def expect(self, verb: Pending[Any], *, awaited: bool) -> None:
+        """A verb was called, or awaited; a cell that ends without having awaited it is told so."""
+        if self._attached:
+            self._not_awaited.expect(verb, awaited=awaited)
+
     def attach(self, thread_id: int, found: Compatibility) -> None:
         """Begin: take over what the thread prints and logs, and all further producers of output."""
         self._output.producers.add(thread_id)
@@ -95,6 +118,7 @@ class Notebook:
         self._route()
         self._shell.events.register("pre_run_cell", self._before_cell)
         self._shell.events.register("post_run_cell", self._after_cell)
+        interrupts.tell_briefly(self._shell, self.locate, self.nodes_run)
         with suppress(RuntimeError):  # a terminal has no loop; there lines wait for the end of a command
             self._loop = asyncio.get_running_loop()
             self._output.on_put = self._drain_soon
@@ -108,6 +132,7 @@ class Notebook:
         for name in _STREAMS:  # one that IPython still holds passes everything through from now on
             vars(getattr(sys, name)).pop("write", None)
         self._patches.undo()
+        interrupts.tell_at_length(self._shell)
         self._output.queued = False
         self._output.on_put = lambda: None
         for event, function in (("pre_run_cell", self._before_cell), ("post_run_cell", self._after_cell)):
@@ -124,6 +149,8 @@ class Notebook:
             stream = getattr(sys, name)
             if getattr(stream.write, "notebook", None) is not self:
                 stream.write = self._routed(name, stream.write)
+        if getattr(builtins.input, "notebook", None) is not self:  # ipykernel replaces it for each cell, too
+            builtins.input = self._asking(builtins.input)
 
     def _routed(self, name: Stream, write: Callable[[str], Any]) -> Callable[[str], Any]:
         def routed(text: str) -> Any:
@@ -134,10 +161,26 @@ class Notebook:
                 return len(text)
             if threading.current_thread() is threading.main_thread():
                 self._output.drain()
-            return write(text)
+            if shown := self._limits[name].take(text):
+                write(shown)
+            return len(text)
 
         routed.notebook = self  # type: ignore[attr-defined] # the mark `_route` looks for
         return routed
+
+    def _asking(self, ask: Callable[..., str]) -> Callable[..., str]:
+        """`input`, which no callback can wait for: the notebook shows no box to type in, and every node stands."""
+
+        def asking(*prompt: object) -> str:
+            if self._attached and threading.get_ident() in self._output.producers:
+                raise InputError(
+                    "input() in a callback would stop every node until somebody types. Ask in a cell, and send the "
+                    "answer in a request, a goal or a parameter."
+                )
+            return ask(*prompt)
+
+        asking.notebook = self  # type: ignore[attr-defined] # the mark `_route` looks for
+        return asking
 
     def _capture_logs(self) -> None:
         from rclpy.impl import rcutils_logger
@@ -182,16 +225,23 @@ class Notebook:
 
     def _before_cell(self, info: object) -> None:
         del info
+        for limit in self._limits.values():
+            limit.begin()
         self._route()
         self._keep_beating()
 
     def _after_cell(self, result: object) -> None:
-        del result
         if self._beat is not None:
             self._beat.cancel()
             self._beat = None
         self._output.end_parts()
         self._output.drain()
+        for name, limit in self._limits.items():
+            if left_out := limit.end():
+                limit.begin()
+                getattr(sys, name).write(left_out)
+        self._not_awaited.tell()
+        tell_meaning(result)
         if self._loop is not None:
             self._loop.call_soon(self._route)
 

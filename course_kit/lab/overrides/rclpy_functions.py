@@ -17,7 +17,7 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.client import Client
 from rclpy.executors import Executor, MultiThreadedExecutor, SingleThreadedExecutor
 
-from course_kit.lab.errors import DeadlockError
+from course_kit.lab.errors import DeadlockError, LabError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -91,6 +91,12 @@ def _guard_spinning(patches: Patches, lab: Engine) -> None:
         if lab.is_live(node):
             lab.note(f"rclpy.spin(): the lab spins {node.get_name()} in the background already; nothing to do.")
             return
+        if isinstance(node, type):
+            raise LabError(f"rclpy.spin() takes a node, not a class. In a notebook: lab.start({node.__name__}).")
+        lab.note(
+            f"rclpy.spin(): this cell runs {node.get_name()} until you press Stop, and no other cell can run. "
+            f"lab.start({type(node).__name__}) runs it in the background instead."
+        )
         executor = executor or rclpy.get_global_executor()
         executor.add_node(node)
         try:

@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.recording.events import EventStream
-    from course_kit.ros.messages import Message, ServiceType
+    from course_kit.ros.messages import ActionType, Message, ServiceType
 
     Work = Callable[[], Coroutine[object, None, None]]
     Where = tuple[str, str, str]
 
 _WHERE = "_course_kit_where"  # on a client, service, publisher or subscription: what `where` has found out
 # rclpy publishes these on its own; a learner never meant to.
-_SILENT_TOPICS = frozenset({"/parameter_events", "/rosout"})
+_SILENT_TOPICS = frozenset({"/parameter_events", "/rosout", "/_lab/nodes", "/_lab/stop"})  # the last two are the lab's
 
 
 class WrongResponseError(TypeError):
@@ -47,6 +47,21 @@ class WrongResponseError(TypeError):
     def __init__(self, returned: object, service_type: ServiceType) -> None:
         self.what = _wrong_response(returned, service_type)
         super().__init__(f"the service callback {self.what}")
+
+
+class WrongResultError(WrongResponseError):
+    """An execute callback returned something that is not its action's result."""
+
+    def __init__(self, returned: object, action_type: ActionType) -> None:
+        name = type_name(action_type)
+        advice = f"End it with `return {name.rpartition('/')[2]}.Result(...)`."
+        if returned is None:
+            self.what = f"returned nothing. {advice}"
+        elif isinstance(returned, type):
+            self.what = f"returned the class {returned.__name__}, without parentheses. {advice}"
+        else:
+            self.what = f"returned {type(returned).__name__}, which is not a result of {name}. {advice}"
+        TypeError.__init__(self, f"the execute callback {self.what}")
 
 
 class MessageHooks:

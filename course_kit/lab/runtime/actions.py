@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionClient, ActionServer
 
+from course_kit.lab.recording.hooks import WrongResultError
 from course_kit.lab.runtime.executor import CallbackStopped, Turn
 
 if TYPE_CHECKING:
@@ -68,15 +69,11 @@ def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[B
 
         async def execute(handle: ServerGoalHandle) -> Message:
             try:
-                if executions.runs(node):
-                    return await executions.run(server, execute_callback, handle)
-                if inspect.iscoroutinefunction(execute_callback):
-                    return await execute_callback(handle)
-                return execute_callback(handle)
+                return await _result(executions, server, execute_callback, handle)
             except CallbackStopped:
                 raise
             except BaseException as error:  # noqa: BLE001 - whatever the learner's code raises
-                crashed(error, Turn(None, node, begun))
+                crashed(error, Turn(None, node, begun, execute_callback))
                 if handle.is_active:
                     handle.abort()
                 return server.action_type.Result()
@@ -84,3 +81,22 @@ def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[B
         await execute_goal(server, execute, goal_handle)
 
     patches.set(ActionServer, "_execute_goal", execute_goal_apart)
+
+
+async def _result(
+    executions: Executions, server: ActionServer, execute_callback: Execute, handle: ServerGoalHandle
+) -> Message:
+    """What an execute callback returns.
+
+    Raises:
+        WrongResultError: it is no result; rclpy fails on that so late that the client never hears of it.
+    """
+    if executions.runs(server._node):  # noqa: SLF001 - as above
+        result = await executions.run(server, execute_callback, handle)
+    elif inspect.iscoroutinefunction(execute_callback):
+        result = await execute_callback(handle)
+    else:
+        result = execute_callback(handle)
+    if not isinstance(result, server.action_type.Result):
+        raise WrongResultError(result, server.action_type)
+    return result

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_kit import environment
-from course_kit.lab.errors import DeadlockError
+from course_kit.lab.errors import DeadlockError, InputError
 from course_kit.lab.recording.hooks import WrongResponseError, failure_text
+from course_kit.lab.runtime.advice import advice_on
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -41,6 +42,7 @@ class Crash(NamedTuple):
         error: e.g. "raised ZeroDivisionError: division by zero", or what it returned in place of a response.
         place: e.g. "In[3], line 9" or "server.py, line 9", or "".
         source: that line, stripped.
+        advice: what the error means and what to write, or "".
     """
 
     node: str
@@ -48,6 +50,7 @@ class Crash(NamedTuple):
     error: str
     place: str
     source: str
+    advice: str = ""
 
     def text(self, ending: str) -> str:
         """The message for the notebook; `ending` says what follows from it."""
@@ -55,6 +58,8 @@ class Crash(NamedTuple):
         lines = [f"{who}{self.callback or 'a callback'} {self.error}"]
         if self.place:
             lines.append(f"  {self.place}: {self.source}")
+        if self.advice:
+            lines.append(f"  {self.advice}")
         return "\n".join([*lines, f"  {ending}", ""])
 
 
@@ -80,7 +85,7 @@ def examine(error: BaseException, entity: Any, node: Node | None, locate: Locate
 
     Args:
         error: what a callback raised.
-        entity: the service, subscription, timer... it was called for, or None.
+        entity: the service, subscription, timer... it was called for, or the turn of one that was called for none.
         node: its node, or None.
         locate: the name a file has for the learner, such as "In[3]" for a cell.
     """
@@ -90,13 +95,16 @@ def examine(error: BaseException, entity: Any, node: Node | None, locate: Locate
     function = getattr(callback, "__name__", "") or (own[0][0].f_code.co_name if own else "")
     owner = node if node is not None else _node_in(frame for frame, _ in own)
     name = owner.get_name() if owner is not None else ""
-    if isinstance(error, WrongResponseError):
-        code = getattr(inspect.unwrap(callback), "__code__", None) if callback else None
+    code = getattr(inspect.unwrap(callback), "__code__", None) if callback else None
+    if own and not isinstance(error, WrongResponseError):
+        place, source = own_line(own[-1][0].f_code.co_filename, own[-1][1], locate)
+    else:  # it has not run, or what it returned is wrong
         place, source = _definition(code, locate)
+    if isinstance(error, WrongResponseError):
         return Crash(name, function, error.what, place, source)
-    place, source = own_line(own[-1][0].f_code.co_filename, own[-1][1], locate) if own else ("", "")
-    stopped = isinstance(error, DeadlockError)
-    return Crash(name, function, f"was stopped: {error}" if stopped else f"raised {failure_text(error)}", place, source)
+    if isinstance(error, (DeadlockError, InputError)):
+        return Crash(name, function, f"was stopped: {error}", place, source)
+    return Crash(name, function, f"raised {failure_text(error)}", place, source, advice_on(error, owner, entity))
 
 
 def where_is(frame: FrameType | None, locate: Locate) -> tuple[str, str] | None:
@@ -117,4 +125,6 @@ def _node_in(frames: Iterator[FrameType]) -> Any:
 
 
 def _definition(code: CodeType | None, locate: Locate) -> tuple[str, str]:
-    return own_line(code.co_filename, code.co_firstlineno, locate) if code else ("", "")
+    if code is None or not is_own(code.co_filename):
+        return "", ""
+    return own_line(code.co_filename, code.co_firstlineno, locate)

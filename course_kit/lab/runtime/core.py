@@ -11,16 +11,21 @@ from course_kit.lab.errors import LabError
 from course_kit.lab.notebook.cells import Notebook
 from course_kit.lab.notebook.output import Output
 from course_kit.lab.recording.events import EventStream
+from course_kit.lab.runtime.slow_start import told_if_slow
 from course_kit.ros import graph as ros_graph
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable
 
+    from course_kit.lab.awaiting import Pending
     from course_kit.lab.recording.recording import Recording
     from course_kit.lab.runtime.engine import Engine
+    from course_kit.lab.runtime.neighbours import OtherNotebook
     from course_kit.lab.runtime.nodes import NodeList
     from course_kit.lab.scripts.running import Scripts
     from course_kit.lab.scripts.script import Script
+    from course_kit.lab.topics import Subscription
+    from course_kit.ros.messages import Message
 
 
 class Lab:
@@ -38,11 +43,13 @@ class Lab:
         self.events = EventStream()
         self.output = Output()
         self._notebook = Notebook.of_this_process(self.output)
+        self._notebook.nodes_run = lambda: bool(self.nodes())
         self._engine: Engine | None = None
         self._scripts: Scripts | None = None
         self._recorder: Recording | None = None
         self._panels: dict[Hashable, Callable[[], None]] = {}
         self._told: set[str] = set()
+        self._subscriptions: list[Subscription] = []
         self._closed = False
         self._lock = threading.RLock()
 
@@ -76,11 +83,18 @@ class Lab:
         """In a notebook: see to it from now on that lines land in the right cell; otherwise from the first node on."""
         self._notebook.watch_output()
 
+    def expect(self, verb: Pending[Any], *, awaited: bool = False) -> None:
+        """A verb was called, or awaited; a cell that ends without having awaited it is told so."""
+        self._notebook.expect(verb, awaited=awaited)
+
     def start(self, node_class: type, /, *arguments: Any, **options: Any) -> Any:
         """See `course_kit.lab.start`."""
         self._not_in_callback("lab.start()")
         __tracebackhide__ = True  # IPython: the learner's own lines are what matters
-        node = self.engine.nodes.start(node_class, arguments, options)
+        engine = self.engine
+        with told_if_slow(node_class, self._notebook.locate, engine.note):
+            node = engine.nodes.start(node_class, arguments, options)
+        engine.surroundings.node_started()
         self.output.drain()
         return node
 
@@ -99,14 +113,48 @@ class Lab:
             raise LabError(f"{_shown(target)} is not running in the lab. Running: {running}.")
         for live in nodes:
             self.engine.nodes.stop(live)
+        if target is None:
+            while self._subscriptions:
+                self._subscriptions.pop().close()
         self.output.drain()
+
+    def subscribe(self, topic: str, message_type: type[Message], callback: Callable[[Message], None], qos: Any) -> Any:
+        """See `course_kit.lab.subscribe`."""
+        from course_kit.lab.topics import Subscription
+
+        self._subscriptions = [one for one in self._subscriptions if one.is_open]
+        subscription = Subscription(self.engine, topic, message_type, callback, qos)
+        self._subscriptions.append(subscription)
+        return subscription
+
+    def others(self) -> list[OtherNotebook]:
+        """See `course_kit.lab.others`."""
+        return self.engine.surroundings.neighbours.others()
+
+    def stop_others(self, title: str | None) -> None:
+        """See `course_kit.lab.stop_others`.
+
+        Raises:
+            LabError: no such notebook has nodes here, or one has not stopped them.
+        """
+        self._not_in_callback("lab.stop_others()")
+        others = [one for one in self.others() if title is None or one.title == title]
+        if title is not None and not others:
+            known = ", ".join(one.title for one in self.others()) or "none"
+            raise LabError(f"{title} runs no nodes on this graph. Other notebooks that do: {known}.")
+        if left := self.engine.surroundings.neighbours.stop(others):
+            raise LabError(
+                f"{left[0].title} has not stopped its nodes: a callback of theirs does not end. Restart its kernel."
+            )
 
     def nodes(self) -> NodeList:
         """See `course_kit.lab.nodes`."""
         from course_kit.lab.runtime.nodes import NodeList
 
         live = sorted(self._engine.nodes, key=lambda one: one.name) if self._engine else []
-        return NodeList(live)
+        found = NodeList(live)
+        found.others = self.others() if self._engine else []
+        return found
 
     def script(self, name: str, source: str, arguments: tuple[str, ...], mode: str) -> Script:
         """See `course_kit.lab.script`."""
@@ -179,10 +227,27 @@ class Lab:
         found = compat.check()
         engine = Engine(self.events, self.output, self._notebook, found)
         engine.on_server_gone = self._let_scripts_end
+        engine.surroundings.on_stop_asked = self._stop_for
+        engine.surroundings.script_nodes = self._script_nodes
         self._notebook.attach(engine.executor_thread.thread_id, found)
         self.tell_once(found.sentences())
         _at_exit(self.close)
         return engine
+
+    def _script_nodes(self) -> dict[str, str]:
+        return self._scripts.nodes() if self._scripts is not None else {}
+
+    def _stop_for(self, title: str) -> None:
+        """Another notebook asks that this one stops its nodes."""
+        self.stop()
+        if self._scripts is not None:
+            self._scripts.stop(None)
+        self.engine.note(f"{title} has stopped this notebook's nodes.")
+
+    def announce(self) -> None:
+        """Tell other notebooks which nodes this one has; a lab that needs no ROS so far has none to tell of."""
+        if self._engine is not None:
+            self._engine.surroundings.announce()
 
     def _let_scripts_end(self) -> None:
         if self._scripts is not None and self._engine is not None:

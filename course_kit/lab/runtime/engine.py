@@ -16,7 +16,7 @@ from rclpy.action import ActionServer
 from course_kit.lab.clients import Clients
 from course_kit.lab.errors import DeadlockError
 from course_kit.lab.notebook import asyncio_bridge
-from course_kit.lab.overrides import rclpy_functions
+from course_kit.lab.overrides import callbacks, rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
 from course_kit.lab.recording.hooks import MessageHooks
 from course_kit.lab.runtime import actions, timeout_reasons
@@ -26,6 +26,7 @@ from course_kit.lab.runtime.executor import Turn
 from course_kit.lab.runtime.executor_thread import ExecutorThread
 from course_kit.lab.runtime.failures import Failures
 from course_kit.lab.runtime.nodes import Nodes
+from course_kit.lab.runtime.surroundings import Surroundings
 from course_kit.ros import compat_names
 
 if TYPE_CHECKING:
@@ -78,10 +79,12 @@ class Engine:
         self.nodes = Nodes(self.executor_thread, self._end_goals, self._forget)
         self.clients = Clients(self.executor_thread, self._hooks, LAB_NAME)
         self._install()
+        self.surroundings = Surroundings(self, notebook.title)
 
     def _install(self) -> None:
         quieten_finalizers(self._patches)
         rclpy_functions.install(self._patches, self)
+        callbacks.install(self._patches, self._locate)
         if self._found.has(compat_names.WAITING_FOR_GOALS):
             rclpy_functions.guard_goals(self._patches, self)
         if self._found.has(compat_names.GOAL_RECORDING):
@@ -106,6 +109,7 @@ class Engine:
 
     def close(self) -> bool:
         """End everything; False if a callback could not be ended."""
+        self.surroundings.close()
         self._end_goals([live.node for live in self.nodes], _LAST_JOIN)
         try:
             return self.executor_thread.close(self._destroy_nodes)
@@ -274,3 +278,4 @@ class Engine:
                 channels |= {subscription.topic_name for subscription in node.subscriptions}
                 channels |= actions_of(node)
         self.clients.forget(channels)
+        self.surroundings.announce()

@@ -6,6 +6,7 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import DeadlockError, ServiceFailedError
+from course_kit.lab.recording.hooks import WrongResultError
 from course_kit.lab.runtime.callback_errors import Crash, examine
 from course_kit.lab.runtime.describe import is_alive
 from course_kit.lab.runtime.executor import Turn
@@ -55,7 +56,7 @@ class Failures:
         node = turn.node
         if node is self._lab.hidden_node:
             node = None
-        crash = examine(error, turn.entity, node, self._locate)
+        crash = examine(error, turn if turn.entity is None else turn.entity, node, self._locate)
         if node is not None and not is_alive(node):
             return  # the rest of a node that was stopped in the middle
         before, times = self._last_crash
@@ -101,4 +102,6 @@ def _consequence(error: BaseException, turn: Turn) -> str:
         return "Nothing hangs here; in a separate program this callback would wait for ever."
     if turn.entity is not None and hasattr(turn.entity, "send_response"):
         return "The caller gets no answer. In a separate program this would end the server; here it keeps running."
+    if isinstance(error, WrongResultError):
+        return "The client gets an empty result. In a separate program it would wait for ever."
     return "The node keeps running, and so do the others."

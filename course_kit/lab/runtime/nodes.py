@@ -22,6 +22,7 @@ from rclpy.action import ActionClient, ActionServer
 
 from course_kit.lab.clients import HIDDEN_NAME, incompatible
 from course_kit.lab.errors import LabError
+from course_kit.lab.runtime.advice import without_self
 from course_kit.lab.runtime.describe import channels_of
 from course_kit.ros.names import full_name
 
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.runtime.executor_thread import ExecutorThread
+    from course_kit.lab.runtime.neighbours import OtherNotebook
 
 _BETWEEN_CALLBACKS = 1.0  # seconds a running callback may take before its node is destroyed under it
 
@@ -133,6 +135,8 @@ class Nodes:
             self._destroy(made)
             if isinstance(error, AttributeError) and not made:
                 raise LabError(_no_super(node_class)) from error
+            if isinstance(error, TypeError) and not made and (missing := without_self(node_class, "__init__")):
+                raise LabError(f"{error}: {missing}") from None
             if incompatible(error):
                 raise LabError(self._other_type(node_class, error)) from error
             raise
@@ -208,14 +212,21 @@ class Nodes:
 
 
 class NodeList(list[LiveNode]):
-    """Live nodes that print as a list of what each offers."""
+    """Live nodes that print as a list of what each offers.
+
+    Attributes:
+        others: other notebooks that have nodes on this graph; they print after the nodes.
+    """
+
+    others: list[OtherNotebook]
 
     def __repr__(self) -> str:
         from course_kit.lab.runtime.describe import describe_node
 
-        if not self:
-            return "No node is running in the lab."
-        return "\n".join(describe_node(live.node) for live in self)
+        lines = [describe_node(live.node) for live in self] or ["No node is running in the lab."]
+        if others := getattr(self, "others", []):
+            lines += ["Of other notebooks, which lab.stop_others() stops:", *(f"    {one}" for one in others)]
+        return "\n".join(lines)
 
 
 def _destroy_actions(node: Node) -> None:

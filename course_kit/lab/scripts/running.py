@@ -95,6 +95,10 @@ class Scripts:
             self._say(f"{one} is stopped.")
         self._output.drain()
 
+    def nodes(self) -> dict[str, str]:
+        """The full names of the programs' nodes, each with the program's name."""
+        return {node: script.name for script in list(self._running.values()) for node in script.nodes}
+
     def close(self) -> None:
         """End all programs and the reading of their output."""
         for name in list(self._running):
@@ -151,6 +155,7 @@ class Scripts:
         self.pump()
         if self._running.get(script.name) is script:
             del self._running[script.name]
+        self._lab.announce()
         if not self._running:
             self._end_line()
         if code not in {0, 1} and not script.stopping:  # 1 has just shown its traceback
@@ -225,6 +230,7 @@ class Scripts:
             return
         if script is not None and "node" in report and "event" not in report:
             script.nodes.append(str(report["node"]))
+            self._lab.announce()
         elif script is not None and "spins" in report:
             script.spins = str(report["spins"])
             self._output.poke()

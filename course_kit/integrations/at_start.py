@@ -1,0 +1,50 @@
+"""What every kernel of the course's environment has from its start: magics that load the course when they are used.
+
+After a restart a learner runs the cell they were at, such as `%grade`, and nothing is loaded: the magic loads the
+course then. Where it cannot know what is missing, as for `lab`, a sentence says what to run. Costs the kernel nothing.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from IPython.core.interactiveshell import ExecutionResult, InteractiveShell
+
+_MAGICS = {
+    "line": ("grade", "hint", "ros2", "ros_stop"),
+    "cell": ("submission", "interface", "ros_launch"),
+    "line_cell": ("ros_script",),
+}
+_NAMES = ("lab", "panels")
+
+
+def load_ipython_extension(shell: InteractiveShell) -> None:
+    """Called when a kernel starts."""
+    for kind, names in _MAGICS.items():
+        for name in names:
+            shell.register_magic_function(_loading(shell, name), kind, name)
+
+    def after_cell(result: ExecutionResult) -> None:
+        error = result.error_in_exec
+        if isinstance(error, NameError) and error.name in _NAMES:
+            sys.stderr.write(
+                f"The kernel has just been started and does not know {error.name} yet: run the notebook's first code "
+                "cell, then the cells down to this one.\n"
+            )
+
+    shell.events.register("post_run_cell", after_cell)
+
+
+def _loading(shell: InteractiveShell, name: str) -> Callable[..., object]:
+    def load_and_run(line: str, cell: str | None = None) -> object:
+        shell.extension_manager.load_extension("course_kit")  # registers the magic itself in place of this
+        if cell is None:
+            return shell.run_line_magic(name, line)
+        return shell.run_cell_magic(name, line, cell)
+
+    load_and_run.__doc__ = f"Load the course, and run its %{name}."
+    return load_and_run

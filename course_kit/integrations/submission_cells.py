@@ -1,0 +1,145 @@
+"""The `%%submission` cells of a notebook, as they were last run: which of them count, and what is told of them.
+
+The kernel knows what was run, not what the notebook shows. JupyterLab tells it which cell is run and which were
+deleted since the last one; and the notebook's file shows what was deleted or edited before it was last saved.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass, field
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import nbformat
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+_CLASS = re.compile(r"^class\s+(\w+)", re.MULTILINE)
+_MARK = re.compile(r"\s*(?:# )?%%submission\s+(\S+)")  # with "# " while the rest of the cell runs
+
+
+@dataclass
+class SubmissionCell:
+    """A cell that was run.
+
+    Attributes:
+        source: its text, the magic's line included.
+        number: as in `In[number]`; 0 where there is none.
+        when: when it was run.
+    """
+
+    source: str
+    number: int = 0
+    when: datetime = field(default_factory=lambda: datetime.now().astimezone())
+
+    def __str__(self) -> str:
+        return f"In[{self.number}], run at {self.when:%H:%M:%S}"
+
+
+class SubmissionCells:
+    """The `%%submission` cells of this session as last run, in the notebook's order."""
+
+    def __init__(self) -> None:
+        self._cells: dict[str, dict[str, SubmissionCell]] = {}
+        self._unmarked: dict[str, int] = {}  # in which cell without the magic a class was last defined
+
+    def keep(self, exercise: str, cell_id: str | None, source: str, number: int = 0) -> None:
+        """Remember a cell's text; a cell without an id (no JupyterLab behind it) replaces all of its exercise.
+
+        Args:
+            exercise: its id.
+            cell_id: the cell's, empty when it has none.
+            source: its text.
+            number: as in `In[number]`.
+        """
+        cells = self._cells.setdefault(exercise, {})
+        if cell_id is None:
+            cells.clear()
+        cells[cell_id or ""] = SubmissionCell(source, number)
+
+    def before(self, cell_id: str | None, source: str, deleted: Iterable[str] = ()) -> None:
+        """Any cell is about to run.
+
+        Args:
+            cell_id: its id.
+            source: its text.
+            deleted: the ids of the cells that were deleted since the last one was run.
+        """
+        marked = _MARK.match(source)
+        for exercise, cells in self._cells.items():
+            gone = set(deleted)
+            if cell_id is not None and not (marked and marked[1] == exercise):
+                gone.add(cell_id)  # its mark was removed, or names another exercise
+            self._cells[exercise] = {one: cell for one, cell in cells.items() if one not in gone}
+
+    def after(self, source: str, number: int) -> None:
+        """Any cell was run.
+
+        Args:
+            source: its text.
+            number: as in `In[number]`.
+        """
+        if not _MARK.match(source):
+            self._unmarked.update(dict.fromkeys(_CLASS.findall(source), number))
+
+    def of(self, exercise: str) -> list[SubmissionCell]:
+        """The cells that make up the submission."""
+        saved = _Saved.now()
+        order = {cell_id: place for place, cell_id in enumerate(saved.sources)}
+        cells = {
+            cell_id: cell
+            for cell_id, cell in self._cells.get(exercise, {}).items()
+            if cell_id in saved.sources or not saved.is_newer_than(cell)
+        }
+        return [cells[cell_id] for cell_id in sorted(cells, key=lambda cell_id: order.get(cell_id, len(order)))]
+
+    def warnings(self, exercise: str) -> list[str]:
+        """What the notebook shows and is not graded, a sentence each."""
+        graded = self.of(exercise)
+        saved = _Saved.now()
+        said = []
+        for cell_id, cell in self._cells.get(exercise, {}).items():
+            now = saved.sources.get(cell_id)
+            if cell in graded and now is not None and saved.is_newer_than(cell) and now.strip() != cell.source.strip():
+                said.append(
+                    f"In[{cell.number}] was edited after you ran it (saved at {saved.when:%H:%M:%S}). "
+                    "Run it again to have the change graded."
+                )
+        last = max((cell.number for cell in graded), default=0)
+        classes = {name for cell in graded for name in _CLASS.findall(cell.source)}
+        said += [
+            f"In[{number}] defines {name} again, without %%submission {exercise} in its first line: it is not graded."
+            for name, number in self._unmarked.items()
+            if name in classes and number > last
+        ]
+        return said
+
+
+@dataclass
+class _Saved:
+    """The notebook this kernel belongs to, as last saved.
+
+    Attributes:
+        sources: each cell's text by its id, in order; none where the server does not name the notebook.
+        when: when it was saved.
+    """
+
+    sources: dict[str, str]
+    when: datetime
+
+    @classmethod
+    def now(cls) -> _Saved:
+        path = Path(os.environ.get("JPY_SESSION_NAME", ""))
+        try:
+            when = datetime.fromtimestamp(path.stat().st_mtime).astimezone()
+            return cls({cell.get("id", ""): cell.source for cell in nbformat.read(path, as_version=4).cells}, when)
+        except Exception:  # noqa: BLE001 - no such file, not saved yet, half written: the order of running will do
+            return cls({}, datetime.min.replace(tzinfo=timezone.utc))
+
+    def is_newer_than(self, cell: SubmissionCell) -> bool:
+        """Whether it was saved after a cell was run."""
+        return bool(self.sources) and self.when > cell.when

@@ -1,0 +1,115 @@
+"""Verbs that must be awaited, and what a learner is told who has forgotten it.
+
+Python says of a forgotten `await` that a coroutine has no attribute 'sum', or nothing at all. So these verbs return a
+coroutine that says what is missing.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Coroutine
+from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar
+
+from course_kit.lab.errors import LabError
+from course_kit.lab.singleton import current
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator
+    from types import TracebackType
+
+P = ParamSpec("P")
+T = TypeVar("T")
+_PYTHONS_OWN = ("_", "cr_", "gi_", "ag_")  # what Python itself looks for on anything that may be a coroutine
+
+
+class NotAwaitedError(LabError, AttributeError):
+    """What a verb gives was used before the verb was awaited."""
+
+
+class Pending(Coroutine[Any, Any, T]):
+    """What a verb returns: it does its work when it is awaited, and until then says that it has not.
+
+    Args:
+        make: makes the coroutine that does the work.
+        missing: what to say.
+
+    Attributes:
+        told: whether the learner has been told.
+    """
+
+    def __init__(self, make: Callable[[], Coroutine[Any, Any, T]], missing: str) -> None:
+        self._make = make
+        self._missing = missing
+        self._running: Coroutine[Any, Any, T] | None = None
+        self.told = False
+        current().expect(self)
+
+    @property
+    def begun(self) -> bool:
+        """Whether it was awaited."""
+        return self._running is not None
+
+    def send(self, value: Any, /) -> Any:
+        """As any coroutine's; a task of asyncio does it."""
+        return self._begin().send(value)
+
+    def throw(self, kind: Any, value: BaseException | object = None, traceback: TracebackType | None = None, /) -> Any:
+        """As any coroutine's; a task of asyncio does it when it is cancelled."""
+        del traceback  # one signature with three arguments is on its way out of Python
+        return self._begin().throw(value if isinstance(value, BaseException) else kind)
+
+    def close(self) -> None:
+        """As any coroutine's: it will not be awaited any more."""
+        self._begin().close()
+
+    def __await__(self) -> Generator[Any, Any, T]:
+        """Do the work."""
+        return self._begin().__await__()
+
+    def __repr__(self) -> str:
+        self.told = True
+        return self._missing
+
+    def __getattr__(self, name: str) -> NoReturn:
+        if name.startswith(_PYTHONS_OWN):
+            raise AttributeError(name)
+        self._complain()
+
+    def __getitem__(self, key: object) -> NoReturn:
+        self._complain()
+
+    def __iter__(self) -> NoReturn:
+        self._complain()
+
+    def __aiter__(self) -> NoReturn:
+        self._complain()
+
+    def _complain(self) -> NoReturn:
+        self.told = True
+        raise NotAwaitedError(self._missing)
+
+    def _begin(self) -> Coroutine[Any, Any, T]:
+        if self._running is None:
+            self._running = self._make()
+            current().expect(self, awaited=True)
+        return self._running
+
+
+def to_be_awaited(
+    verb: str, otherwise: str = "Nothing was sent"
+) -> Callable[[Callable[P, Coroutine[Any, Any, T]]], Callable[P, Pending[T]]]:
+    """Have a coroutine function tell of a forgotten `await`.
+
+    Args:
+        verb: how the learner calls it, such as "lab.call".
+        otherwise: what has not happened without the `await`.
+    """
+
+    def decorate(function: Callable[P, Coroutine[Any, Any, T]]) -> Callable[P, Pending[T]]:
+        @functools.wraps(function)
+        def call(*arguments: P.args, **options: P.kwargs) -> Pending[T]:
+            return Pending(lambda: function(*arguments, **options), f"{otherwise}: write `await {verb}(...)`.")
+
+        return call
+
+    return decorate

@@ -1,0 +1,152 @@
+"""What surrounds a notebook's nodes: other notebooks, and whoever offers what this one's nodes offer, too.
+
+Two servers of one name both answer every request, and a server left in another notebook answers where this one's has
+been forgotten. Both look like success, so the learner is told.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from typing import TYPE_CHECKING
+
+from course_kit.lab.runtime.describe import actions_of
+from course_kit.lab.runtime.neighbours import Neighbours
+from course_kit.ros import graph
+from course_kit.ros.names import is_of_every_node, short_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from course_kit.lab.runtime.engine import Engine
+    from course_kit.lab.runtime.nodes import LiveNode
+
+_LOOKING = 4.0  # seconds: another program is found within one of them, unless the machine is busy
+_UNANNOUNCED = 2.5  # seconds; a program that was killed stays visible for 2
+_PAUSE = 0.1
+_GOALS = "/_action/send_goal"
+
+
+class Surroundings:
+    """Tells other notebooks of this one's nodes, and the learner of theirs.
+
+    Other programs are found some time after a node is made, so a thread looks for some seconds after each start.
+
+    Args:
+        lab: whose nodes; shows what is found.
+        title: what others call this notebook.
+
+    Attributes:
+        neighbours: other notebooks.
+        on_stop_asked: called, on a thread of its own, when another notebook asks this one to stop its nodes.
+        script_nodes: tells the full names of the nodes of scripts, each with the script's name.
+    """
+
+    def __init__(self, lab: Engine, title: str) -> None:
+        self.on_stop_asked: Callable[[str], None] = lambda _: None
+        self.script_nodes: Callable[[], dict[str, str]] = dict
+        self.neighbours = Neighbours(lab.node, title, self._asked_to_stop)
+        self._lab = lab
+        self._told: set[tuple[str, str]] = set()
+        self._seen: dict[tuple[str, str], float] = {}
+        self._until = 0.0
+        self._news = threading.Event()
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def announce(self) -> None:
+        """Tell other notebooks which nodes this one has."""
+        self.neighbours.announce([*(live.name for live in self._lab.nodes), *self.script_nodes()])
+
+    def tell_who_answers(self, role: graph.Role, name: str) -> None:
+        """Say so where another notebook's node answers, in place of one that this notebook has forgotten to start."""
+        if who := self.neighbours.answering(role, name):
+            self._lab.note(
+                f"{name} is answered by {who}, not by a node of this notebook. "
+                "lab.stop_others() stops what other notebooks run."
+            )
+
+    def node_started(self) -> None:
+        """A node was started: tell others, and look now, and for some seconds, who offers the same."""
+        self.announce()
+        self._told.clear()
+        self._seen.clear()
+        self._until = time.monotonic() + _LOOKING
+        self._look()
+        self._news.set()
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._watch, name="lab-surroundings", daemon=True)
+            self._thread.start()
+
+    def close(self) -> None:
+        """Look no more."""
+        self._ended.set()
+        self._news.set()
+        if self._thread is not None:
+            self._thread.join(_LOOKING)
+
+    def _asked_to_stop(self, by: str) -> None:
+        self.on_stop_asked(by)
+
+    def _watch(self) -> None:
+        while not self._ended.is_set():
+            self._news.wait()
+            self._news.clear()
+            while time.monotonic() < self._until and not self._ended.wait(_PAUSE):
+                with contextlib.suppress(Exception):  # a node that is destroyed at this very moment
+                    self._look()
+
+    def _look(self) -> None:
+        for name, role in list(self._doubled()):
+            for node in self._offering(name, role):
+                self._tell_once(node, f"{name} is offered by {{}}, too: both answer every request.")
+        running = graph.nodes(self._lab.node)
+        for name in {live.name for live in self._lab.nodes}:
+            if running.count(name) > 1:
+                self._tell_once(name, f"Two nodes have the name {short_name(name)}. The other one is {{}}.")
+
+    def _tell_once(self, node: str, sentence: str) -> None:
+        """Say it with whose node it is; what nobody has announced may do so by and by, or have been killed just now."""
+        key = (node, sentence)
+        since = self._seen.setdefault(key, time.monotonic())
+        whose = self._whose(node)
+        if key in self._told or (not whose and time.monotonic() - since < _UNANNOUNCED):
+            return
+        self._told.add(key)
+        self._lab.note(sentence.format(whose or f"{short_name(node)} in another program"))
+
+    def _doubled(self) -> Iterable[tuple[str, graph.Role]]:
+        """What this lab's nodes offer and somebody else as well."""
+        own: dict[tuple[str, graph.Role], int] = {}
+        for live in self._lab.nodes:
+            for name, role in _offered_by(live):
+                own[name, role] = own.get((name, role), 0) + 1
+        for (name, role), count in own.items():
+            if self._lab.node.count_services(name if role == graph.SERVES else f"{name}{_GOALS}") > count:
+                yield name, role
+
+    def _offering(self, name: str, role: graph.Role) -> list[str]:
+        own = {live.name for live in self._lab.nodes} | self._lab.own_names
+        names = set(graph.nodes(self._lab.node)) - own
+        return [
+            one for one in sorted(names) if any(use.channel == name for use in graph.uses_of(self._lab.node, one, role))
+        ] or sorted(own & {node for other in self.neighbours.others() for node in other.nodes})
+
+    def _whose(self, node: str) -> str:
+        shown = short_name(node)
+        if script := self.script_nodes().get(node):
+            return f"{shown} of your script {script} (%ros_stop {script})"
+        for other in self.neighbours.others():
+            if node in other.nodes:
+                return f"{shown} of {other.title} (lab.stop_others() stops what other notebooks run)"
+        return ""
+
+
+def _offered_by(live: LiveNode) -> Iterable[tuple[str, graph.Role]]:
+    for node in (live.node, *live.helpers):
+        for service in node.services:
+            if not is_of_every_node(service.service_name):
+                yield service.service_name, graph.SERVES
+        for action in actions_of(node):
+            yield action, graph.RUNS

@@ -1,0 +1,45 @@
+"""What to do after an exercise was passed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.grading import exercise
+from course_kit.grading.errors import GradingError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.grading.exercise import Exercise
+
+
+def next_step(passed: str, root: Path | None = None) -> str:
+    """One sentence or two: the next lesson and the next exercise. An exercise follows the lesson of its number.
+
+    Args:
+        passed: the id of the exercise.
+        root: the course's folder, or a copy of it; the one this package runs from when None.
+    """
+    root = root or environment.checkout()
+    tasks = _in_order()
+    number = next((task.order for task in tasks if task.id == passed), 0)
+    following = next((task for task in tasks if task.order > number), None)
+    lessons = sorted((root / "notebooks").glob(f"{number + 1:02}_*.ipynb")) if root is not None else []
+    steps = [f"lesson {number + 1}, notebooks/{lessons[0].name}"] if lessons else []
+    if following is not None:
+        steps.append(f"exercise {following.order}, {following.id}")
+    way = f"Next: {'; then '.join(steps)}. " if steps else "That was the last exercise: well done! "
+    return f"{way}Compare yours with ours: {environment.command()} solution {passed}"
+
+
+def _in_order() -> list[Exercise]:
+    found = [task for name in exercise.ids() if (task := _load(name)) is not None]
+    return sorted(found, key=lambda task: task.order)
+
+
+def _load(name: str) -> Exercise | None:
+    try:
+        return exercise.load(name)
+    except GradingError:  # one that is being written
+        return None

@@ -1,0 +1,187 @@
+"""Two notebooks on one graph, each in a real kernel."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import environment
+from tests.lab.kernel import Kernel
+from tests.waiting import wait_until
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+FIRST, SECOND = "02_actions.ipynb", "exercise.ipynb"
+SERVER = """
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+from std_msgs.msg import String
+
+class {name}(Node):
+    def __init__(self):
+        super().__init__("{node}")
+        self.create_service(Trigger, "ask", self.answer)
+
+    def answer(self, request, response):
+        response.message = "{node}"
+        return response
+"""
+
+
+@pytest.fixture(scope="module")
+def _two(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Kernel, Kernel]]:
+    folder = tmp_path_factory.mktemp("notebooks")
+    with environment.exclusive_domain() as domain_id, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(domain_id))
+        patch.setenv("JPY_SESSION_NAME", str(folder / FIRST))
+        with Kernel(cwd=folder) as first:
+            patch.setenv("JPY_SESSION_NAME", str(folder / SECOND))
+            with Kernel(cwd=folder) as second:
+                for one in (first, second):
+                    assert one.run(
+                        "%load_ext course_kit\nfrom course_kit import lab\nlab.nodes()\nlab.current().engine"
+                    ).ok
+                yield first, second
+
+
+@pytest.fixture
+def two(_two: tuple[Kernel, Kernel]) -> tuple[Kernel, Kernel]:
+    for one in _two:
+        assert one.run("lab.stop()\nlab.stop_script()").ok
+    wait_until(lambda: not others(_two[1]) and not others(_two[0]), "two empty notebooks")
+    return _two
+
+
+def others(kernel: Kernel) -> list[str]:
+    """What a notebook knows of others: a line each."""
+    return kernel.run("for one in lab.others(): print(one)").stdout.splitlines()
+
+
+def start(kernel: Kernel, name: str, node: str) -> str:
+    """Start a server; what was said, also by and by, until another cell is run."""
+    shown = kernel.run(SERVER.format(name=name, node=node) + f"started = lab.start({name})")
+    assert shown.ok, shown.error
+    return shown.stdout
+
+
+def test_nodes_of_another_notebook_are_listed_apart(two: tuple[Kernel, Kernel]) -> None:
+    first, second = two
+    start(first, "Robot", "robot")
+    wait_until(lambda: others(second) == [f"{FIRST}: robot"], lambda: others(second))
+    assert second.run("lab.nodes()").result["text/plain"] == (
+        f"No node is running in the lab.\nOf other notebooks, which lab.stop_others() stops:\n    {FIRST}: robot"
+    )
+    assert FIRST not in first.run("lab.nodes()").result["text/plain"]
+    first.run("lab.stop()")
+    wait_until(lambda: others(second) == [], lambda: others(second))
+
+
+def test_a_name_that_another_notebook_offers_is_told_at_the_start(two: tuple[Kernel, Kernel]) -> None:
+    first, second = two
+    start(first, "Robot", "robot")
+    wait_until(lambda: others(second), "the robot")
+    said = start(second, "Mine", "mine")
+    assert said == (
+        f"/ask is offered by robot of {FIRST} (lab.stop_others() stops what other notebooks run), too: "
+        "both answer every request.\n"
+    )
+    assert "/ask" not in second.run("other = lab.start(Mine)").stdout.replace(said, "")
+
+
+def test_it_is_told_later_where_it_is_seen_later(two: tuple[Kernel, Kernel]) -> None:
+    first, second = two
+    start(second, "Mine", "mine")
+    cell = "import asyncio\nfor _ in range(200):\n    await asyncio.sleep(0.1)"
+    message = second.send(f"lab.start(Mine)\n{cell}")
+    start(first, "Robot", "robot")
+    assert f"/ask is offered by robot of {FIRST}" in second.finish(message, until="both answer").stdout
+    second.manager.interrupt_kernel()
+    second.finish(message)
+
+
+def test_two_nodes_of_one_name_are_told(two: tuple[Kernel, Kernel]) -> None:
+    first, second = two
+    start(first, "Robot", "robot")
+    wait_until(lambda: others(second), "the robot")
+    assert f"Two nodes have the name robot. The other one is robot of {FIRST}" in start(second, "Robot", "robot")
+
+
+def test_an_own_script_that_offers_the_name_is_called_so(two: tuple[Kernel, Kernel]) -> None:
+    _, second = two
+    program = SERVER.format(name="Robot", node="robot")
+    spins = "import rclpy\nrclpy.init()\nrclpy.spin(Robot())"
+    assert "in the background" in second.run(f"%%ros_script server\n{program}\n{spins}").stdout
+    assert "/ask is offered by robot of your script server (%ros_stop server), too" in start(second, "Mine", "mine")
+
+
+def test_an_answer_from_another_notebook_is_told_once(two: tuple[Kernel, Kernel]) -> None:
+    first, second = two
+    start(first, "Robot", "robot")
+    wait_until(lambda: others(second), "the robot")
+    call = "from std_srvs.srv import Trigger\nprint((await lab.call('/ask', Trigger)).message)"
+    said = (
+        f"/ask is answered by robot of {FIRST}, not by a node of this notebook. "
+        "lab.stop_others() stops what other notebooks run.\n"
+    )
+    assert second.run(call).stdout == f"{said}robot\n"
+    assert second.run(call).stdout == "robot\n"
+    assert first.run(call).stdout == "robot\n"
+
+
+def test_others_are_stopped_with_their_scripts_and_told_so(two: tuple[Kernel, Kernel]) -> None:
+    first, second = two
+    start(first, "Robot", "robot")
+    program = SERVER.format(name="Robot", node="program").replace('"ask"', '"other"')
+    first.run(f"%%ros_script server\n{program}\nimport rclpy\nrclpy.init()\nrclpy.spin(Robot())")
+    wait_until(lambda: others(second) == [f"{FIRST}: program, robot"], lambda: others(second))
+    stopped = second.run("lab.stop_others()\nprint(lab.others())")
+    assert (stopped.ok, stopped.stdout) == (True, "[]\n"), stopped.error
+    assert first.run("lab.nodes()").result["text/plain"] == "No node is running in the lab."
+    assert re.search("none$", first.run("lab.stop_script('server')").error.rstrip("."))
+
+
+def test_a_notebook_that_does_not_stop_is_named(two: tuple[Kernel, Kernel]) -> None:
+    _, second = two
+    assert second.run("lab.stop_others('nobody.ipynb')").error == (
+        "LabError: nobody.ipynb runs no nodes on this graph. Other notebooks that do: none."
+    )
+
+
+def test_stop_closes_subscriptions_too(two: tuple[Kernel, Kernel]) -> None:
+    first, _ = two
+    first.run("from std_msgs.msg import String\nears = lab.subscribe('/chatter', String, print)\nlab.stop()")
+    assert first.run("ears").result["text/plain"] == "subscription to /chatter [std_msgs/msg/String] (closed)"
+    assert first.run("lab.publish('/chatter', String, data='hello')").stdout == ""
+
+
+def test_another_program_that_offers_the_name_is_told(two: tuple[Kernel, Kernel]) -> None:
+    _, second = two
+    stranger = (
+        "import rclpy\nrclpy.init()\nfrom rclpy.node import Node\nfrom std_srvs.srv import Trigger\n"
+        "node = Node('stranger')\nnode.create_service(Trigger, 'ask', print)\nprint('up', flush=True)\nrclpy.spin(node)"
+    )
+    domain_id = second.run("import os; print(os.environ['ROS_DOMAIN_ID'])").stdout.strip()
+    environ = environment.child_environment(ROS_DOMAIN_ID=domain_id)
+    with subprocess.Popen([sys.executable, "-c", stranger], env=environ, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "up\n"
+            wait = "import asyncio\nfor _ in range(300):\n    await asyncio.sleep(0.1)"
+            message = second.send(SERVER.format(name="Mine", node="mine") + f"started = lab.start(Mine)\n{wait}")
+            shown = second.finish(message, until="both answer")
+            assert shown.stdout == "/ask is offered by stranger in another program, too: both answer every request.\n"
+            second.manager.interrupt_kernel()
+            second.finish(message)
+        finally:
+            process.terminate()
+
+
+def test_what_notebooks_tell_each_other_is_on_no_list_of_topics(two: tuple[Kernel, Kernel]) -> None:
+    listed = two[0].run("%ros2 topic list --include-hidden-topics").stdout
+    assert "/rosout" in listed
+    assert "_lab" not in listed

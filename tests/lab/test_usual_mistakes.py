@@ -1,0 +1,275 @@
+"""What a learner reads after the usual mistakes, in a real kernel."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.lab.notebook.limits import CHARACTERS, LINES
+from tests.waiting import wait_until
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.lab.kernel import Kernel
+
+IMPORTS = """
+import asyncio
+import rclpy
+from course_kit import lab
+from example_interfaces.action import Fibonacci
+from geometry_msgs.msg import Point, PoseStamped
+from rclpy.action import ActionServer
+from rclpy.node import Node
+from std_srvs.srv import SetBool
+"""
+
+
+def node(init: str, *methods: str) -> str:
+    """A cell with a node: the body of its `__init__`, its methods, and its start. The imports take the first lines."""
+    lines = ["class Learner(Node):", "    def __init__(self):", '        super().__init__("learner")']
+    lines += [f"        {line}" for line in init.splitlines()]
+    lines += [f"    {line}" for method in methods for line in method.splitlines()]
+    return "\n".join([*lines, "lab.start(Learner)"])
+
+
+ANSWER = "def answer(self, request, response):\n    return response"
+
+
+@pytest.fixture(autouse=True)
+def _imported(kernel: Kernel) -> None:
+    assert kernel.run(IMPORTS).ok
+
+
+@pytest.mark.parametrize(
+    ("cell", "sentence"),
+    [
+        ("lab.call('/ask', SetBool, data=True).success", "Nothing was sent: write `await lab.call(...)`."),
+        ("lab.send_goal('/f', Fibonacci, order=3).result()", "Nothing was sent: write `await lab.send_goal(...)`."),
+        ("lab.get_parameters('/learner')['speed']", "Nothing was sent: write `await lab.get_parameters(...)`."),
+        ("for one in lab.next_messages('/chatter', Point): pass", "write `await lab.next_messages(...)`."),
+        ("async for one in lab.send_goal('/f', Fibonacci): pass", "write `await lab.send_goal(...)`."),
+    ],
+)
+def test_a_forgotten_await_is_named_where_the_answer_is_used(kernel: Kernel, cell: str, sentence: str) -> None:
+    shown = kernel.run(cell)
+    assert shown.error.startswith("NotAwaitedError: ")
+    assert shown.error.endswith(sentence)
+
+
+def test_a_forgotten_await_is_named_where_nothing_uses_the_answer(kernel: Kernel) -> None:
+    sentence = "Nothing was sent: write `await lab.call(...)`."
+    assert kernel.run("lab.call('/ask', SetBool, data=True)").result["text/plain"] == sentence
+    assert kernel.run("answer = lab.call('/ask', SetBool, data=True)").stderr == f"{sentence}\n"
+    assert kernel.run("lab.call('/ask', SetBool, data=True)\nprint('next')").stderr == f"{sentence}\n"
+    assert kernel.run("1").stderr == ""
+
+
+def test_what_is_awaited_later_is_no_mistake(kernel: Kernel) -> None:
+    kernel.run(node("self.create_service(SetBool, 'ask', self.answer)", ANSWER))
+    call = "lab.call('/ask', SetBool, data=True)"
+    for cell in (
+        f"print(len(await asyncio.gather({call}, {call})))",
+        f"task = asyncio.create_task({call})",
+        f"print((await asyncio.wait_for({call}, 5)).success)",
+        "print((await task).success)",
+    ):
+        shown = kernel.run(cell)
+        assert (shown.ok, shown.stderr) == (True, ""), shown
+
+
+def test_an_await_forgotten_on_a_goal_is_named(kernel: Kernel) -> None:
+    execute = "def execute(self, goal_handle):\n    goal_handle.succeed()\n    return Fibonacci.Result()"
+    kernel.run(node("self.server = ActionServer(self, Fibonacci, 'f', self.execute)", execute))
+    kernel.run("goal = await lab.send_goal('/f', Fibonacci, order=3)")
+    assert "write `await goal.result(...)`" in kernel.run("goal.result().sequence").error
+    assert "write `await goal.cancel(...)`" in kernel.run("agreed = goal.cancel()").stderr
+
+
+@pytest.mark.parametrize(
+    ("init", "method", "function"),
+    [
+        ("self.create_timer(0.1, self.tick())", "def tick(self):\n    pass", "create_timer()"),
+        ("self.create_service(SetBool, 'ask', self.tick())", "def tick(self):\n    pass", "create_service()"),
+        ("self.create_subscription(Point, 'p', self.tick(), 10)", "def tick(self):\n    pass", "create_subscription()"),
+        ("ActionServer(self, Fibonacci, 'f', self.tick())", "def tick(self):\n    pass", "ActionServer()"),
+    ],
+)
+def test_a_callback_that_was_called_is_named_with_its_line(
+    kernel: Kernel, init: str, method: str, function: str
+) -> None:
+    shown = kernel.run(node(init, method))
+    assert shown.error.startswith(f"CallbackError: {function} was given None where it takes a function")
+    assert f"line 4: {init}" in shown.error
+    assert shown.error.endswith("write self.tick, not self.tick().")
+    assert kernel.run("lab.nodes()").result["text/plain"] == "No node is running in the lab."
+
+
+def test_a_method_without_self_is_named(kernel: Kernel) -> None:
+    kernel.run(
+        node("self.create_service(SetBool, 'ask', self.answer)", "def answer(request, response):\n    return response")
+    )
+    shown = kernel.run("await lab.call('/ask', SetBool)")
+    assert "line 5: def answer(request, response):" in shown.stderr
+    assert "answer() has no self. Write: def answer(self, request, response):" in shown.stderr
+    assert "__init__() has no self. Write: def __init__(self):" in kernel.run(node("").replace("(self)", "()")).error
+
+
+def test_a_callback_with_too_few_parameters_is_given_the_right_ones(kernel: Kernel) -> None:
+    kernel.run(node("self.create_service(SetBool, 'ask', self.answer)", "def answer(self, request):\n    return 1"))
+    shown = kernel.run("await lab.call('/ask', SetBool)")
+    assert "rclpy calls it with request and response. Write: def answer(self, request, response):" in shown.stderr
+
+
+@pytest.mark.parametrize(
+    ("ending", "what"),
+    [
+        ("", "returned nothing."),
+        ("return Fibonacci.Result", "returned the class Fibonacci_Result, without parentheses."),
+        ("return [1, 2]", "returned list, which is not a result of example_interfaces/action/Fibonacci."),
+    ],
+)
+def test_an_execute_without_a_result_is_told_at_once(kernel: Kernel, ending: str, what: str) -> None:
+    execute = f"def execute(self, goal_handle):\n    goal_handle.succeed()\n    {ending}"
+    kernel.run(node("self.server = ActionServer(self, Fibonacci, 'f', self.execute)", execute))
+    shown = kernel.run(
+        "goal = await lab.send_goal('/f', Fibonacci, order=3)\nprint(await goal.result(timeout=600), goal.status)"
+    )
+    assert shown.ok, shown.error
+    assert shown.stdout == "example_interfaces.action.Fibonacci_Result(sequence=[]) SUCCEEDED\n"
+    assert f"learner: execute {what} End it with `return Fibonacci.Result(...)`." in shown.stderr
+    assert "line 5: def execute(self, goal_handle):" in shown.stderr
+    assert "In a separate program it would wait for ever." in shown.stderr
+
+
+def test_feedback_without_parentheses_is_named(kernel: Kernel) -> None:
+    execute = (
+        "def execute(self, goal_handle):\n    feedback = Fibonacci.Feedback\n    {}\n"
+        "    goal_handle.publish_feedback(feedback)\n    goal_handle.succeed()\n    return Fibonacci.Result()"
+    )
+    wait = "await (await lab.send_goal('/f', Fibonacci, order=3)).result()"
+    kernel.run(node("self.server = ActionServer(self, Fibonacci, 'f', self.execute)", execute.format("pass")))
+    assert "was given the class Fibonacci.Feedback; write Fibonacci.Feedback(), with" in kernel.run(wait).stderr
+    setting = execute.format("feedback.sequence = [0]")
+    kernel.run(node("self.server = ActionServer(self, Fibonacci, 'f', self.execute)", setting))
+    assert (
+        "Fibonacci.Feedback is the type, not a message: make one with Fibonacci.Feedback()" in kernel.run(wait).stderr
+    )
+    # And the type is as it was: the field is not lost to everybody.
+    assert kernel.run("print(list(Fibonacci.Feedback(sequence=[1]).sequence))").stdout == "[1]\n"
+
+
+def test_a_tuple_for_a_point_is_told_how_to_write_it(kernel: Kernel) -> None:
+    asked = kernel.run("lab.publish('/pose', PoseStamped, pose={'position': (1.0, 2.0, 0.0)})")
+    assert "Point(x=1.0, y=2.0, z=0.0) or {'x': 1.0, 'y': 2.0, 'z': 0.0}" in asked.error
+    said = "position is a message of its own. Write Point(x=1.0, y=2.0, z=0.0), or set its fields one by one."
+    assert said in kernel.run("PoseStamped().pose.position = (1.0, 2.0, 0.0)").stderr
+    wrong = "def answer(self, request, response):\n    PoseStamped().pose.position = (1.0, 2.0, 0.0)"
+    kernel.run(node("self.create_service(SetBool, 'ask', self.answer)", wrong))
+    assert said in kernel.run("await lab.call('/ask', SetBool)").stderr
+
+
+def test_a_misspelt_parameter_is_told_which_there_are(kernel: Kernel) -> None:
+    said = "The node has declared max_velocity. Did you mean max_velocity?"
+    declared = "self.declare_parameter('max_velocity', 1.0)\n"
+    assert said in kernel.run(node(f"{declared}self.get_parameter('max_velocty')")).stderr
+    wrong = "def answer(self, request, response):\n    self.get_parameter('max_velocty')"
+    kernel.run(node(f"{declared}self.create_service(SetBool, 'ask', self.answer)", wrong))
+    assert said in kernel.run("await lab.call('/ask', SetBool)").stderr
+
+
+def test_input_in_a_callback_is_refused_whether_a_cell_runs_or_not(kernel: Kernel, tmp_path: Path) -> None:
+    tick = (
+        "def answer(self, request, response):\n    response.message = input('what? ')\n    return response\n"
+        "def tick(self):\n    input('what? ')"
+    )
+    kernel.run(
+        node("self.create_service(SetBool, 'ask', self.answer)\nself.timer = self.create_timer(3600, self.tick)", tick)
+    )
+    shown = kernel.run("await lab.call('/ask', SetBool)")
+    assert "answer was stopped: input() in a callback would stop every node until somebody types." in shown.stderr
+    assert "line 7: response.message = input('what? ')" in shown.stderr
+    told = tmp_path / "told"
+    kernel.run(  # the kernel puts Python's own `input` back when a cell has ended
+        "import builtins, json, threading\n"
+        "def ask():\n    ended.wait()\n    lab.current().engine.do(look)\n"
+        "def look():\n    try:\n        input()\n    except BaseException as error:\n"
+        f"        open({str(told)!r}, 'w').write(json.dumps(type(error).__name__))\n"
+        "ended = threading.Event()\nthreading.Thread(target=ask, daemon=True).start()\n"
+        "asyncio.get_running_loop().call_later(0.2, ended.set)"
+    )
+    wait_until(lambda: told.is_file() and told.read_text(), "the callback that asks")
+    assert json.loads(told.read_text()) == "InputError"
+
+
+def test_stop_is_one_line(kernel: Kernel) -> None:
+    for waiting in ("await asyncio.sleep(600)", "import time; time.sleep(600)", "lab.call_blocking('/never', SetBool)"):
+        kernel.run(
+            node(
+                "self.create_service(SetBool, 'never', self.answer)",
+                "async def answer(self, request, response):\n    await rclpy.task.Future()",
+            )
+        )
+        message = kernel.send(f"print('go', flush=True)\n{waiting}")
+        kernel.finish(message, until="go")
+        kernel.manager.interrupt_kernel()
+        error = kernel.finish(message).error
+        assert re.fullmatch(r"Interrupted in In\[\d+\], line [12]; your nodes go on\.", error)
+        assert "learner (Learner)" in kernel.run("lab.nodes()").result["text/plain"]
+    kernel.run("lab.stop()")
+
+
+def test_spin_in_a_cell_says_what_it_does_and_how_to_go_on(kernel: Kernel) -> None:
+    kernel.run(node("pass").rpartition("\n")[0])
+    assert kernel.run("rclpy.spin(Learner)").error == (
+        "LabError: rclpy.spin() takes a node, not a class. In a notebook: lab.start(Learner)."
+    )
+    message = kernel.send("mine = Learner()\nrclpy.spin(mine)")
+    shown = kernel.finish(message, until="in the background instead.")
+    assert shown.stdout.startswith("rclpy.spin(): this cell runs learner until you press Stop, and no other cell can")
+    kernel.manager.interrupt_kernel()
+    assert kernel.finish(message).error.startswith("Interrupted in In[")
+    kernel.run("mine.destroy_node()")
+
+
+def test_a_loop_in_init_is_named_while_it_runs(kernel: Kernel) -> None:
+    message = kernel.send(node("import time\nwhile True:\n    time.sleep(0.01)"))
+    shown = kernel.finish(message, until="self.create_timer(seconds, self.method)")
+    assert "Learner.__init__ has not ended after 3 s (In[" in shown.stdout
+    assert "Press Stop, and move what repeats into a timer" in shown.stdout
+    kernel.manager.interrupt_kernel()
+    assert kernel.finish(message).error.startswith("Interrupted in In[")
+
+
+@pytest.mark.parametrize(
+    "flood",
+    [
+        "for number in range(100_000): print('line', number)",
+        "from sys import stderr\nfor number in range(100_000): print('line', number, file=stderr)",
+        node("self.create_timer(0.001, self.tick)", "def tick(self):\n    for _ in range(500): print('line', 99_999)")
+        + "\nawait asyncio.sleep(1)\nlab.stop()",
+    ],
+)
+def test_a_flood_is_cut_off_with_a_word_and_ends_with_its_last_lines(kernel: Kernel, flood: str) -> None:
+    shown = kernel.run(flood)
+    printed = shown.stdout + shown.stderr
+    assert len(printed.splitlines()) < LINES + 100
+    assert f"... This cell has printed {LINES:,} lines: the rest is left out.\n" in printed
+    assert "lines were left out. The last ones:\n" in printed
+    assert "line 99999" in printed.splitlines()[-1]
+    assert kernel.run("print('fine')").stdout == "fine\n"
+
+
+def test_one_endless_line_is_cut_off_too(kernel: Kernel) -> None:
+    shown = kernel.run(f"print('x' * {10 * CHARACTERS})")
+    assert len(shown.stdout) < CHARACTERS + 100
+    assert f"This cell has printed {CHARACTERS:,} characters" in shown.stdout
+
+
+def test_tab_after_lab_offers_its_verbs_and_no_module(kernel: Kernel) -> None:
+    matches = kernel.complete("lab.")
+    assert {"call", "start", "stop", "send_goal", "set_parameters", "diagram", "nodes"} <= matches
+    assert not matches & {"api", "calls", "annotations", "singleton", "runtime", "goal_verbs", "recording"}
