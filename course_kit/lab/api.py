@@ -202,7 +202,7 @@ def record() -> None:
 
 
 def diagram(*, last: int | None = None) -> object:
-    """The recorded exchange as a sequence diagram: Mermaid in JupyterLab, numbered lines elsewhere.
+    """The recorded exchange as a sequence diagram: a drawing to go through step by step, numbered lines in a terminal.
 
     Args:
         last: draw only so many of the latest arrows.
