@@ -74,6 +74,10 @@ class EventStream:
         if observer not in self._observers:
             self._observers = (*self._observers, observer)
 
+    def ignore(self, observer: Callable[[Event], None]) -> None:
+        """Pass no further event to `observer`; nothing happens if it does not listen."""
+        self._observers = tuple(one for one in self._observers if one != observer)
+
     def emit(self, kind: Kind, where: tuple[str, str, str], message: object, sequence: int = 0, at: int = 0) -> None:
         """Report something that happened now, or at `at`; `where` is node, channel and type name.
 
