@@ -4,7 +4,7 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 const HOP = 550; // milliseconds that a dot takes for one arrow
-const FOLLOWED = 4; // messages a second; more on one arrow are told as a rate
+const FOLLOWED = 8; // messages a second; more on one arrow are told as a rate
 const SECOND = 1000;
 
 function shape(tag, attributes, ...children) {

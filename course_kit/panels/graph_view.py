@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from typing import TYPE_CHECKING
 
 import anywidget
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
+_REMEMBERED = 3.0  # seconds for which the notebook is on the picture at least, after it has sent or got something
 _EMPTY = "No node is on the ROS graph."
 _LAB = "lab"  # by this name the recorder reports what the notebook itself sends and gets
 _ROLES = {(role.kind, role.verb): role for role in ROLES}
@@ -64,7 +66,7 @@ class GraphView(Panel):
         self._lock = threading.Lock()
         self._shown: Overview | None = None
         self._drawn: tuple[Overview, str, frozenset[Use]] | None = None
-        self._of_lab: frozenset[tuple[Role, str]] = frozenset()  # what the notebook itself has sent or got
+        self._of_lab: dict[tuple[Role, str], float] = {}  # what the notebook itself has sent or got, and when
         self._ended = threading.Event()
         self.widget = GraphWidget()
         self._came: frozenset[str] = frozenset()  # nodes whose coming is the last news
@@ -90,6 +92,8 @@ class GraphView(Panel):
     def _look(self) -> None:
         with self._lock:  # the page and the thread may ask at the same time
             seen = graph.read(self._node, plumbing=self.widget.plumbing)
+            if seen != self._shown:
+                self._forget_lab()
             picture = (seen, self.widget.wanted, self._uses_of_lab(seen))
             if picture == self._drawn:
                 return
@@ -101,6 +105,11 @@ class GraphView(Panel):
                     self._came = frozenset(seen.nodes) - frozenset(before.nodes)
                     self.widget.news = news(before, seen)
 
+    def _forget_lab(self) -> None:
+        """Leave out what the notebook no longer does; only when the picture changes anyway, so that nothing jumps."""
+        latest = time.monotonic() - _REMEMBERED
+        self._of_lab = {use: at for use, at in self._of_lab.items() if at > latest}
+
     def _uses_of_lab(self, seen: Overview) -> frozenset[Use]:
         channels = seen.channels()
         known = ((role, channel, channels.get((role.kind, channel))) for role, channel in self._of_lab)
@@ -108,8 +117,10 @@ class GraphView(Panel):
 
     def _show_crossed(self, hops: list[dict[str, object]]) -> None:
         own = {(_ROLES[str(hop["kind"]), str(hop["verb"])], str(hop["channel"])) for hop in hops if hop["node"] == _LAB}
-        if not own <= self._of_lab:
-            self._of_lab |= own
+        with self._lock:
+            new = own - set(self._of_lab)
+            self._of_lab.update(dict.fromkeys(own, time.monotonic()))
+        if new:
             self._look()
         self.widget.crossed = {"number": int(str(self.widget.crossed.get("number", 0))) + 1, "hops": hops}
 
