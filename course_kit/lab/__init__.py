@@ -20,6 +20,7 @@ from course_kit.lab.api import (
     stop,
     stop_script,
     subscribe,
+    timeline,
 )
 from course_kit.lab.errors import (
     ActionNotFoundError,
@@ -76,5 +77,6 @@ __all__ = [
     "stop",
     "stop_script",
     "subscribe",
+    "timeline",
     "use",
 ]

@@ -1,7 +1,7 @@
 // Shows the ROS graph as Python has drawn it, lets one zoom and filter it, and brings out what is connected.
 
 const ZOOM_STEP = 1.25;
-const LEAST_ZOOM = 0.3;
+const LEAST_ZOOM = 0.1;
 const MOST_ZOOM = 2.5;
 const READABLE = 0.75; // below this its smallest text is under 9 pixels
 let views = 0;
@@ -9,11 +9,11 @@ let views = 0;
 function render({ model, el }) {
   const id = `ck-graph-${++views}`;
   const picture = make("div", { class: "ck-picture", tabindex: "0", role: "group", "aria-label": "The picture" });
-  const plumbing = make("input", { type: "checkbox", id: `${id}-plumbing` });
+  const plumbing = make("input", { type: "checkbox" });
   const wanted = make("input", { type: "text", id: `${id}-wanted`, placeholder: "part of a name", autocomplete: "off" });
   const text = make("pre", { tabindex: "0", "aria-label": "The graph as text" });
   const news = make("span", { class: "ck-quiet", role: "status", "aria-live": "polite" });
-  const scale = make("output", { class: "ck-quiet", "aria-label": "Zoom" });
+  const scale = make("span", { class: "ck-quiet ck-scale" });
   const button = (label, name, act) => {
     const made = make("button", { type: "button", "aria-label": name, title: name }, label);
     made.addEventListener("click", act);
@@ -30,8 +30,8 @@ function render({ model, el }) {
       button("+", "Larger", () => zoomTo(zoom * ZOOM_STEP)),
       button("Fit", "Fit all of it into the frame", () => zoomTo(fitting(true))), docking.button),
     picture,
-    make("div", { class: "ck-buttons" }, plumbing,
-      make("label", { for: plumbing.id }, "Show ROS's own plumbing too (parameter services, /rosout, parts of actions)")),
+    make("label", { class: "ck-plumbing" }, plumbing,
+      make("span", {}, "Show ROS's own plumbing too (parameter services, /rosout, parts of actions)")),
     make("details", {}, make("summary", {}, "The same as text"), text),
   );
   el.replaceChildren(panel);

@@ -28,6 +28,12 @@ WATCH_DOTS = """() => {
   }).observe(document.body, { childList: true, subtree: true });
 }"""
 
+# Whether a second goes by in which none begins.
+NO_MORE_DOTS = """() => new Promise(done => {
+  const before = window.dots.length;
+  setTimeout(() => done(window.dots.length === before), 1000);
+})"""
+
 
 def middle_of(shown: Locator) -> float:
     frame = shown.bounding_box()
