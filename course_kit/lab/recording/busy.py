@@ -46,7 +46,7 @@ class Busy:
     failed: bool = False
 
 
-class Waiting(NamedTuple):
+class MessageWait(NamedTuple):
     """Something sent that nobody had taken in yet.
 
     Attributes:
@@ -103,7 +103,7 @@ def _lane(event: Event, own_process: int, lanes: dict[tuple[int, int], str]) -> 
     return lanes[key]
 
 
-def waiting_times(events: Iterable[Event], busy: Sequence[Busy], least: int) -> list[Waiting]:
+def waiting_times(events: Iterable[Event], busy: Sequence[Busy], least: int) -> list[MessageWait]:
     """What was never taken in, or waited for a thread that was busy.
 
     Args:
@@ -119,8 +119,8 @@ def waiting_times(events: Iterable[Event], busy: Sequence[Busy], least: int) -> 
         elif event.kind in _TAKEN_IN:
             before = sent.pop((event.kind, event.channel, event.sequence), None)
             if before is not None and _blocked(event.node, before.at, event.at, busy) >= least:
-                found.append(Waiting(_label(event.kind, event.channel), before.at, event.at))
-    found += [Waiting(_label(kind, channel), event.at, None) for (kind, channel, _), event in sent.items()]
+                found.append(MessageWait(_label(event.kind, event.channel), before.at, event.at))
+    found += [MessageWait(_label(kind, channel), event.at, None) for (kind, channel, _), event in sent.items()]
     return sorted(found, key=lambda one: one.begin)
 
 

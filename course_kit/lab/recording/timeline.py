@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from course_kit.lab.recording.busy import Busy, Waiting, busy_times, waiting_times
+from course_kit.lab.recording.busy import Busy, MessageWait, busy_times, waiting_times
 from course_kit.text.templates import render
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _TEMPLATE = Path(__file__).with_name("templates") / "timeline.html"
 _EMPTY = "No callback has run yet since the recording began."
-_WAIT_SHOWN = 20_000_000  # nanoseconds; what a busy thread keeps waiting for less has not waited
+_WAIT_SHOWN = 100_000_000  # nanoseconds; what a busy thread keeps waiting for less has not waited
 _DRAWN = 80  # bars, the latest ones
 _LENGTH, _GAP = 540, 16  # user units: of the time lines, and before them
 _LANE, _BAR, _TOP = 44, 20, 8
@@ -71,8 +71,8 @@ class Timeline:
 
     def __init__(self, events: Sequence[Event], spans: Sequence[Event]) -> None:
         self.busy: list[Busy] = busy_times(spans, os.getpid())[-_DRAWN:]
-        self.waiting: list[Waiting] = waiting_times(events, self.busy, _WAIT_SHOWN)
-        both: list[Busy | Waiting] = [*self.busy, *self.waiting]
+        self.waiting: list[MessageWait] = waiting_times(events, self.busy, _WAIT_SHOWN)
+        both: list[Busy | MessageWait] = [*self.busy, *self.waiting]
         ends = [one.end for one in both if one.end is not None]
         begins = [one.begin for one in both]
         self._begin = min(begins, default=0)
@@ -138,7 +138,7 @@ class Timeline:
                 found.append(self._bar(kind, one, _short(one), _TOP + _LANE * number, said))
         return _apart(found)
 
-    def _bar(self, kind: str, one: Busy | Waiting, text: str, y: int, words: str) -> TimelineBar:
+    def _bar(self, kind: str, one: Busy | MessageWait, text: str, y: int, words: str) -> TimelineBar:
         begin = self._x(one.begin)
         end = self._x(self._begin + self._length if one.end is None else one.end)
         room = len(text) * _CHARACTER
@@ -150,7 +150,7 @@ class Timeline:
     def _x(self, at: int) -> int:
         return round(self._left + _LENGTH * (at - self._begin) / self._length)
 
-    def _words(self, said: str, one: Busy | Waiting) -> str:
+    def _words(self, said: str, one: Busy | MessageWait) -> str:
         begin = _time(one.begin - self._begin)
         return f"{said}: from {begin} on" if one.end is None else f"{said}: {begin} to {_time(one.end - self._begin)}"
 
@@ -187,7 +187,7 @@ def _said(one: Busy) -> str:
     )
 
 
-def _how_long(one: Waiting) -> str:
+def _how_long(one: MessageWait) -> str:
     return f"{one.label}{', which nobody has taken in' if one.end is None else ''}"
 
 
