@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import json
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import expect, sync_playwright
+
+from course_kit.dev import browser
+from tests.browser.learner import CHROMIUM_FLAGS, PATIENCE_MS
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from playwright.sync_api import Locator, Page
 
     from tests.browser.learner import JupyterLab
@@ -36,6 +43,18 @@ def photograph(lab: JupyterLab, shown: Locator, name: str) -> None:
             lab.picture(f"{name}_{width}_{theme}")
     use_theme(lab.page, "light")
     lab.page.set_viewport_size({"width": 1280, "height": 1000})
+
+
+@contextmanager
+def offline_page() -> Iterator[Page]:
+    """A page of a Chromium that has no network at all."""
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=browser.find(), args=CHROMIUM_FLAGS)
+        opened = chromium.new_page(viewport={"width": 1280, "height": 1000}, offline=True)
+        opened.set_default_timeout(PATIENCE_MS)
+        expect.set_options(timeout=PATIENCE_MS)
+        yield opened
+        chromium.close()
 
 
 def require_no_findings(page: Page, part: Locator) -> None:

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
 from playwright.sync_api import expect
 
-from tests.browser.pictures import photograph
+from tests.browser.learner import ARTIFACTS
+from tests.browser.pictures import offline_page, photograph
+from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from playwright.sync_api import Locator
 
     from tests.browser.learner import JupyterLab
@@ -131,6 +137,82 @@ def test_in_notebook_7_the_graph_floats_over_the_page_and_goes_back(lab: Jupyter
     expect(page.locator(".ck-floating")).to_have_count(0)
 
 
+def test_the_diagram_is_gone_through_by_keyboard_in_any_theme(lab: JupyterLab) -> None:
+    page = lab.page
+    lab.open("notebooks/01_services.ipynb")
+    for start in (
+        "%load_ext course_kit",
+        "from rclpy.node import Node",
+        "from example_interfaces.srv import AddTwoInts",
+    ):
+        lab.run_cell_that_begins(start)
+    lab.run_cell_that_begins("class MinimalService(Node)")
+    lab.run_cell_that_begins("lab.record()\nawait lab.call")
+    lab.replace_cell_that_begins("lab.diagram()", LONG)
+    lab.run_cell_that_begins("class Chatty(Node)")
+    drawn = lab.scroll_to(page.locator(".ck-exchange", has_text="word"))
+    slider = drawn.get_by_role("slider")
+    steps = drawn.locator(".ck-step")
+    count = steps.count()
+    assert count >= 6
+    expect(drawn.locator(".ck-later")).to_have_count(0)
+    slider.focus()
+    page.keyboard.press("Home")
+    expect(drawn.locator(".ck-later")).to_have_count(count - 1)
+    expect(drawn.locator("output")).to_have_text(f"1 of {count}")
+    page.keyboard.press("ArrowRight")
+    expect(drawn.locator(".ck-later")).to_have_count(count - 2)
+    expect(drawn.locator(".ck-current")).to_have_count(1)
+    expect(slider).to_have_attribute("aria-valuetext", re.compile(f"^2 of {count}: minimal_service -> lab"))
+    photograph(lab, drawn, "diagram")
+    page.keyboard.press("End")
+    expect(drawn.locator(".ck-later")).to_have_count(0)
+
+
+def test_a_deadlock_and_a_blocked_cancel_have_time_lines(lab: JupyterLab) -> None:
+    lab.open("notebooks/01_services.ipynb")
+    lab.run_all()
+    lab.require_no_error("notebooks/01_services.ipynb")
+    stuck = lab.scroll_to(lab.page.locator(".ck-times", has_text="stuck_double"))
+    expect(stuck).to_contain_text("has not ended")
+    photograph(lab, stuck, "timeline_deadlock")
+    lab.open("notebooks/02_actions.ipynb")
+    lab.run_all()
+    blocked = lab.scroll_to(lab.page.locator(".ck-times", has_text="the cancel request to /fibonacci"))
+    photograph(lab, blocked, "timeline_blocked_cancel")
+
+
+@pytest.mark.parametrize(("kind", "ending"), [("html", "html"), ("slides", "slides.html")])
+def test_an_export_shows_each_panel_and_diagram_offline(kind: str, ending: str, tmp_path: Path) -> None:
+    """Of the notebook as it is stored, with nothing but the file itself."""
+    for name, wanted in STILL.items():
+        source = REPOSITORY / "notebooks" / f"{name}.ipynb"
+        command = [sys.executable, "-m", "nbconvert", "--to", kind, "--embed-images", "--output-dir", str(tmp_path)]
+        subprocess.run([*command, str(source)], check=True, capture_output=True, timeout=120)
+        with offline_page() as shown:
+            shown.goto((tmp_path / f"{name}.{ending}").as_uri())
+            for selector, count in wanted.items():
+                expect(shown.locator(selector)).to_have_count(count)
+            if kind == "html":
+                for one in shown.locator(".ck-still, .ck-exchange, .ck-times").all():
+                    one.scroll_into_view_if_needed()
+                    frame = one.bounding_box()
+                    assert frame is not None
+                    assert frame["height"] > 40
+                for drawn in shown.locator("main img[alt]").all():
+                    assert drawn.evaluate("image => image.naturalWidth") > 100
+                ARTIFACTS.mkdir(parents=True, exist_ok=True)
+                shown.screenshot(path=ARTIFACTS / f"export_{name}.png")
+
+
+# How many of what each lesson's export shows.
+STILL = {
+    "00_welcome": {".ck-exchange": 1, ".ck-still": 1},
+    "01_services": {".ck-exchange": 2, ".ck-times": 2, ".ck-still": 3, ".ck-still svg.ck-flow": 1},
+    "02_actions": {".ck-exchange": 2, ".ck-times": 1, ".ck-still": 3},
+}
+
+
 def test_fifty_nodes_stay_readable_and_are_found(lab: JupyterLab) -> None:
     page = lab.page
     lab.open("notebooks/00_welcome.ipynb")
@@ -188,6 +270,21 @@ class Quiet(Node):
         self.publisher = self.create_publisher(Float64, "battery_voltage", 10)
 
 battery = lab.start(Quiet)"""
+# A node whose messages are long.
+LONG = """class Chatty(Node):
+    def __init__(self):
+        super().__init__("chatty")
+        self.create_subscription(String, "said", self.hear, 10)
+        self.publisher = self.create_publisher(String, "echo", 10)
+
+    def hear(self, message):
+        self.publisher.publish(message)
+
+from std_msgs.msg import String
+lab.start(Chatty)
+await lab.call("/add_two_ints", AddTwoInts, a=3, b=4)
+lab.publish("/said", String, data="word " * 20)
+lab.diagram()"""
 FIFTY = """from std_msgs.msg import Float64
 from rclpy.node import Node
 
