@@ -29,7 +29,7 @@ CHROMIUM_FLAGS = [
 ]
 # Notebook 7 trips over its own settings when it starts, with any notebook; panels' code comes from a blob: address.
 NOTEBOOK_7_ITSELF = r"\(reading 'schema'\)\n(?:(?!blob:)[\s\S])*/static/notebook/notebook_core"
-PATIENCE_MS = 40_000  # against hanging only
+PATIENCE_MS = 240_000  # against hanging only
 SETTINGS = {
     "@jupyterlab/docmanager-extension/plugin.jupyterlab-settings": {"autosave": False},
     "@jupyterlab/apputils-extension/notification.jupyterlab-settings": {"fetchNews": "false", "checkForUpdates": False},
