@@ -147,7 +147,7 @@ def test_the_diagram_is_gone_through_by_keyboard_in_any_theme(lab: JupyterLab) -
     ):
         lab.run_cell_that_begins(start)
     lab.run_cell_that_begins("class MinimalService(Node)")
-    lab.run_cell_that_begins("lab.record()\nawait lab.call")
+    lab.run_cell_that_begins("lab.record()")
     lab.replace_cell_that_begins("lab.diagram()", LONG)
     lab.run_cell_that_begins("class Chatty(Node)")
     drawn = lab.scroll_to(page.locator(".ck-exchange", has_text="word"))
@@ -156,10 +156,12 @@ def test_the_diagram_is_gone_through_by_keyboard_in_any_theme(lab: JupyterLab) -
     count = steps.count()
     assert count >= 6
     expect(drawn.locator(".ck-later")).to_have_count(0)
-    slider.focus()
+    slider.click()
+    expect(slider).to_be_focused()
     page.keyboard.press("Home")
     expect(drawn.locator(".ck-later")).to_have_count(count - 1)
     expect(drawn.locator("output")).to_have_text(f"1 of {count}")
+    expect(slider).to_be_focused()
     page.keyboard.press("ArrowRight")
     expect(drawn.locator(".ck-later")).to_have_count(count - 2)
     expect(drawn.locator(".ck-current")).to_have_count(1)
