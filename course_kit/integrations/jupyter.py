@@ -63,6 +63,7 @@ def serve(root: Path, first: str, arguments: Sequence[str], **variables: str) ->
         "lab",
         f"--ServerApp.root_dir={root}",
         f"--LabApp.default_url=/lab/tree/{first}",
+        "--LabApp.expose_app_in_browser=True",  # panels ask it for a view of their own beside the notebook
         *_terminals(),
         *as_root,
         *arguments,

@@ -22,6 +22,7 @@ from course_kit.lab.api import (
     stop_others,
     stop_script,
     subscribe,
+    timeline,
 )
 from course_kit.lab.errors import (
     ActionNotFoundError,
@@ -80,6 +81,7 @@ __all__ = [
     "stop_others",
     "stop_script",
     "subscribe",
+    "timeline",
     "use",
 ]
 

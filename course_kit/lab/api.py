@@ -221,7 +221,7 @@ def record() -> None:
 
 
 def diagram(*, last: int | None = None) -> object:
-    """The recorded exchange as a sequence diagram: Mermaid in JupyterLab, numbered lines elsewhere.
+    """The recorded exchange as a sequence diagram: a drawing to go through step by step, numbered lines in a terminal.
 
     Args:
         last: draw only so many of the latest arrows.
@@ -230,3 +230,15 @@ def diagram(*, last: int | None = None) -> object:
         LabError: no recorder is attached (`%load_ext course_kit` attaches one).
     """
     return current().diagram(last)
+
+
+def timeline() -> object:
+    """Which thread was inside which callback, from when to when, and what waited to be taken in meanwhile.
+
+    Threads are those of the lab, of its goals, and of the programs that run by `%%ros_script`. A deadlock shows as a
+    callback that does not end while the answer it waits for is not taken in.
+
+    Raises:
+        LabError: no recorder is attached (`%load_ext course_kit` attaches one).
+    """
+    return current().timeline()

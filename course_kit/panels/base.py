@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from course_kit import lab
+from course_kit.panels.still import still
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
@@ -29,7 +30,7 @@ class Panel:
     """A widget for one thing on the ROS graph.
 
     A notebook displays it as `widget`; a terminal, a stored notebook and a screen reader's text view have
-    `describe()`, which holds nothing that changes from run to run.
+    `describe()`, which holds nothing that changes from run to run. An export of a notebook has `still()`.
 
     Args:
         subject: what it is for. A panel of the same class for the same subject is closed first.
@@ -56,6 +57,10 @@ class Panel:
         """What a notebook displays: the widget, or for a subclass more than that."""
         return self.widget
 
+    def still(self) -> str:
+        """The panel as HTML that does not move, for exports of the notebook: a picture, or its words."""
+        return still(self.describe())
+
     def at_close(self, function: Callable[[], None]) -> None:
         """Have a function called when the panel ends; the last one first."""
         self._closing.append(function)
@@ -69,6 +74,7 @@ class Panel:
         shown = self.displayed()._repr_mimebundle_(**options) or {}
         bundle: dict[str, Any] = dict(shown[0] if isinstance(shown, tuple) else shown)  # anywidget adds metadata
         bundle["text/plain"] = self.describe()
+        bundle["text/html"] = self.still()
         return bundle
 
     def __repr__(self) -> str:

@@ -36,7 +36,12 @@ class Comparison(Panel):
         self._title = title
         self._order = sorted(values, key=lambda name: values[name])
         drawn = render(_TEMPLATE, title=title, values=values, unit=unit, longest=max(values.values()) or 1.0)
+        self._drawn = drawn
         self.widget = ipywidgets.HTML(str(drawn))
+
+    def still(self) -> str:
+        """The bars, which do not move anyway."""
+        return str(self._drawn)
 
     def describe(self) -> str:
         """The order without the numbers, which no two runs share."""

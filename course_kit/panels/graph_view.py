@@ -1,8 +1,9 @@
-"""A live picture of the ROS graph: who offers what, and who uses it."""
+"""A live picture of the ROS graph: who offers what, who uses it, and what crosses between them."""
 
 from __future__ import annotations
 
 import threading
+import time
 from typing import TYPE_CHECKING
 
 import anywidget
@@ -11,38 +12,47 @@ from ipywidgets import VBox
 
 from course_kit import lab
 from course_kit.panels.base import RATE, Panel, of_files
+from course_kit.panels.graph_picture import graph_svg, how_many
+from course_kit.panels.graph_traffic import Traffic
 from course_kit.panels.other_notebooks import OtherNotebooks
+from course_kit.panels.still import still
 from course_kit.ros import graph
+from course_kit.ros.graph import ROLES, Overview, Use
 from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
     from ipywidgets import Widget
 
-    from course_kit.ros.graph import Overview, Use
+    from course_kit.ros.graph import Role
 
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
+_REMEMBERED = 3.0  # seconds for which the notebook is on the picture at least, after it has sent or got something
 _EMPTY = "No node is on the ROS graph."
+_LAB = "lab"  # by this name the recorder reports what the notebook itself sends and gets
+_ROLES = {(role.kind, role.verb): role for role in ROLES}
 
 
 class GraphWidget(anywidget.AnyWidget):
     """The picture as the page has it.
 
     Attributes:
-        nodes: each with its `name` and its `uses`: `verb`, `channel` (an index), `inward`.
-        channels: each with its `kind`, `name`, `types` and `remarks`.
+        svg: the drawing; empty without nodes.
         text: the same in lines.
         news: what has come or gone since the last change, for a screen reader.
+        crossed: what has crossed since the last time, under "hops", and a "number" that grows.
+        wanted: only nodes and channels whose name holds this are shown, and who is connected to them.
         plumbing: whether what ROS itself brings along is shown.
         ended: whether the picture no longer changes.
     """
 
-    _esm = of_files("graph_view.js")
-    _css = of_files("frame.css", "panels.css", "graph_view.css")
-    nodes: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
-    channels: traitlets.List[dict[str, object]] = traitlets.List().tag(sync=True)
+    _esm = of_files("dom.js", "docking.js", "graph_traffic.js", "graph_view.js")
+    _css = of_files("frame.css", "panels.css", "graph_flow.css", "graph_view.css")
+    svg = traitlets.Unicode().tag(sync=True)
     text = traitlets.Unicode().tag(sync=True)
     news = traitlets.Unicode().tag(sync=True)
+    crossed: traitlets.Dict[str, object] = traitlets.Dict().tag(sync=True)
+    wanted = traitlets.Unicode().tag(sync=True)
     plumbing = traitlets.Bool().tag(sync=True)
     ended = traitlets.Bool().tag(sync=True)
 
@@ -51,7 +61,7 @@ class GraphView(Panel):
     """The ROS graph, looked at five times a second.
 
     rclpy has no event for changes of the graph, so a thread compares what it sees with what is shown, and tells the
-    page only when that has changed.
+    page only when that has changed. Messages are those that the lab's recorder sees.
     """
 
     def __init__(self) -> None:
@@ -59,14 +69,17 @@ class GraphView(Panel):
         self._node = lab.current().engine.node
         self._lock = threading.Lock()
         self._shown: Overview | None = None
+        self._drawn: tuple[Overview, str, frozenset[Use]] | None = None
+        self._of_lab: dict[tuple[Role, str], float] = {}  # what the notebook itself has sent or got, and when
         self._ended = threading.Event()
         self.widget = GraphWidget()
         self._others = OtherNotebooks()
         self._came: frozenset[str] = frozenset()  # nodes whose coming is the last news
         self._look()
-        self.widget.observe(lambda _: self._look(), "plumbing")
+        self.widget.observe(lambda _: self._look(), ["plumbing", "wanted"])
         self._thread = threading.Thread(target=self._watch, name="graph-view", daemon=True)
         self._thread.start()
+        self._traffic = Traffic(self._show_crossed)
         self.at_close(self._end)
 
     def describe(self) -> str:
@@ -77,6 +90,10 @@ class GraphView(Panel):
         """The picture, and below it what other notebooks run."""
         return VBox([self.widget, self._others.widget])
 
+    def still(self) -> str:
+        """The drawing of this moment."""
+        return still(self.describe(), graph_svg(graph.read(self._node)), "graph_flow.css")
+
     def _watch(self) -> None:
         while not self._ended.wait(_PAUSE):
             self._look()
@@ -85,15 +102,37 @@ class GraphView(Panel):
     def _look(self) -> None:
         with self._lock:  # the page and the thread may ask at the same time
             seen = graph.read(self._node, plumbing=self.widget.plumbing)
-            if seen == self._shown:
+            if seen != self._shown:
+                self._forget_lab()
+            picture = (seen, self.widget.wanted, self._uses_of_lab(seen))
+            if picture == self._drawn:
                 return
-            before, self._shown = self._shown, seen
+            before, self._shown, self._drawn = self._shown, seen, picture
             with self.widget.hold_sync():
-                self.widget.nodes, self.widget.channels = drawn(seen)
-                self.widget.text = in_lines(seen)
-                if before is not None and not self._completes(before, seen):
+                self.widget.svg = graph_svg(matching(with_lab(seen, picture[2]), self.widget.wanted))
+                self.widget.text = in_lines(matching(seen, self.widget.wanted))
+                if before is not None and before != seen and not self._completes(before, seen):
                     self._came = frozenset(seen.nodes) - frozenset(before.nodes)
                     self.widget.news = news(before, seen)
+
+    def _forget_lab(self) -> None:
+        """Leave out what the notebook no longer does; only when the picture changes anyway, so that nothing jumps."""
+        latest = time.monotonic() - _REMEMBERED
+        self._of_lab = {use: at for use, at in self._of_lab.items() if at > latest}
+
+    def _uses_of_lab(self, seen: Overview) -> frozenset[Use]:
+        channels = seen.channels()
+        known = ((role, channel, channels.get((role.kind, channel))) for role, channel in self._of_lab)
+        return frozenset(Use(_LAB, role, channel, uses[0].types) for role, channel, uses in known if uses)
+
+    def _show_crossed(self, hops: list[dict[str, object]]) -> None:
+        own = {(_ROLES[str(hop["kind"]), str(hop["verb"])], str(hop["channel"])) for hop in hops if hop["node"] == _LAB}
+        with self._lock:
+            new = own - set(self._of_lab)
+            self._of_lab.update(dict.fromkeys(own, time.monotonic()))
+        if new:
+            self._look()
+        self.widget.crossed = {"number": int(str(self.widget.crossed.get("number", 0))) + 1, "hops": hops}
 
     def _completes(self, before: Overview, now: Overview) -> bool:
         """Whether a change is only what nodes do that have just come: their coming is told, and is the news still."""
@@ -102,9 +141,35 @@ class GraphView(Panel):
 
     def _end(self) -> None:
         self._ended.set()
+        self._traffic.close()
         if threading.current_thread() is not self._thread:
             self._thread.join(_JOIN)
         self.widget.ended = True
+
+
+def with_lab(seen: Overview, uses: frozenset[Use]) -> Overview:
+    """The graph with the notebook itself on it, as far as it takes part; without, it is as hidden as ROS hides it."""
+    if not uses:
+        return seen
+    return Overview((*seen.nodes, _LAB), (*seen.uses, *sorted(uses, key=lambda use: (use.channel, use.role.verb))))
+
+
+def matching(seen: Overview, wanted: str) -> Overview:
+    """The nodes and channels whose name holds a text, and who is connected to them.
+
+    Args:
+        seen: the graph.
+        wanted: the text, in capitals or not; everything without it.
+    """
+    text = wanted.strip().lower()
+    if not text:
+        return seen
+    channels = {key for key in seen.channels() if text in key[1].lower()}
+    nodes = {node for node in seen.nodes if text in node.lower()}
+    channels |= {(use.role.kind, use.channel) for use in seen.uses if use.node in nodes}
+    uses = tuple(use for use in seen.uses if (use.role.kind, use.channel) in channels)
+    nodes |= {use.node for use in uses}
+    return Overview(tuple(node for node in seen.nodes if node in nodes), uses)
 
 
 def in_lines(seen: Overview) -> str:
@@ -113,49 +178,11 @@ def in_lines(seen: Overview) -> str:
         return _EMPTY
     lines = []
     for node in sorted(set(seen.nodes)):
-        lines.append(short_name(node) + _how_many(seen.nodes.count(node)))
+        lines.append(f"{short_name(node)} {how_many(seen.nodes.count(node))}".rstrip())
         uses = seen.of(node)
         lines += [f"    {use.role.verb} {use.channel} [{', '.join(use.types)}]" for use in uses]
     remarks = [remark for said in seen.remarks().values() for remark in said]
     return "\n".join(lines + remarks)
-
-
-def drawn(seen: Overview) -> tuple[list[dict[str, object]], list[dict[str, object]]]:
-    """Nodes and channels as `GraphWidget` has them."""
-    channels = dict(sorted(seen.channels().items(), key=lambda item: _height(seen, item[1])))
-    places = {key: number for number, key in enumerate(channels)}
-    remarks = seen.remarks()
-    nodes: list[dict[str, object]] = [
-        {
-            "name": short_name(node),
-            "note": _how_many(seen.nodes.count(node)).strip(),
-            "uses": [
-                {
-                    "verb": use.role.verb,
-                    "channel": places[use.role.kind, use.channel],
-                    "inward": use.role.inward,
-                    "offers": use.role.offers,
-                }
-                for use in seen.of(node)
-            ],
-        }
-        for node in sorted(set(seen.nodes))
-    ]
-    return nodes, [
-        {
-            "kind": kind,
-            "name": name,
-            "types": sorted({one for use in uses for one in use.types}),
-            "remarks": remarks.get((kind, name), []),
-        }
-        for (kind, name), uses in channels.items()
-    ]
-
-
-def _height(seen: Overview, uses: list[Use]) -> float:
-    """How far down its nodes are, so that a channel drawn in this order has them beside it and few lines cross."""
-    rows = [seen.uses.index(use) for use in uses]
-    return sum(rows) / len(rows)
 
 
 def news(before: Overview, now: Overview) -> str:
@@ -165,7 +192,3 @@ def news(before: Overview, now: Overview) -> str:
     said = [f"{short_name(node)} has joined the graph." for node in came]
     said += [f"{short_name(node)} has left the graph." for node in left]
     return " ".join(said) or "The graph has changed."
-
-
-def _how_many(count: int) -> str:
-    return f" ({count} nodes of this name)" if count > 1 else ""

@@ -33,13 +33,14 @@ class Feature(NamedTuple):
 
 
 RECORDING = Feature(
-    "lab.diagram() shows no services and topics, a call learns of a failed callback only by its timeout, and "
-    "lab.publish() does not wait for callbacks",
+    "lab.diagram() shows no services and topics, lab.timeline() no callbacks, a call learns of a failed callback only "
+    "by its timeout, and lab.publish() does not wait for callbacks",
     ("lab/recording/hooks.py", "lab/runtime/executor.py", "lab/runtime/failures.py", "lab/scripts/child_main.py"),
     (
         "rclpy.executors:Executor._take_service",
         "rclpy.executors:Executor._take_client",
         "rclpy.executors:Executor._take_subscription",
+        "rclpy.executors:Executor._take_timer",
         "rclpy.client:Client._lock",
         "rclpy.client:Client._pending_requests",
         "rclpy.client:Client.logger_name",
@@ -73,7 +74,7 @@ GOAL_RECORDING = Feature(
 )
 EXECUTIONS = Feature(
     "An execute callback keeps everything else in the lab waiting, and its errors are shown as rclpy shows them",
-    ("lab/runtime/actions.py", "lab/runtime/execution.py"),
+    ("lab/runtime/actions.py", "lab/runtime/execution.py", "lab/recording/execution_hooks.py"),
     (_SERVER + "_execute_goal", _SERVER + "_node"),
 )
 GOAL_ENDS = Feature(
@@ -189,5 +190,5 @@ OF_THE_LAB = (
     ERRORS,
     OWN_TYPES,
 )
-OF_SCRIPTS = (RECORDING, GOAL_RECORDING)
+OF_SCRIPTS = (RECORDING, GOAL_RECORDING, EXECUTIONS)
 ALL = (*OF_THE_LAB, FAST_GRADING, DIAGNOSES, NOTEBOOK_TESTS)

@@ -94,7 +94,7 @@ def test_marking_waits_until_the_end_if_one_wants_it(lab: JupyterLab) -> None:
     expect(measured).to_contain_text(re.compile(r"by_service\s*[\d.]+ ms"))
     measured.scroll_into_view_if_needed()
     lab.picture("lesson_four_measured")
-    arrows = lab.page.locator(".jp-RenderedMermaid img").first
+    arrows = lab.page.locator(".ck-exchange svg").first
     arrows.scroll_into_view_if_needed()
     expect(arrows).to_be_in_viewport()
     lab.picture("lesson_four_arrows")

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from typing import TYPE_CHECKING
 
+import nbformat
 import pytest
 
 from course_kit import environment
 from course_kit.dev import notebooks
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 WITHOUT = """
 import sys
@@ -56,3 +61,31 @@ def test_nothing_but_the_plugin_needs_nbval_or_pytest() -> None:
         check=False,
     )
     assert done.stdout.endswith("all\n"), done.stderr
+
+
+PICTURE = """class Picture:
+    def _repr_mimebundle_(self, **_):
+        return {"text/html": "<b>measured just now</b>", "text/plain": "a picture"}
+
+Picture()"""
+
+
+@pytest.mark.parametrize(("words", "code"), [("a picture", 0), ("another picture", 1)])
+def test_of_a_picture_the_words_are_compared_and_its_html_is_not(
+    words: str, code: int, tmp_path: Path, domain: int
+) -> None:
+    stored = {"text/html": "<b>measured then</b>", "text/plain": words}
+    output = nbformat.v4.new_output("execute_result", stored, execution_count=1)
+    cell = nbformat.v4.new_code_cell(PICTURE, outputs=[output], execution_count=1)
+    path = tmp_path / "picture.ipynb"
+    nbformat.write(nbformat.v4.new_notebook(cells=[cell]), path)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", *notebooks.NBVAL, str(path)],
+        env=environment.child_environment(ROS_DOMAIN_ID=str(domain)),
+        cwd=environment.PACKAGE.parent,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == code, done.stdout

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 import threading
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from example_interfaces.action import Fibonacci
 from example_interfaces.srv import AddTwoInts
-from rclpy.action import ActionServer
+from rclpy.action import ActionClient, ActionServer
 from rclpy.node import Node
 from std_msgs.msg import Bool, Float64
 
 from course_kit import lab, panels
-from course_kit.panels.graph_view import GraphView, drawn, in_lines, news
+from course_kit.panels.graph_picture import boxes_of, graph_svg
+from course_kit.panels.graph_view import GraphView, in_lines, matching, news
 from course_kit.ros import graph as overview
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from course_kit.lab.runtime.core import Lab
@@ -39,6 +43,18 @@ class Display(Node):
     def __init__(self) -> None:
         super().__init__("display", namespace="/kitchen")
         self.create_subscription(Float64, "/temperature", lambda _: None, 10)
+
+
+class Asking(Node):
+    def __init__(self) -> None:
+        super().__init__("asking")
+        self.create_client(AddTwoInts, "add_two_ints")
+        self.goals = ActionClient(self, Fibonacci, "fibonacci")
+
+
+def nodes_in(view: GraphView) -> list[str]:
+    """The nodes drawn, in the order in which Tab reaches them."""
+    return re.findall(r'data-node="([^"]*)"', view.widget.svg)
 
 
 def seen(own: Lab, *, plumbing: bool = False) -> Overview:
@@ -105,30 +121,168 @@ def test_plumbing_is_hidden_unless_it_is_asked_for(live_lab: Lab) -> None:
 
 def test_the_page_follows_when_nodes_come_change_and_go() -> None:
     view = panels.graph()
-    assert view.widget.nodes == []
+    assert view.widget.svg == ""
     lab.start(Busy)
     wait_for(view, "serves /add_two_ints")
-    assert [node["name"] for node in view.widget.nodes] == ["busy"]
+    assert nodes_in(view) == ["busy"]
     lab.start(Display)
     wait_for(view, "/kitchen/display")
     lab.stop(Busy)
     wait_for(view, "No node publishes /temperature.")
-    assert [node["name"] for node in view.widget.nodes] == ["/kitchen/display"]
+    assert nodes_in(view) == ["/kitchen/display"]
 
 
-def test_each_use_leads_to_its_channel(live_lab: Lab) -> None:
+def test_a_box_says_what_it_is_and_each_use_is_an_arrow(live_lab: Lab) -> None:
     lab.start(Busy)
-    nodes, channels = drawn(seen(live_lab))
-    lines = {use["verb"]: (channels[use["channel"]]["name"], use["inward"]) for use in nodes[0]["uses"]}
-    assert lines == {
-        "serves": ("/add_two_ints", True),
-        "calls": ("/missing", False),
-        "runs the action": ("/fibonacci", True),
-        "publishes": ("/temperature", False),
-        "listens to": ("/button", True),
+    now = seen(live_lab)
+    assert boxes_of(now)["node", "/busy"].words == (
+        "busy: serves /add_two_ints; calls /missing; runs the action /fibonacci; publishes /temperature; "
+        "listens to /button"
+    )
+    assert boxes_of(now)["topic", "/button"].words == ("topic /button, std_msgs/msg/Bool. No node publishes /button.")
+    uses = re.findall(r'data-of="busy" data-verb="([^"]*)" data-kind="[a-z]*" data-on="([^"]*)"', graph_svg(now))
+    assert sorted(uses) == [
+        ("calls", "/missing"),
+        ("listens to", "/button"),
+        ("publishes", "/temperature"),
+        ("runs the action", "/fibonacci"),
+        ("serves", "/add_two_ints"),
+    ]
+
+
+def columns_of(svg: str) -> dict[str, int]:
+    """How far to the right each box is."""
+    found = re.findall(r'translate\((\d+) \d+\)" [^>]*data-(?:node|channel)="([^"]*)"', svg)
+    return {name: int(x) for x, name in found}
+
+
+def test_it_flows_from_who_begins_to_who_receives(live_lab: Lab) -> None:
+    lab.start(Busy)
+    lab.start(Display)
+    lab.start(Asking)
+    places = columns_of(graph_svg(seen(live_lab)))
+    assert places["busy"] < places["/temperature"] < places["/kitchen/display"]
+    assert places["asking"] < places["/add_two_ints"] < places["busy"]
+    assert places["asking"] < places["/fibonacci"] < places["busy"]
+    assert places["/button"] < places["busy"] < places["/missing"]
+
+
+def test_of_a_circle_the_topic_flows_and_the_service_leads_back() -> None:
+    kinds = ("std_msgs/msg/Bool",)
+    uses = (
+        overview.Use("/sensor", overview.SERVES, "/reset", kinds),
+        overview.Use("/sensor", overview.PUBLISHES, "/reading", kinds),
+        overview.Use("/control", overview.CALLS, "/reset", kinds),
+        overview.Use("/control", overview.LISTENS, "/reading", kinds),
+    )
+    places = columns_of(graph_svg(overview.Overview(("/control", "/sensor"), uses)))
+    assert places["sensor"] < places["/reading"] < places["control"] < places["/reset"]
+
+
+def fifty() -> Overview:
+    """A chain of fifty nodes with topics, and services across it."""
+    nodes = tuple(f"/station_{number:02}" for number in range(50))
+    uses = [overview.Use(node, overview.PUBLISHES, f"{node}/state", ("std_msgs/msg/Float64",)) for node in nodes]
+    for number, node in enumerate(nodes[1:]):
+        uses.append(overview.Use(node, overview.LISTENS, f"{nodes[number * 3 % 50]}/state", ("std_msgs/msg/Float64",)))
+        if number % 6 == 0:
+            uses.append(overview.Use(node, overview.SERVES, f"{node}/reset", ("std_srvs/srv/Trigger",)))
+            uses.append(overview.Use(nodes[number // 2], overview.CALLS, f"{node}/reset", ("std_srvs/srv/Trigger",)))
+    return overview.Overview(nodes, tuple(dict.fromkeys(uses)))
+
+
+def test_the_words_of_fifty_nodes_do_not_overlap() -> None:
+    svg = graph_svg(fifty())
+    boxes = re.findall(r'translate\((\d+) (\d+)\)".*?<rect width="(\d+)" height="(\d+)"', svg, flags=re.DOTALL)
+    frames = [(int(x), int(y), int(x) + int(w), int(y) + int(h)) for x, y, w, h in boxes]
+    assert len(frames) == 50 + 50 + 9
+    for one, other in itertools.combinations(frames, 2):
+        assert one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
+
+
+def test_a_filter_leaves_who_is_connected() -> None:
+    few = matching(fifty(), "Station_07/STATE")
+    assert "/station_07" in few.nodes
+    assert {use.channel for use in few.uses} == {"/station_07/state"}
+    assert matching(fifty(), " ") == fifty()
+    assert matching(fifty(), "nothing of this name").nodes == ()
+    one = matching(fifty(), "station_07")
+    remarks = {key: said for key, said in fifty().remarks().items() if key in one.channels()}
+    assert one.remarks() == remarks
+
+
+def crossed(view: GraphView) -> list[tuple[object, ...]]:
+    """The hops that a page is told from now on, in the order of their stages; filled while messages cross."""
+    told: list[tuple[object, ...]] = []
+
+    def tell(change: dict[str, Any]) -> None:
+        told.extend((hop["node"], hop["verb"], hop["channel"], hop["leaves"]) for hop in change["new"]["hops"])
+
+    view.widget.observe(tell, "crossed")
+    return told
+
+
+def test_a_message_that_crosses_is_told_and_nothing_else_is() -> None:
+    lab.start(Display)
+    view = panels.graph()
+    told = crossed(view)
+    assert told == []
+    lab.publish("/temperature", Float64, data=1.0)
+    wait_until(lambda: len(told) == 2)
+    assert set(told) == {
+        ("lab", "publishes", "/temperature", True),
+        ("/kitchen/display", "listens to", "/temperature", False),
     }
-    # In the order of the uses, so that these lines do not cross.
-    assert [use["channel"] for use in nodes[0]["uses"]] == [0, 1, 2, 3, 4]
+    wait_until(lambda: 'data-node="lab"' in view.widget.svg)
+    assert "lab" not in view.widget.text.split()
+
+
+def test_a_call_goes_there_and_comes_back() -> None:
+    lab.start(Busy)
+    view = panels.graph()
+    told = crossed(view)
+    lab.call_blocking("/add_two_ints", AddTwoInts, a=1, b=2)
+    wait_until(lambda: len(told) == 4)
+    assert set(told) == {
+        ("lab", "calls", "/add_two_ints", True),
+        ("busy", "serves", "/add_two_ints", False),
+        ("busy", "serves", "/add_two_ints", True),
+        ("lab", "calls", "/add_two_ints", False),
+    }
+
+
+def test_a_fast_topic_is_counted_and_does_not_flood_the_page() -> None:
+    lab.start(Display)
+    view = panels.graph()
+    counts: list[int] = []
+    view.widget.observe(
+        lambda change: counts.extend(hop["count"] for hop in change["new"]["hops"] if hop["node"] == "lab"), "crossed"
+    )
+    for number in range(300):
+        lab.publish("/temperature", Float64, data=float(number))
+    wait_until(lambda: sum(counts) == 300)
+    assert len(counts) < 100
+
+
+def test_an_ended_picture_listens_no_more(live_lab: Lab) -> None:
+    view = panels.graph()
+    view.close()
+    told = crossed(view)
+    lab.start(Display)
+    lab.publish("/temperature", Float64, data=1.0)
+    assert told == []
+    live_lab.close()
+
+
+def test_an_export_shows_the_graph_as_it_is(live_lab: Lab) -> None:
+    lab.start(Display)
+    html = panels.graph()._repr_mimebundle_()["text/html"]
+    assert 'data-node="/kitchen/display"' in html
+    assert "<svg" in html
+    assert not re.findall(r"https?:|<script|url\(", html)
+    lab.stop()
+    assert "No node is on the ROS graph." in panels.graph()._repr_mimebundle_()["text/html"]
+    assert not live_lab.nodes()
 
 
 def test_what_came_and_left_is_told_to_a_screen_reader(live_lab: Lab) -> None:
@@ -156,7 +310,7 @@ def test_what_a_node_does_is_no_news_right_after_its_coming(live_lab: Lab) -> No
 def test_two_nodes_of_one_name_are_told_apart_from_one() -> None:
     twice = overview.Overview(("/twin", "/twin"), ())
     assert in_lines(twice) == "twin (2 nodes of this name)"
-    assert drawn(twice)[0][0]["note"] == "(2 nodes of this name)"
+    assert "(2 nodes of this name)" in graph_svg(twice)
 
 
 def test_it_ends_when_another_one_is_shown_and_with_the_lab(live_lab: Lab) -> None:

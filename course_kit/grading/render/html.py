@@ -11,6 +11,7 @@ from urllib.parse import quote
 from course_kit import environment
 from course_kit.grading.render import program as program_lines
 from course_kit.grading.render.sequence import sequence_svg
+from course_kit.ros.sequence import sequence_css
 from course_kit.text.templates import render
 
 if TYPE_CHECKING:
@@ -79,6 +80,7 @@ def _values(report: Report, base: Path) -> dict[str, object]:
         "first_failed": next((check for check in report.checks if check.status == "failed"), None),
         "link": partial(_link, base=base),
         "sequence_svg": sequence_svg,
+        "sequence_css": sequence_css(),
         "is_page": False,
     }
 

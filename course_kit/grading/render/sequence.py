@@ -1,28 +1,16 @@
-"""Where everything stands in the sequence diagram of a failed check; `sequence.svg` draws it.
-
-The same steps stand below it as a list, for readers who do not see it.
-"""
+"""The sequence diagram of a failed check. The same steps stand below it as a list, for readers who do not see it."""
 
 from __future__ import annotations
 
-import textwrap
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.grading.exchange_log import GRADER, NODE
-from course_kit.text.templates import render
+from course_kit.ros import sequence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.ros.arrows import Arrow
-
-_TEMPLATE = Path(__file__).with_name("templates") / "sequence.svg"
-_TOP = 34  # user units, one of which is a pixel where there is room; above it stand the names
-_LINE = 15  # height of a line of text
-_ARROW = 16  # height of an arrow below its text
-_GAP = 6  # below a note
-_COLUMNS = 68  # characters of 12 px monospace between the two lifelines
 
 
 def sequence_svg(steps: Sequence[Arrow]) -> str:
@@ -31,16 +19,7 @@ def sequence_svg(steps: Sequence[Arrow]) -> str:
     Args:
         steps: what happened, in order; their texts may hold anything.
     """
-    if not steps:
-        return ""
-    rows, y = [], _TOP
-    for step in steps:
-        sign = "✗ " if step.kind == "failure" else ""
-        lines = textwrap.wrap(sign + step.text, _COLUMNS)
-        rows.append((step, lines, y))
-        y += len(lines) * _LINE + (_GAP if step.kind == "note" else _ARROW)
-    places = {GRADER: 56, NODE: 584}
-    return render(_TEMPLATE, rows=rows, places=places, line=_LINE, height=y + 2, summary=summary(steps))
+    return sequence.sequence_svg([(step, step.text) for step in steps], {GRADER: GRADER, NODE: NODE}, summary(steps))
 
 
 def summary(steps: Sequence[Arrow]) -> str:

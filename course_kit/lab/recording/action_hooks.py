@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.recording.events import Kind
-    from course_kit.lab.recording.hooks import MessageHooks, Where
+    from course_kit.lab.recording.hooks import MessageHooks
+    from course_kit.lab.recording.spans import Where
     from course_kit.ros.messages import ActionType, Message
 
 _WHERE = "_course_kit_where"  # on a client or server: its node, the action's full name and its type
@@ -39,6 +40,12 @@ _KEPT = 1000  # goals that are still known as sent or accepted
 def number_of(goal_id: Message) -> int:
     """A goal's identifier as a number."""
     return int.from_bytes(bytes(goal_id.uuid), "big")
+
+
+def where_of(server: ActionServer) -> Where | None:
+    """Node, full name and type of an action server; None for one that was made before there was a recorder."""
+    where: Where | None = vars(server).get(_WHERE)
+    return where
 
 
 class ActionHooks:

@@ -1,23 +1,26 @@
-"""The drawing: Mermaid where it is rendered, numbered lines everywhere else.
+"""The drawing: an SVG in a page, numbered lines everywhere else.
 
-JupyterLab renders the MIME type text/vnd.mermaid since 4.1. The lines say the same in words, so that a screen
-reader, a terminal and a stored notebook have it too; they hold no times and no identifiers.
+The page needs nothing but itself: it is the same in JupyterLab and Notebook 7, in an HTML or slides export, offline,
+and in the colours of the theme. The lines say the same in words, so that a screen reader, a terminal and a stored
+notebook have it too; neither holds times or identifiers.
 """
 
 from __future__ import annotations
 
 import re
 import textwrap
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from course_kit.ros.arrows import Arrow
 from course_kit.ros.names import short_name
+from course_kit.ros.sequence import sequence_css, sequence_svg
+from course_kit.text.templates import render
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.ros.arrows import Arrow
-
-MERMAID = "text/vnd.mermaid"
+_TEMPLATE = Path(__file__).with_name("templates") / "exchange.html"
 WIDTH = 80
 _EMPTY = "Nothing has been recorded yet: call a service, then draw again."
 _LINES = {
@@ -71,6 +74,26 @@ class Diagram:
             lines.append(f"    {ends}: {_escape(_label(arrow))}")
         return "\n".join(lines) + "\n"
 
+    def html(self) -> str:
+        """The diagram as HTML: the drawing, a slider to go through it step by step, and the steps in words."""
+        names = {name: short_name(name) for name in self.participants}
+        steps = [(arrow, _line(_label(arrow))) for arrow in self.arrows]
+        missing = self._missing() if self.left_out else ""
+        if missing:
+            first = next(iter(names))
+            steps.insert(0, (Arrow(first, first, "note", missing), missing))
+        words = [f"{_ends(arrow)}  {_line(_label(arrow))}" for arrow in self.arrows]
+        return str(
+            render(
+                _TEMPLATE,
+                drawing=sequence_svg(steps, names, f"Sequence diagram: {self._summary()}"),
+                sequence_css=sequence_css(),
+                steps=words,
+                missing=missing,
+                summary=self._summary(),
+            )
+        )
+
     def __str__(self) -> str:
         """The diagram in numbered lines of at most 80 columns."""
         if not self.arrows:
@@ -78,10 +101,8 @@ class Diagram:
         lines = [self._missing()] if self.left_out else []
         digits = len(str(len(self.arrows)))
         for number, arrow in enumerate(self.arrows, 1):
-            ends = f"{number:>{digits}}. {short_name(arrow.sender)} {arrow.sign} {short_name(arrow.receiver)}"
-            lines += textwrap.wrap(
-                f"{ends}  {_line(_label(arrow))}", WIDTH, subsequent_indent=" " * (digits + 4), break_on_hyphens=False
-            )
+            said = f"{number:>{digits}}. {_ends(arrow)}  {_line(_label(arrow))}"
+            lines += textwrap.wrap(said, WIDTH, subsequent_indent=" " * (digits + 4), break_on_hyphens=False)
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -90,7 +111,7 @@ class Diagram:
     def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
         if not self.arrows:
             return {"text/plain": _EMPTY}
-        return {MERMAID: self.mermaid(), "text/plain": str(self)}
+        return {"text/html": self.html(), "text/plain": str(self)}
 
     def _summary(self) -> str:
         names = ", ".join(short_name(name) for name in self.participants)
@@ -105,6 +126,10 @@ def _label(arrow: Arrow) -> str:
     if arrow.kind in _UNNAMED:
         return f"{arrow.channel} {arrow.text}"
     return f"{arrow.channel} {arrow.kind}" + (f": {arrow.text}" if arrow.text else "")
+
+
+def _ends(arrow: Arrow) -> str:
+    return f"{short_name(arrow.sender)} {arrow.sign} {short_name(arrow.receiver)}"
 
 
 def _line(text: str) -> str:

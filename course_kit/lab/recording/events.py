@@ -33,6 +33,8 @@ Kind = Literal[
     "cancel_answer_received",
     "result_sent",
     "result_received",
+    "callback_begun",
+    "callback_ended",
 ]
 KINDS: frozenset[str] = frozenset(get_args(Kind))
 
@@ -46,8 +48,10 @@ class Event(NamedTuple):
         channel: full name of the service, topic or action.
         type_name: e.g. "std_srvs/srv/Trigger".
         value: a plain copy of the message (see `ros.showing`), or text for failures; for the answer to a goal and to a
-            cancel request whether it was "accepted", for a result its "status" and the "result".
-        sequence: the client's number of the request; a goal's identifier as a number; 0 for topics.
+            cancel request whether it was "accepted", for a result its "status" and the "result"; for a callback that
+            begins "what" it is, and the "thread", its "ident" and "process".
+        sequence: the client's number of the request; a goal's identifier as a number; the number of a callback's
+            run in its process; 0 for topics.
         at: CLOCK_MONOTONIC in nanoseconds, comparable between the processes of one machine.
     """
 
@@ -73,6 +77,10 @@ class EventStream:
         """Have every further event passed to `observer`; once, however often this is called."""
         if observer not in self._observers:
             self._observers = (*self._observers, observer)
+
+    def ignore(self, observer: Callable[[Event], None]) -> None:
+        """Pass no further event to `observer`; nothing happens if it does not listen."""
+        self._observers = tuple(one for one in self._observers if one != observer)
 
     def emit(self, kind: Kind, where: tuple[str, str, str], message: object, sequence: int = 0, at: int = 0) -> None:
         """Report something that happened now, or at `at`; `where` is node, channel and type name.

@@ -15,22 +15,22 @@ from typing import TYPE_CHECKING, Any
 from rclpy.exceptions import InvalidHandle
 from rclpy.subscription import Subscription
 
+from course_kit.lab.recording.spans import CallbackSpans, timer_work
 from course_kit.ros.messages import type_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
+    from collections.abc import Callable
 
     from rclpy.client import Client
     from rclpy.executors import Executor
     from rclpy.service import Service
     from rclpy.task import Future
+    from rclpy.timer import Timer
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.recording.events import EventStream
+    from course_kit.lab.recording.spans import Where, Work
     from course_kit.ros.messages import ActionType, Message, ServiceType
-
-    Work = Callable[[], Coroutine[object, None, None]]
-    Where = tuple[str, str, str]
 
 _WHERE = "_course_kit_where"  # on a client, service, publisher or subscription: what `where` has found out
 # rclpy publishes these on its own; a learner never meant to.
@@ -79,6 +79,7 @@ class MessageHooks:
         self.aliases: dict[str, str] = {}
         self.direct: set[Client] = set()
         self.on_delivery: set[Callable[[Subscription], None]] = set()
+        self.spans = CallbackSpans(events)
 
     def where(self, entity: Any) -> Where:
         """The node, the full name and the type of a client, service, publisher or subscription."""
@@ -145,7 +146,7 @@ class MessageHooks:
                 on_failure(service, sequence, error)
                 raise
 
-        return answer
+        return self._reported(answer, service, "service")
 
     def take_client(self, executor: Executor, client: Client) -> Work | None:
         """Take an answer and return the work of handing it to whoever waits, as `Executor._take_client` does."""
@@ -191,7 +192,22 @@ class MessageHooks:
                 for told in tuple(self.on_delivery):
                     told(subscription)
 
-        return deliver
+        return self._reported(deliver, subscription, "topic")
+
+    def take_timer(self, executor: Executor, timer: Timer, work: Work | None) -> Work | None:
+        """What `Executor._take_timer` has returned, reported while it runs."""
+        return timer_work(self.spans, executor, timer, work)
+
+    def _reported(self, work: Work, entity: Any, what: str) -> Work:
+        """The work, reported while it runs, unless it is that of the lab itself or of ROS."""
+        if not self.events:
+            return work
+        try:
+            where = self.where(entity)
+        except InvalidHandle:
+            return work
+        own = where[0] in self.aliases.values()
+        return work if own or where[1] in _SILENT_TOPICS else self.spans.around(work, where, what)
 
     def _emit(self, kind: Any, entity: Any, message: object, sequence: int) -> None:
         if self.events:

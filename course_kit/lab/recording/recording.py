@@ -6,7 +6,9 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from course_kit.lab.recording.arrows import arrows_of
+from course_kit.lab.recording.busy import SPAN_KINDS
 from course_kit.lab.recording.diagram import Diagram
+from course_kit.lab.recording.timeline import Timeline
 
 if TYPE_CHECKING:
     from course_kit.lab.recording.events import Event
@@ -20,6 +22,7 @@ class Recording:
 
     def __init__(self) -> None:
         self._events: deque[Event] = deque(maxlen=KEPT)
+        self._spans: deque[Event] = deque(maxlen=KEPT)  # apart, so that a fast timer pushes no call out
 
     @property
     def events(self) -> list[Event]:
@@ -28,14 +31,19 @@ class Recording:
 
     def observe(self, event: Event) -> None:
         """Keep an event."""
-        self._events.append(event)
+        (self._spans if event.kind in SPAN_KINDS else self._events).append(event)
 
     def restart(self) -> None:
         """Forget everything."""
         self._events.clear()
+        self._spans.clear()
 
     def diagram(self, last: int | None = None) -> Diagram:
         """Draw the latest arrows, `last` of them at most."""
         arrows = arrows_of(self.events)
         count = DRAWN if last is None else max(0, last)
         return Diagram(arrows[len(arrows) - min(count, len(arrows)) :], left_out=max(0, len(arrows) - count))
+
+    def timeline(self) -> Timeline:
+        """Draw which thread was inside which callback, and what waited meanwhile."""
+        return Timeline(self.events, sorted(self._spans, key=lambda event: event.at))

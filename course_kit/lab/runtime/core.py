@@ -188,6 +188,12 @@ class Lab:
         self.output.drain()  # also takes in what scripts have reported
         return recorder.diagram(last)
 
+    def timeline(self) -> object:
+        """See `course_kit.lab.timeline`."""
+        recorder = self._require_recorder()
+        self.output.drain()  # also takes in what scripts have reported
+        return recorder.timeline()
+
     def tell_once(self, sentences: Iterable[str]) -> None:
         """Say what is off in this lab, each sentence once."""
         for sentence in sentences:

@@ -22,8 +22,10 @@ if TYPE_CHECKING:
     from rclpy.service import Service
     from rclpy.subscription import Subscription
     from rclpy.task import Future, Task
+    from rclpy.timer import Timer
 
-    from course_kit.lab.recording.hooks import MessageHooks, Work
+    from course_kit.lab.recording.hooks import MessageHooks
+    from course_kit.lab.recording.spans import Work
     from course_kit.lab.runtime.failures import Failures
 
 _BREATH = 0.1  # seconds between attempts while the middleware itself fails
@@ -165,3 +167,7 @@ class RecordingExecutor(LabExecutor):
 
     def _take_subscription(self, sub: Subscription) -> Work | None:
         return self._hooks.take_subscription(sub)
+
+    def _take_timer(self, tmr: Timer) -> Work | None:
+        work: Work | None = super()._take_timer(tmr)
+        return self._hooks.take_timer(self, tmr, work)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_kit.lab.recording.diagram import MERMAID, WIDTH, Diagram
+from course_kit.lab.recording.diagram import WIDTH, Diagram
 from course_kit.ros.arrows import Arrow
 
 CALL = [
@@ -45,7 +45,7 @@ def test_the_mermaid_text_is_a_sequence_diagram() -> None:
 
 def test_a_notebook_gets_both_and_an_empty_one_a_sentence() -> None:
     bundle = Diagram(CALL)._repr_mimebundle_()
-    assert sorted(bundle) == ["text/plain", MERMAID]
+    assert sorted(bundle) == ["text/html", "text/plain"]
     assert Diagram([])._repr_mimebundle_() == {
         "text/plain": "Nothing has been recorded yet: call a service, then draw again."
     }

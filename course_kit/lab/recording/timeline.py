@@ -1,0 +1,197 @@
+"""Time lines of threads: who was inside which callback, from when to when, and what waited to be taken in meanwhile.
+
+The drawing has the times that were measured; the words hold none, so that they are the same in every run.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from course_kit.lab.recording.busy import Busy, MessageWait, busy_times, waiting_times
+from course_kit.text.templates import render
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.lab.recording.events import Event
+
+_TEMPLATE = Path(__file__).with_name("templates") / "timeline.html"
+_EMPTY = "No callback has run yet since the recording began."
+_WAIT_SHOWN = 100_000_000  # nanoseconds; what a busy thread keeps waiting for less has not waited
+_DRAWN = 80  # bars, the latest ones
+_LENGTH, _GAP = 540, 16  # user units: of the time lines, and before them
+_LANE, _BAR, _TOP = 44, 20, 8
+_CHARACTER = 7.3  # width of a character of 12 px monospace
+_LEAST_BAR = 3
+_AFTER = 2_000_000_000  # nanoseconds for which what has not ended is drawn at most, after the last thing that happened
+_TICKS = 4
+_MILLISECOND = 1_000_000
+
+
+class TimelineBar(NamedTuple):
+    """A bar of the drawing.
+
+    Attributes:
+        kind: "busy", "failed" or "waits".
+        x: its left end.
+        y: its upper end.
+        width: how long it is.
+        text: above it.
+        anchor: where the text's x is: at its "start" or its "end".
+        text_x: where the text stands.
+        words: what it is, with the times.
+        is_open: whether it has not ended.
+    """
+
+    kind: str
+    x: int
+    y: int
+    width: int
+    text: str
+    anchor: str
+    text_x: int
+    words: str
+    is_open: bool
+
+
+class Timeline:
+    """Time lines that a notebook displays.
+
+    Args:
+        events: what has crossed, oldest first.
+        spans: when callbacks have begun and ended, oldest first.
+
+    Attributes:
+        busy: what threads were busy with.
+        waiting: what waited to be taken in.
+    """
+
+    def __init__(self, events: Sequence[Event], spans: Sequence[Event]) -> None:
+        self.busy: list[Busy] = busy_times(spans, os.getpid())[-_DRAWN:]
+        self.waiting: list[MessageWait] = waiting_times(events, self.busy, _WAIT_SHOWN)
+        both: list[Busy | MessageWait] = [*self.busy, *self.waiting]
+        ends = [one.end for one in both if one.end is not None]
+        begins = [one.begin for one in both]
+        self._begin = min(begins, default=0)
+        last = max([*ends, *begins, *(event.at for event in events)], default=0)
+        is_open = len(ends) < len(begins)
+        longest = max((len(lane) for lane in self.lanes), default=0)
+        self._left = round(longest * _CHARACTER) + _GAP
+        self._right = self._left + _LENGTH
+        if is_open:
+            last = min(time.monotonic_ns(), last + _AFTER)
+        self._length = max(_MILLISECOND, last - self._begin)
+
+    @property
+    def lanes(self) -> list[str]:
+        """The threads, in the order in which they were first busy."""
+        return list(dict.fromkeys(one.lane for one in self.busy))
+
+    def __str__(self) -> str:
+        """What each thread did, in words; a run of the same is told once."""
+        if not self.busy:
+            return _EMPTY
+        lines = []
+        for lane in self.lanes:
+            lines.append(lane)
+            said = [_said(one) for one in self.busy if one.lane == lane]
+            lines += [f"    {text}" for text in dict.fromkeys(said)]
+        if self.waiting:
+            lines.append("waiting to be taken in")
+            lines += [f"    {text}" for text in dict.fromkeys(_how_long(one) for one in self.waiting)]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def html(self) -> str:
+        """The drawing as HTML, with the words and times below it."""
+        bars = [bar for number, lane in enumerate(self.lanes) for bar in self._bars(number, lane)]
+        names = [(name, _TOP + _LANE * number) for number, name in enumerate(self.lanes)]
+        top = _TOP + _LANE * len(self.lanes)
+        if self.waiting:
+            names.append(("waiting", top))
+        for number, one in enumerate(self.waiting):
+            text = f"{one.label}{' …' if one.end is None else ''}"
+            bars.append(self._bar("waits", one, text, top + _LANE * number, self._words(_how_long(one), one)))
+        height = top + _LANE * len(self.waiting)
+        step = self._length / _TICKS
+        ticks = [(self._x(self._begin + int(step * number)), _time(int(step * number))) for number in range(_TICKS + 1)]
+        words = str(self).splitlines()
+        drawing = {"bars": bars, "names": names, "ticks": ticks, "height": height, "width": self._right}
+        return str(render(_TEMPLATE, words=words, summary=self._summary(), bar=_BAR, lane=_LANE, **drawing))
+
+    def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
+        if not self.busy:
+            return {"text/plain": _EMPTY}
+        return {"text/html": self.html(), "text/plain": str(self)}
+
+    def _bars(self, number: int, lane: str) -> list[TimelineBar]:
+        found = []
+        for one in self.busy:
+            if one.lane == lane:
+                kind = "failed" if one.failed else "busy"
+                said = self._words(_said(one), one)
+                found.append(self._bar(kind, one, _short(one), _TOP + _LANE * number, said))
+        return _apart(found)
+
+    def _bar(self, kind: str, one: Busy | MessageWait, text: str, y: int, words: str) -> TimelineBar:
+        begin = self._x(one.begin)
+        end = self._x(self._begin + self._length if one.end is None else one.end)
+        room = len(text) * _CHARACTER
+        anchor, text_x = ("start", begin) if begin + room <= self._right else ("end", max(end, begin + _LEAST_BAR))
+        return TimelineBar(
+            kind, begin, y, max(_LEAST_BAR, end - begin), text, anchor, text_x, words, is_open=one.end is None
+        )
+
+    def _x(self, at: int) -> int:
+        return round(self._left + _LENGTH * (at - self._begin) / self._length)
+
+    def _words(self, said: str, one: Busy | MessageWait) -> str:
+        begin = _time(one.begin - self._begin)
+        return f"{said}: from {begin} on" if one.end is None else f"{said}: {begin} to {_time(one.end - self._begin)}"
+
+    def _summary(self) -> str:
+        stuck = sum(one.end is None for one in self.busy)
+        waits = sum(one.end is None for one in self.waiting)
+        said = f"Time lines of {len(self.lanes)} thread{'' if len(self.lanes) == 1 else 's'}."
+        said += f" {stuck} callback{' has' if stuck == 1 else 's have'} not ended." if stuck else ""
+        return said + (f" {waits} message{' is' if waits == 1 else 's are'} not taken in." if waits else "")
+
+
+def _apart(bars: list[TimelineBar]) -> list[TimelineBar]:
+    """The bars of a thread; a text for which there is no room before the next one's is left to its tooltip."""
+    kept: list[TimelineBar] = []
+    free = 0.0
+    for bar in bars:
+        room = len(bar.text) * _CHARACTER
+        begin = bar.text_x if bar.anchor == "start" else bar.text_x - room
+        if begin < free:
+            kept.append(bar._replace(text=""))
+            continue
+        free = begin + room + _CHARACTER
+        kept.append(bar)
+    return kept
+
+
+def _short(one: Busy) -> str:
+    return f"{one.node} {one.label}" + (" ✗" if one.failed else " …" if one.end is None else "")
+
+
+def _said(one: Busy) -> str:
+    return f"{one.node} {one.label}" + (
+        ", and fails" if one.failed else ", and has not ended" if one.end is None else ""
+    )
+
+
+def _how_long(one: MessageWait) -> str:
+    return f"{one.label}{', which nobody has taken in' if one.end is None else ''}"
+
+
+def _time(nanoseconds: int) -> str:
+    if nanoseconds < 1000 * _MILLISECOND:
+        return f"{nanoseconds / _MILLISECOND:.3g} ms"
+    return f"{nanoseconds / 1000 / _MILLISECOND:.3g} s"

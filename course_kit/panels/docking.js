@@ -1,0 +1,63 @@
+// Takes a panel out of its cell in one click. In a JupyterLab that the course has started it becomes a view of its own
+// beside the notebook, by JupyterLab's own "Create New View for Cell Output". Where there is none, in Notebook 7 for
+// example, the panel floats over the page and goes back with a second click.
+
+function dockable(panel, name) {
+  const button = make("button", { type: "button", class: "ck-dock" });
+  const place = make("div", { class: "ck-quiet", hidden: true }, `${name} floats over this page.`);
+  let floating = null;
+
+  const app = () => window.jupyterapp;
+  const hosts = () => [...app().shell.widgets("main")];
+  const notebook = () => app() && hosts().find((one) => one.context && one.content?.widgets && one.node.contains(panel));
+
+  function show() {
+    if (floating) button.textContent = "Put back into the notebook";
+    else button.textContent = notebook() ? "Dock beside the notebook" : "Float over the page";
+    button.hidden = Boolean(panel.closest(".jp-LinkedOutputView")); // docked it is already
+  }
+
+  async function dock(host) {
+    const before = new Set(hosts());
+    host.content.activeCellIndex = host.content.widgets.findIndex((cell) => cell.node.contains(panel));
+    await app().commands.execute("notebook:create-output-view");
+    const view = hosts().find((one) => !before.has(one));
+    if (!view) return;
+    view.title.label = name;
+    app().shell.add(view, "main", { ref: host.id, mode: "split-right" });
+  }
+
+  function float() {
+    panel.before(place);
+    place.hidden = false;
+    floating = make("div", { class: "ck-floating", "data-lm-suppress-shortcuts": "true" }, panel);
+    document.body.append(floating);
+  }
+
+  function back() {
+    place.before(panel);
+    place.remove();
+    floating.remove();
+    floating = null;
+  }
+
+  button.addEventListener("click", async () => {
+    const host = notebook();
+    if (floating) back();
+    else if (host) await dock(host);
+    else float();
+    show();
+    button.focus();
+  });
+  // Whether it is docked shows only when it is on the page.
+  const seen = new IntersectionObserver(show);
+  seen.observe(panel);
+  show();
+  return {
+    button,
+    close() {
+      seen.disconnect();
+      floating?.remove();
+    },
+  };
+}

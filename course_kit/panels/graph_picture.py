@@ -1,0 +1,150 @@
+"""The ROS graph drawn as it flows, left to right: who publishes, the topic, who listens; client, service, server.
+
+The picture of a page that is alive and the still picture of an export are the same drawing.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from course_kit.panels.flow_layout import lay_out
+from course_kit.ros.names import short_name
+from course_kit.text.templates import render
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.panels.flow_layers import Arrow, Box
+    from course_kit.panels.flow_layout import Point
+    from course_kit.ros.graph import Overview, Use
+
+_TEMPLATE = Path(__file__).with_name("graph.svg")
+NODE = "node"
+_CHARACTER = {"name": 8.0, "kind": 7.3, "types": 7.3, "remark": 7.3}  # width of a character, by its style
+_COLUMNS = 30  # characters of a line; longer names are broken
+# Where nodes speak to each other in a circle some arrow leads back; a stream of messages is the flow one looks for.
+_TURNED_LAST = ("topic", "action", "service")
+_LINE, _PADDING = 17, 12
+_LEAST_WIDTH = 90.0
+
+
+class GraphBox(NamedTuple):
+    """A node or a channel.
+
+    Attributes:
+        kind: "node", or the channel's kind.
+        name: as people read it; its full name for a channel.
+        lines: each with its style.
+        words: what it is and does, in words.
+    """
+
+    kind: str
+    name: str
+    lines: list[tuple[str, str]]
+    words: str
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height that its lines need."""
+        widest = max(len(text) * _CHARACTER[style] for style, text in self.lines)
+        return max(_LEAST_WIDTH, widest + 2 * _PADDING), float(len(self.lines) * _LINE + _PADDING)
+
+
+def graph_svg(seen: Overview) -> str:
+    """The drawing as an `svg` element, which templates take as it is; empty without nodes."""
+    if not seen.nodes:
+        return ""
+    boxes = boxes_of(seen)
+    sizes = {key: box.size for key, box in boxes.items()}
+    first = sorted(seen.uses, key=lambda use: (_TURNED_LAST.index(use.role.kind), use.role.inward))
+    arrows = {_arrow(use): use for use in first}
+    found = lay_out(sizes, list(arrows), {key: int(key[0] != NODE) for key in boxes})
+    return render(
+        _TEMPLATE,
+        boxes=[_placed(box, found.places[key]) for key, box in boxes.items()],
+        arrows=[_drawn(use, found.ways[arrow]) for arrow, use in arrows.items()],
+        width=round(found.size[0]),
+        height=round(found.size[1]),
+        summary=_summary(seen),
+    )
+
+
+def boxes_of(seen: Overview) -> dict[Box, GraphBox]:
+    """Nodes in alphabetical order, then the channels."""
+    boxes: dict[Box, GraphBox] = {}
+    for node in sorted(set(seen.nodes)):
+        count = seen.nodes.count(node)
+        name, note = short_name(node), how_many(count)
+        lines = [("name", line) for line in _broken(name)] + [("types", note)] * bool(note)
+        does = "; ".join(f"{use.role.verb} {use.channel}" for use in seen.of(node)) or "nothing yet"
+        boxes[NODE, node] = GraphBox(NODE, name, lines, f"{name}{f' {note}' if note else ''}: {does}")
+    remarks = seen.remarks()
+    for (kind, name), uses in seen.channels().items():
+        types = sorted({one for use in uses for one in use.types})
+        said = remarks.get((kind, name), [])
+        lines = [("kind", kind), *(("name", line) for line in _broken(name))]
+        lines += [("types", line) for one in types for line in _broken(one)]
+        lines += [("remark", line) for one in said for line in _broken(f"⚠ {one}")]
+        boxes[kind, name] = GraphBox(kind, name, lines, ". ".join([f"{kind} {name}, {', '.join(types)}", *said]))
+    return boxes
+
+
+def how_many(count: int) -> str:
+    """That several nodes carry one name; empty for one."""
+    return f"({count} nodes of this name)" if count > 1 else ""
+
+
+def _arrow(use: Use) -> Arrow:
+    node, channel = (NODE, use.node), (use.role.kind, use.channel)
+    return (channel, node) if use.role.inward else (node, channel)
+
+
+def _broken(text: str) -> list[str]:
+    """A text in lines, broken at blanks, or behind the parts of a name."""
+    lines = [""]
+    for part in re.findall(r".+?(?:[\s/_](?=.)|$)", text):
+        rest = part
+        while len(lines[-1]) + len(rest.rstrip()) > _COLUMNS:
+            if lines[-1]:
+                lines.append("")
+                continue
+            lines[-1], rest = rest[:_COLUMNS], rest[_COLUMNS:]
+            lines.append("")
+        lines[-1] += rest
+    return [line.rstrip() for line in lines]
+
+
+def _placed(box: GraphBox, place: Point) -> dict[str, object]:
+    width, height = box.size
+    return {**box._asdict(), "x": round(place[0]), "y": round(place[1]), "width": round(width), "height": round(height)}
+
+
+def _drawn(use: Use, way: list[Point]) -> dict[str, object]:
+    """An arrow from left to right, or back: bent between two columns, straight where it crosses one."""
+    points = [(round(x), round(y)) for x, y in way]
+    step = 9 if points[-1][0] > points[0][0] else -9
+    points[-1] = (points[-1][0] - step, points[-1][1])
+    path = "M{} {}".format(*points[0])
+    for (x, y), (a, b) in itertools.pairwise(points):
+        middle = (x + a) // 2
+        path += f"C{middle} {y} {middle} {b} {a} {b}"
+    x, y = points[-1]
+    return {
+        "node": short_name(use.node),
+        "verb": use.role.verb,
+        "kind": use.role.kind,
+        "channel": use.channel,
+        "offers": use.role.offers,
+        "path": path,
+        "head": f"M{x + step} {y}l{-step} -5v10z",
+    }
+
+
+def _summary(seen: Overview) -> str:
+    counts = [(len(set(seen.nodes)), NODE)]
+    kinds: Sequence[str] = [kind for kind, _ in seen.channels()]
+    counts += [(kinds.count(kind), kind) for kind in dict.fromkeys(kinds)]
+    return "The ROS graph: " + ", ".join(f"{count} {name}{'' if count == 1 else 's'}" for count, name in counts) + "."

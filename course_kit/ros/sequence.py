@@ -1,0 +1,115 @@
+"""Where everything stands in a sequence diagram; `templates/sequence.svg` draws it.
+
+The report of a grade and the recorder of a lab draw theirs with it. An SVG says nothing to readers who do not see it
+beyond its summary, so whoever shows it puts the same steps beside it in words.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from course_kit.text.templates import render
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from course_kit.ros.arrows import Arrow
+
+_TEMPLATES = Path(__file__).with_name("templates")
+_WIDTH = 640  # user units, one of which is a pixel; a drawing is as wide unless its lifelines need more
+_GAP = 220  # between two lifelines at least, so that a short message stands on one or two lines
+_BOX = (102, 190)  # the least and the greatest width of a name's box
+_CHARACTER = 7.3  # width of a character of 12 px monospace
+_LINE = 15  # height of a line of text
+_ARROW = 16  # height of an arrow below its text
+_BELOW_NOTE = 6
+_MOST_LINES = 6  # of one step; the words beside the drawing have the rest
+_MARGIN = 30  # around a text between two lifelines
+
+
+class DiagramRow(NamedTuple):
+    """One step of the drawing.
+
+    Attributes:
+        kind: see `Arrow`.
+        lines: its text.
+        top: where its first line begins.
+        y: where its arrow is.
+        begin: where the arrow begins, from left to right.
+        end: where it ends.
+        middle: the middle of its text.
+    """
+
+    kind: str
+    lines: list[str]
+    top: int
+    y: int
+    begin: int
+    end: int
+    middle: int
+
+
+def sequence_svg(steps: Sequence[tuple[Arrow, str]], names: dict[str, str], summary: str) -> str:
+    """The diagram as an `svg` element, which templates take as it is; empty without steps.
+
+    Args:
+        steps: what happened, in order, each with the text above its arrow, which may hold anything.
+        names: of whoever takes part, from left to right: as the steps have it, and as it is to be read.
+        summary: the drawing in a sentence.
+    """
+    if not steps:
+        return ""
+    box, places, width = _lifelines(list(names), max(len(name) for name in names.values()))
+    heads = [(name, places[name], _wrapped(shown, box - 10, 3)) for name, shown in names.items()]
+    top = 19 + _LINE * max(len(lines) for _, _, lines in heads)
+    rows, y = [], top
+    for step, text in steps:
+        row = _row(step, text, places, y, width)
+        rows.append(row)
+        y = row.top + len(row.lines) * _LINE + (_BELOW_NOTE if step.kind == "note" else _ARROW)
+    return render(
+        _TEMPLATES / "sequence.svg",
+        rows=rows,
+        heads=heads,
+        box=box,
+        top=top,
+        line=_LINE,
+        width=width,
+        height=y + 2,
+        summary=summary,
+    )
+
+
+def sequence_css() -> str:
+    """The style sheet of these drawings, for the page that shows one."""
+    return render(_TEMPLATES / "sequence.css")
+
+
+def _lifelines(names: list[str], longest: int) -> tuple[int, dict[str, int], int]:
+    """The width of a name's box, where each lifeline is, and the width of it all."""
+    least, most = _BOX
+    box = min(max(least, int(longest * _CHARACTER) + 12), most) // 2 * 2
+    edge = box // 2 + 5
+    gap = max(_GAP, (_WIDTH - 2 * edge) // max(1, len(names) - 1))
+    places = {name: edge + gap * number for number, name in enumerate(names)}
+    return box, places, max(_WIDTH, places[names[-1]] + edge)
+
+
+def _row(step: Arrow, text: str, places: dict[str, int], top: int, width: int) -> DiagramRow:
+    begin, end = places[step.sender], places[step.receiver]
+    if step.kind == "note":
+        middle, room = width // 2, width
+    elif begin == end:  # beside the lifeline, on the side where there is more room
+        room = min(_GAP, max(begin, width - begin))
+        middle = begin + room // 2 if width - begin >= begin else begin - room // 2
+    else:
+        middle, room = (begin + end) // 2, abs(end - begin)
+    lines = _wrapped(("✗ " if step.kind == "failure" else "") + text, room - _MARGIN, _MOST_LINES)
+    return DiagramRow(step.kind, lines, top, top + len(lines) * _LINE + 4, begin, end, middle)
+
+
+def _wrapped(text: str, room: int, most: int) -> list[str]:
+    lines = textwrap.wrap(text, int(room / _CHARACTER), break_on_hyphens=False) or [""]
+    return lines if len(lines) <= most else [*lines[: most - 1], lines[most - 1][:-1] + "…"]

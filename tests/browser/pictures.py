@@ -1,0 +1,74 @@
+"""What tests of pictures share: themes, sizes of the window, and what axe finds in a part of a page."""
+
+from __future__ import annotations
+
+import json
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import expect, sync_playwright
+
+from course_kit.dev import browser
+from tests.browser.learner import CHROMIUM_FLAGS, PATIENCE_MS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from playwright.sync_api import Locator, Page
+
+    from tests.browser.learner import JupyterLab
+
+THEMES = {"light": "JupyterLab Light", "dark": "JupyterLab Dark"}
+WIDTHS = (1280, 900)
+
+
+def use_theme(page: Page, theme: str) -> None:
+    """Switch JupyterLab to "light" or "dark", as its settings do."""
+    page.evaluate(
+        "theme => window.jupyterapp.commands.execute('apputils:change-theme', { theme })",
+        THEMES[theme],
+    )
+    page.locator(f"body[data-jp-theme-light='{str(theme == 'light').lower()}']").wait_for(state="attached")
+
+
+def photograph(lab: JupyterLab, shown: Locator, name: str) -> None:
+    """Screenshots of it in each theme and at each width, and none of them with a finding of axe."""
+    for theme in THEMES:
+        use_theme(lab.page, theme)
+        for width in WIDTHS:
+            lab.page.set_viewport_size({"width": width, "height": 1000})
+            shown.scroll_into_view_if_needed()
+            require_no_findings(lab.page, shown)
+            lab.picture(f"{name}_{width}_{theme}")
+    use_theme(lab.page, "light")
+    lab.page.set_viewport_size({"width": 1280, "height": 1000})
+
+
+@contextmanager
+def offline_page() -> Iterator[Page]:
+    """A page of a Chromium that has no network at all."""
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=browser.find(), args=CHROMIUM_FLAGS)
+        opened = chromium.new_page(viewport={"width": 1280, "height": 1000}, offline=True)
+        opened.set_default_timeout(PATIENCE_MS)
+        expect.set_options(timeout=PATIENCE_MS)
+        yield opened
+        chromium.close()
+
+
+def require_no_findings(page: Page, part: Locator) -> None:
+    """Have axe look at a part of the page."""
+    part.evaluate("part => part.setAttribute('data-axe', '')")
+    found = Axe().run(page, context="[data-axe]")
+    part.evaluate("part => part.removeAttribute('data-axe')")
+    told = [
+        {
+            "id": one["id"],
+            "help": one["help"],
+            "where": [(node["html"][:200], node["failureSummary"]) for node in one["nodes"]],
+        }
+        for one in found.response["violations"]
+    ]
+    assert not told, json.dumps(told, indent=1)
+    assert found.response["passes"]

@@ -1,0 +1,84 @@
+"""Where boxes stand: in the order of the flow, apart from each other, and the same each time."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from course_kit.panels.flow_layout import BETWEEN_ROWS, lay_out
+
+WIDE, HIGH = 120.0, 40.0
+
+
+def placed(names: str, arrows: str) -> dict[str, tuple[float, float]]:
+    """Boxes of one letter; capitals are channels. Arrows such as "aT Tb"."""
+    boxes = {("box", name): (WIDE, HIGH) for name in names}
+    pairs = [(("box", one[0]), ("box", one[1])) for one in arrows.split()]
+    found = lay_out(boxes, pairs, {box: int(box[1].isupper()) for box in boxes})
+    return {name: place for (_, name), place in found.places.items()}
+
+
+def test_a_flow_goes_from_left_to_right_on_one_line() -> None:
+    places = placed("abcST", "aS Sb bT Tc")
+    assert [name for name, _ in sorted(places.items(), key=lambda item: item[1])] == list("aSbTc")
+    assert len({y for _, y in places.values()}) == 1
+
+
+def test_a_channel_that_nothing_leads_to_stands_where_channels_stand() -> None:
+    places = placed("abST", "aS Sb Ta")
+    assert places["a"][0] > places["T"][0]
+    assert placed("bST", "Sb")["S"][0] < placed("bST", "Sb")["b"][0]
+
+
+def test_an_arrow_back_leads_from_right_to_left_and_the_rest_stays_a_flow() -> None:
+    places = placed("abST", "aS Sb bT Ta")
+    assert places["a"][0] < places["S"][0] < places["b"][0]
+
+
+def test_what_does_not_hang_together_stands_beside_or_below() -> None:
+    places = placed("abcS", "aS Sb")
+    assert places["c"][0] > places["b"][0] + WIDE or places["c"][1] > places["a"][1] + HIGH
+
+
+@st.composite
+def graphs(draw: st.DrawFn) -> tuple[list[tuple[str, str]], list[tuple[tuple[str, str], tuple[str, str]]]]:
+    nodes = [("node", str(number)) for number in range(draw(st.integers(1, 12)))]
+    channels = [("topic", str(number)) for number in range(draw(st.integers(1, 12)))]
+    pair = st.tuples(st.sampled_from(nodes), st.sampled_from(channels))
+    arrows = [one if draw(st.booleans()) else one[::-1] for one in draw(st.lists(pair, max_size=30))]
+    return nodes + channels, list(dict.fromkeys(arrows))
+
+
+@given(graphs())
+def test_no_two_boxes_overlap_and_no_line_crosses_a_box(graph: tuple[list, list]) -> None:
+    boxes, arrows = graph
+    sizes = {box: (90.0 + 7 * len(box[1]), 30.0 + 3 * (int(box[1]) % 5)) for box in boxes}
+    found = lay_out(sizes, arrows, {box: int(box[0] != "node") for box in boxes})
+    for one, other in combinations(boxes, 2):
+        (x, y), (a, b) = found.places[one], found.places[other]
+        beside = x + sizes[one][0] < a or a + sizes[other][0] < x
+        assert beside or y + sizes[one][1] + BETWEEN_ROWS <= b + 0.01 or b + sizes[other][1] + BETWEEN_ROWS <= y + 0.01
+    for (begin, end), way in found.ways.items():
+        for x, y in way:
+            assert 0 <= x <= found.size[0]
+            assert 0 <= y <= found.size[1]
+        for box in set(boxes) - {begin, end}:
+            left, top = found.places[box]
+            inside = [(x, y) for x, y in way if left < x < left + sizes[box][0] and top < y < top + sizes[box][1]]
+            assert not inside
+
+
+@pytest.mark.parametrize("count", [50, 120])
+def test_a_large_graph_is_placed_at_once_and_the_same_each_time(count: int) -> None:
+    nodes = [("node", f"node_{number:03}") for number in range(count)]
+    topics = [("topic", f"/topic_{number:03}") for number in range(count)]
+    arrows = [(node, topic) for node, topic in zip(nodes, topics, strict=True)]
+    arrows += [(topics[number], nodes[(number * 7 + 3) % count]) for number in range(count)]
+    sizes = dict.fromkeys(nodes + topics, (WIDE, HIGH))
+    least = {box: int(box[0] != "node") for box in sizes}
+    found = lay_out(sizes, arrows, least)
+    assert found == lay_out(sizes, arrows, least)
+    assert len(set(found.places.values())) == 2 * count
