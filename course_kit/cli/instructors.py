@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from course_kit.cli import class_command, export_command, regrade_command, release_command, seeds_command
+from course_kit.cli import class_command, export_command, present, regrade_command, release_command, seeds_command
 from course_kit.integrations import otter
 
 
@@ -17,12 +17,7 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     export_command.add_to(verbs)
     otter.add_to(verbs)
 
-    present = verbs.add_parser(
-        "present",
-        help="open the demos for a class: enlarged, answers folded, fresh",
-        epilog="Other options go to `jupyter lab`.",
-    )
-    present.set_defaults(run=_present, others=[])
+    present.add_to(verbs)
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
     dev.add_argument("tool", choices=("check", "matrix", "notebooks", "otter"))
@@ -36,9 +31,3 @@ def _dev(options: argparse.Namespace) -> int:
 
     main_of = {"check": check.main, "matrix": matrix.main, "notebooks": notebooks.main, "otter": otter.main}
     return main_of[options.tool](options.rest)
-
-
-def _present(options: argparse.Namespace) -> int:
-    from course_kit.cli import present
-
-    return present.run(options.others)

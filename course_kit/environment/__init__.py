@@ -45,6 +45,7 @@ __all__ = [
     "child_environment",
     "command",
     "defaults",
+    "domain_of_user",
     "exclusive_domain",
     "heed_interrupts",
     "home",
@@ -147,6 +148,15 @@ def apply() -> Settings:
     domain_id = int(os.environ["ROS_DOMAIN_ID"])
     kit = {name: os.environ[name] for name in (*made, "ROS_DOMAIN_ID")}
     return Settings(domain_id, "the course kit" if by_user is None else "ROS_DOMAIN_ID", kit)
+
+
+def domain_of_user() -> int | None:
+    """The domain that the user has chosen by ROS_DOMAIN_ID; None where the course chooses.
+
+    Raises:
+        SettingsError: it is no number that ROS can use.
+    """
+    return _domain_set_by_user(os.environ)
 
 
 def child_environment(**changes: str | None) -> dict[str, str]:
