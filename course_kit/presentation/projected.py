@@ -2,8 +2,8 @@
 
 The marks are in the cells' metadata. Left out are speaker's notes (Jupyter's own `slideshow.slide_type` "notes"), cells
 tagged `instructor`, and those tagged `offstage`, which speak to a reader. A code cell tagged `answer` is left out, too;
-when its metadata says `course_kit.repairs` with the id of a failing cell, that cell carries its text along, and a button
-puts it in place.
+when its metadata says `course_kit.repairs` with the id of a failing cell, that cell carries its text along, and a
+button puts it in place.
 """
 
 from __future__ import annotations

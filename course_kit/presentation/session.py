@@ -14,7 +14,6 @@ from course_kit.presentation import demos, preparing, web
 from course_kit.presentation.errors import PresentationError
 from course_kit.presentation.scratch import scratch_folder
 from course_kit.process.child import Child
-from course_kit.process.signals import Ladder
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from types import FrameType
 
 _ENDING = (signal.SIGTERM, signal.SIGHUP)  # a shutdown, and a terminal that is closed
-_INTERRUPTED_S, _TERMINATED_S, _KILLED_S = 15.0, 5.0, 5.0  # Jupyter ends its kernels first
+_SHUTDOWN_S = 20.0  # Jupyter ends its kernels first
 
 
 class _EndedError(BaseException):
@@ -77,7 +76,7 @@ def _serve(folder: Path, notebook: str, domain_id: str, arguments: Sequence[str]
         [
             f"--LabApp.extra_labextensions_path={preparing.LABEXTENSIONS}",
             f"--ServerApp.jpserver_extensions={web.__name__}=True",
-            "--Application.log_level=WARN",
+            "--Application.log_level=ERROR",
             *arguments,
         ],
         verb="present",
@@ -93,7 +92,9 @@ def _serve(folder: Path, notebook: str, domain_id: str, arguments: Sequence[str]
     except KeyboardInterrupt:
         return 0
     finally:
-        server.end(Ladder(_INTERRUPTED_S, _TERMINATED_S, _KILLED_S))
+        server.send(signal.SIGTERM)  # after SIGINT it would show where it was while it starts
+        server.wait_or_kill(_SHUTDOWN_S)
+        server.kill()  # what it has left behind
 
 
 @contextmanager

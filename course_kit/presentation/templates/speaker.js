@@ -20,10 +20,10 @@ function label(element, cell, otherwise) {
   element.classList.toggle("code", Boolean(cell) && cell.dataset.kind !== "markdown");
 }
 
-// What is said of a cell, or of the last one before it that has notes. A repair that is in place speaks for its cell on.
+// What is said of a cell, or of the last one before it that has notes. Once the repair is in place it is what is spoken of.
 function notesAt(mine, position) {
-  const end = state.repaired ? mine.findIndex((cell) => cell.dataset.kind === "repair") : -1;
-  const upTo = mine.slice(0, Math.max(position, end) + 1);
+  const repair = mine.findIndex((cell) => cell.dataset.kind === "repair");
+  const upTo = mine.slice(0, Math.max(position, state.repaired ? repair : -1) + 1);
   const told = upTo.filter((cell) => state.repaired || cell.dataset.kind !== "repair");
   return told.reverse().find((cell) => cell.textContent.trim()) ?? null;
 }
@@ -44,14 +44,14 @@ function show() {
   const after = openers[openers.indexOf(opener) + 1];
   if (next) {
     label(by("next"), next, "");
-    by("step").textContent = "Run it";
+    by("step").textContent = state.isRun ? "Show it" : "Run it";
   } else if (repair && !state.repaired) {
     label(by("next"), null, "Put the repair in place, and run it.");
     by("step").textContent = "Repair";
   } else {
-    label(by("next"), null, `The questions at the end${after ? `; then ${after.dataset.title}` : ""}.`);
-    by("step").textContent = "Show the end";
+    label(by("next"), null, after ? `The end. Then: ${after.dataset.title}` : "The end.");
   }
+  by("step").hidden = !next && !(repair && !state.repaired);
   by("step").disabled = state.busy;
   by("repair").hidden = !repair || !state.repaired;
   by("repair").textContent = "Undo the repair";

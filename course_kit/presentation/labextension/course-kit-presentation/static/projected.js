@@ -6,6 +6,8 @@
   "use strict";
   const NAME = "course-kit-presentation";
   const HERE = document.currentScript.src;
+  const BAR = 60; // pixels, of the bar below the page
+  const ABOVE = ["jp-header-panel", "jp-top-panel", "jp-menu-panel", "jp-title-panel"];
   let shared;
 
   async function load(name) {
@@ -54,12 +56,20 @@
       const target = this.target();
       return Boolean(target) && target.model.sharedModel.getSource() === repairOf(target);
     }
-    get next() {
+    get unrun() {
       return this.code.find((cell) => cell.model.executionCount === null) ?? null;
+    }
+    // What comes next: a cell to run; after the repair, what it has changed, and the end. Null: the repair, or nothing.
+    get next() {
+      if (this.unrun || (this.target() && !this.repaired)) {
+        return this.unrun;
+      }
+      const below = this.cells.slice(this.panel.content.activeCellIndex + 1);
+      return below.find((cell) => cell.model.type === "code") ?? below.at(-1) ?? null;
     }
     // The failure comes before the repair: everything has to be run once.
     get canRepair() {
-      return Boolean(this.target()) && !this.busy && this.next === null;
+      return Boolean(this.target()) && !this.busy && this.unrun === null;
     }
 
     mark(cell, { view }) {
@@ -93,9 +103,9 @@
       this.changed();
       try {
         for (const cell of cells) {
-          await this.show(cell, "nearest");
+          await this.show(cell);
           await this.actions.runCells(this.panel.content, [cell], this.panel.sessionContext);
-          await this.show(cell, "nearest");
+          this.follow(cell);
           this.changed();
         }
       } finally {
@@ -104,26 +114,39 @@
       }
     }
 
-    async show(cell, where) {
+    async show(cell, where = "nearest") {
       const notebook = this.panel.content;
       notebook.activeCellIndex = notebook.widgets.indexOf(cell);
       notebook.mode = "command";
       await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-      cell.node.scrollIntoView({ block: cell.node.offsetHeight > innerHeight * 0.8 ? "start" : where });
+      cell.node.scrollIntoView({ block: where });
+    }
+
+    // Outputs are drawn after their cell has run: keep them in sight while they grow, until the speaker goes on.
+    follow(cell) {
+      this.following?.disconnect();
+      this.following = new ResizeObserver(() => {
+        if (this.panel.content.activeCell === cell) {
+          cell.node.scrollIntoView({ block: cell.node.offsetHeight > innerHeight - BAR ? "end" : "nearest" });
+        }
+      });
+      this.following.observe(cell.node);
     }
 
     async step() {
-      if (this.next) {
-        await this.run([this.next]);
-      } else if (this.target() && !this.repaired) {
-        await this.repair();
-      } else if (this.cells.length) {
-        await this.show(this.cells[this.cells.length - 1], "nearest");
+      const next = this.next;
+      if (!next) {
+        await (this.repaired ? undefined : this.repair());
+      } else if (next === this.unrun) {
+        await this.run([next]);
+      } else {
+        await this.show(next);
+        this.follow(next);
         this.changed();
       }
     }
 
-    // Puts the repair into the failing cell, or takes it out again, and runs from there.
+    // Puts the repair into the failing cell, or takes it out again, and runs from there. Then the class sees that cell.
     async repair() {
       const target = this.target();
       if (!this.canRepair) {
@@ -132,9 +155,9 @@
       target.model.sharedModel.setSource(this.repaired ? this.failing : repairOf(target));
       const from = this.cells.indexOf(target);
       await this.run(this.code.filter((cell) => this.cells.indexOf(cell) >= from));
-      if (target.node.offsetHeight < innerHeight / 2) {
-        target.node.scrollIntoView({ block: "nearest" });
-      }
+      this.following?.disconnect();
+      await this.show(target, "start");
+      this.changed();
     }
 
     get here() {
@@ -158,7 +181,7 @@
       this.where.className = "ck-stage-where";
       this.where.setAttribute("role", "status");
       this.speaker = this.button("Notes", "Open your notes in a second window (Alt+S)", verbs.speaker);
-      this.step = this.button("Next", "Run the next cell (Alt+N)", verbs.step);
+      this.step = this.button("Next", "", verbs.step);
       this.repair = this.button("Repair", "", verbs.repair);
       this.repair.classList.add("ck-stage-repair");
       this.widget.node.append(this.where, this.speaker, this.step, this.repair);
@@ -179,6 +202,7 @@
       this.where.textContent = `${what}${demo.repaired ? ", repaired" : ""}`;
       this.speaker.hidden = hasSpeaker;
       this.step.disabled = demo.busy || !demo.next;
+      this.step.title = demo.unrun ? "Run the next cell (Alt+N)" : "Show the next cell (Alt+N)";
       this.repair.hidden = !demo.target();
       this.repair.disabled = !demo.canRepair;
       this.repair.textContent = demo.repaired ? "Undo the repair" : "Repair";
@@ -244,6 +268,7 @@
         path: this.path,
         here: demo.here,
         next: demo.next?.model.id ?? "",
+        isRun: demo.unrun === null,
         busy: demo.busy,
         canRepair: demo.canRepair,
         repaired: demo.repaired,
@@ -290,14 +315,9 @@
     if (shell.isTopInSimpleModeVisible()) {
       shell.toggleTopInSimpleModeVisibility();
     }
-    for (const area of ["menu", "top", "header"]) {
-      for (const widget of shell.widgets(area)) {
-        widget.hide();
-      }
-    }
-    for (const widget of shell.widgets("bottom")) {
-      if (widget.id !== "ck-stage-bar") {
-        widget.hide();
+    for (const panel of shell.layout.widgets) {
+      if (ABOVE.includes(panel.id)) {
+        panel.hide();
       }
     }
   }
@@ -338,7 +358,8 @@
   const exposed = {
     "./extension": async () => {
       const { INotebookTracker } = await load("@jupyterlab/notebook");
-      return { default: { id: `${NAME}:plugin`, autoStart: true, requires: [INotebookTracker], activate } };
+      const plugin = { id: `${NAME}:plugin`, autoStart: true, requires: [INotebookTracker], activate };
+      return { __esModule: true, default: plugin };
     },
     "./style": async () => {
       const link = document.createElement("link");
