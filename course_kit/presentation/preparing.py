@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from contextlib import nullcontext, suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import nbformat
 from course_kit.environment import PACKAGE
 from course_kit.presentation import projected
 from course_kit.presentation.demos import LESSONS, demos
+from course_kit.presentation.errors import PresentationError
 from course_kit.presentation.scratch import make_writable
 from course_kit.text import templates
 
@@ -43,9 +45,8 @@ def prepare(root: Path, folder: Path, opened: Path) -> None:
         opened: the notebook that is opened first.
 
     Raises:
-        PresentationError: there are no demos.
+        PresentationError: there are no demos, or the notebook to open is damaged.
         OSError: a file cannot be read or written.
-        nbformat.reader.NotJSONError: a notebook is damaged.
     """
     for name in _COPIED:
         shutil.copytree(
@@ -57,16 +58,24 @@ def prepare(root: Path, folder: Path, opened: Path) -> None:
     make_writable(folder)
     spoken = []
     for path in dict.fromkeys((*demos(root), opened)):
-        notebook = nbformat.read(path, as_version=4)
-        spoken.append(_spoken(path.relative_to(root).as_posix(), notebook))
+        with suppress(PresentationError) if path != opened else nullcontext():
+            spoken.append(_spoken(path.relative_to(root).as_posix(), _read(path)))
     for path in (folder / FILES).rglob("*.ipynb"):
-        nbformat.write(projected.project(nbformat.read(path, as_version=4)), path)
+        with suppress(PresentationError):  # another one that is damaged is no reason not to show this one
+            nbformat.write(projected.project(_read(path)), path)
     for name, values in _SETTINGS.items():
         path = folder / SETTINGS / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(values), encoding="utf-8")
     page = templates.render(_TEMPLATE, notebooks=spoken)
     (folder / SPEAKER_PAGE).write_text(page, encoding="utf-8")
+
+
+def _read(path: Path) -> Any:
+    try:
+        return nbformat.read(path, as_version=4)
+    except (ValueError, KeyError, AttributeError, TypeError, nbformat.ValidationError):
+        raise PresentationError(f"{path} is damaged: it is no notebook. Restore it, for example with git.") from None
 
 
 def _spoken(path: str, notebook: Any) -> dict[str, Any]:

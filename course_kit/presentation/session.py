@@ -6,8 +6,6 @@ import signal
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from nbformat.reader import NotJSONError
-
 from course_kit import environment
 from course_kit.integrations import jupyter
 from course_kit.presentation import demos, preparing, web
@@ -57,10 +55,6 @@ def present(root: Path, name: str, arguments: Sequence[str]) -> int:
                 return _serve(folder, opened.relative_to(root).as_posix(), domain_id, arguments)
         except _EndedError as ended:
             return 128 + ended.number
-        except NotJSONError:
-            raise PresentationError(
-                f"A notebook in {root / demos.LESSONS} is damaged: it is no JSON. Restore it, for example with git."
-            ) from None
         except OSError as problem:
             what = f"{problem.filename or parent}: {problem.strerror or problem}"
             raise PresentationError(f"The copies for the class could not be made ({what}).") from problem
