@@ -180,10 +180,12 @@
       this.where = document.createElement("span");
       this.where.className = "ck-stage-where";
       this.where.setAttribute("role", "status");
+      this.where.textContent = "Starting";
       this.speaker = this.button("Notes", "Open your notes in a second window (Alt+S)", verbs.speaker);
       this.step = this.button("Next", "", verbs.step);
       this.repair = this.button("Repair", "", verbs.repair);
       this.repair.classList.add("ck-stage-repair");
+      this.step.disabled = this.repair.disabled = true; // until there is a demo
       this.widget.node.append(this.where, this.speaker, this.step, this.repair);
     }
 
@@ -347,6 +349,8 @@
       await panel.context.ready;
       await panel.revealed;
       panel.toolbar.hide();
+      await panel.sessionContext.ready;
+      await panel.sessionContext.session?.kernel?.info; // a kernel that does not answer yet would lose what is run
       page.show(new Demo(panel, modules, () => page.tell()));
     };
     tracker.widgetAdded.connect(present);
