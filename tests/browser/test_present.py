@@ -155,6 +155,19 @@ def test_closing_the_page_asks_nothing(stage: Stage) -> None:
     assert asked == []
 
 
+def test_a_page_that_is_loaded_again_begins_afresh(stage: Stage) -> None:
+    """The kernel still runs, with the repaired class in it."""
+    stage.open("04_float_or_int")
+    stage.run_all()
+    stage.repair.click()
+    expect(stage.repair).to_have_text("Undo the repair")
+    stage.page.reload()
+    expect(stage.bar.get_by_role("status")).to_have_text(re.compile("^0 of"))
+    stage.run_all()
+    expect(stage.page.locator(".jp-InputPrompt").nth(0)).to_have_text("[1]:")
+    assert "It fails:" in stage.outputs()
+
+
 @pytest.mark.parametrize(("width", "height"), SIZES)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_both_windows_can_be_read_at_any_size(stage: Stage, width: int, height: int, scheme: str) -> None:
@@ -215,7 +228,7 @@ def test_the_notes_follow_the_class_and_lead_it(stage: Stage) -> None:
     notes.close()
 
 
-def test_the_notes_lead_to_the_next_demo_and_its_nodes_are_the_only_ones(stage: Stage) -> None:
+def test_the_notes_lead_to_the_next_demo_whose_nodes_are_the_only_ones(stage: Stage) -> None:
     stage.open("05_wrong_name")
     stage.run_all()
     notes = stage.open_notes()

@@ -34,13 +34,6 @@
       }
       panel.content.activeCellChanged.connect(changed);
       panel.content.model.cells.changed.connect(changed);
-      // Copies are never saved, so closing the page asks nothing.
-      const model = panel.context.model;
-      model.stateChanged.connect((_, change) => {
-        if (change.name === "dirty" && change.newValue) {
-          model.dirty = false;
-        }
-      });
     }
 
     get cells() {
@@ -324,6 +317,23 @@
     }
   }
 
+  // A node of another demo, or of this one before the page was loaded again, would answer in this one.
+  async function startAfresh(app, panel) {
+    await panel.sessionContext.ready;
+    const sessions = app.serviceManager.sessions;
+    await sessions.refreshRunning();
+    const others = [...sessions.running()].filter((session) => session.path !== panel.sessionContext.path);
+    await Promise.all(others.map((session) => sessions.shutdown(session.id)));
+    const kernel = panel.sessionContext.session?.kernel;
+    await kernel?.info; // one that does not answer yet would lose what is run
+    const range = { output: false, raw: true, hist_access_type: "range", session: 0, start: 1, stop: 2 };
+    const { content } = (await kernel?.requestHistory(range)) ?? {};
+    if (content?.history?.length) {
+      await panel.sessionContext.restartKernel();
+      await panel.sessionContext.session?.kernel?.info;
+    }
+  }
+
   async function activate(app, tracker) {
     const [notebook, widgets, view, coreutils] = await Promise.all(
       ["@jupyterlab/notebook", "@lumino/widgets", "@codemirror/view", "@jupyterlab/coreutils"].map(load),
@@ -337,6 +347,8 @@
     }
     app.commands.addCommand(`${NAME}:speaker`, { label: "Open the notes", execute: () => page.openSpeaker() });
     app.commands.addKeyBinding({ command: `${NAME}:speaker`, keys: ["Alt S"], selector: "body" });
+    // Copies are not saved, so closing the page asks nothing.
+    addEventListener("beforeunload", (event) => event.stopImmediatePropagation(), true);
     notebook.NotebookActions.executed.connect(() => page.tell());
     app.restored.then(() => {
       app.shell.add(page.bar.widget, "bottom", { rank: 0 });
@@ -349,8 +361,7 @@
       await panel.context.ready;
       await panel.revealed;
       panel.toolbar.hide();
-      await panel.sessionContext.ready;
-      await panel.sessionContext.session?.kernel?.info; // a kernel that does not answer yet would lose what is run
+      await startAfresh(app, panel);
       page.show(new Demo(panel, modules, () => page.tell()));
     };
     tracker.widgetAdded.connect(present);
