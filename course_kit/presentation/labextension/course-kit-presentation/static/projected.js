@@ -347,8 +347,8 @@
     }
     app.commands.addCommand(`${NAME}:speaker`, { label: "Open the notes", execute: () => page.openSpeaker() });
     app.commands.addKeyBinding({ command: `${NAME}:speaker`, keys: ["Alt S"], selector: "body" });
-    // Copies are not saved, so closing the page asks nothing.
-    addEventListener("beforeunload", (event) => event.stopImmediatePropagation(), true);
+    // Copies are not saved, so closing the page asks nothing: JupyterLab looks here, in a listener that is before ours.
+    Object.defineProperty(app.status, "isDirty", { get: () => false });
     notebook.NotebookActions.executed.connect(() => page.tell());
     app.restored.then(() => {
       app.shell.add(page.bar.widget, "bottom", { rank: 0 });
