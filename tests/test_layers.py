@@ -28,7 +28,7 @@ LAYERS = (
     {"classroom", "graders"},
     {"learner"},  # below those that count a learner's tries and renew a learner's starters
     {"authoring", "integrations"},
-    {"dev"},
+    {"dev", "presentation"},
     {"cli"},
 )
 NEVER = {("grading", "lab"), ("graders", "lab"), ("classroom", "lab")}  # grading runs on a bare server

@@ -8,6 +8,7 @@ from course_kit.cli import (
     class_command,
     export_command,
     new_command,
+    present,
     prove_command,
     regrade_command,
     release_command,
@@ -27,12 +28,7 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     otter.add_to(verbs)
     new_command.add_to(verbs)
 
-    present = verbs.add_parser(
-        "present",
-        help="open the demos for a class: enlarged, answers folded, fresh",
-        epilog="Other options go to `jupyter lab`.",
-    )
-    present.set_defaults(run=_present, others=[])
+    present.add_to(verbs)
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
     dev.add_argument("tool", choices=("check", "matrix", "notebooks", "otter"))
@@ -46,9 +42,3 @@ def _dev(options: argparse.Namespace) -> int:
 
     main_of = {"check": check.main, "matrix": matrix.main, "notebooks": notebooks.main, "otter": otter.main}
     return main_of[options.tool](options.rest)
-
-
-def _present(options: argparse.Namespace) -> int:
-    from course_kit.cli import present
-
-    return present.run(options.others)

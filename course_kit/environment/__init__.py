@@ -46,6 +46,7 @@ __all__ = [
     "choose_graph",
     "command",
     "defaults",
+    "domain_of_user",
     "exclusive_domain",
     "heed_interrupts",
     "home",
@@ -162,6 +163,15 @@ def choose_graph(notebook: str) -> None:
     path = Path(notebook)
     if path.parent.name == _WITH_OWN_GRAPH:
         os.environ[_GRAPH] = f"{_WITH_OWN_GRAPH}/{path.stem}"
+
+
+def domain_of_user() -> int | None:
+    """The domain that the user has chosen by ROS_DOMAIN_ID; None where the course chooses.
+
+    Raises:
+        SettingsError: it is no number that ROS can use.
+    """
+    return _domain_set_by_user(os.environ)
 
 
 def child_environment(**changes: str | None) -> dict[str, str]:

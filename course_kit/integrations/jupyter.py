@@ -51,10 +51,31 @@ def serve(root: Path, first: str, arguments: Sequence[str], **variables: str) ->
         variables: more for its environment.
     """
     try:
-        as_root = root_arguments(arguments, os.geteuid(), environment.sign_of_container())
-        environ = environment.child_environment(**{**_folders(), **_interfaces(), **terminals.variables(), **variables})
+        command, environ = lab_command(root, f"/lab/tree/{first}", arguments, **variables)
     except (LabStartError, environment.DomainError) as problem:
         return cannot(problem)
+    sys.stdout.flush()
+    return os.execve(sys.executable, command, environ)
+
+
+def lab_command(
+    root: Path, opens: str, arguments: Sequence[str], *, verb: str = "lab", **variables: str
+) -> tuple[list[str], dict[str, str]]:
+    """The words and the environment that start JupyterLab here.
+
+    Args:
+        root: the folder it shows.
+        opens: the address it opens, without that of the server.
+        arguments: more for `jupyter lab`.
+        verb: the course's command that it is for, to be named in an error.
+        variables: more for its environment.
+
+    Raises:
+        LabStartError: it would refuse to start.
+        DomainError: there is no ROS domain for it.
+    """
+    as_root = root_arguments(arguments, os.geteuid(), environment.sign_of_container(), verb)
+    environ = environment.child_environment(**{**_folders(), **_interfaces(), **terminals.variables(), **variables})
     tell(environment.middleware.unsupported())
     command = [
         sys.executable,
@@ -62,23 +83,23 @@ def serve(root: Path, first: str, arguments: Sequence[str], **variables: str) ->
         "jupyter",
         "lab",
         f"--ServerApp.root_dir={root}",
-        f"--LabApp.default_url=/lab/tree/{first}",
+        f"--LabApp.default_url={opens}",
         "--LabApp.expose_app_in_browser=True",  # panels ask it for a view of their own beside the notebook
         *_terminals(),
         *as_root,
         *arguments,
     ]
-    sys.stdout.flush()
-    return os.execve(sys.executable, command, environ)
+    return command, environ
 
 
-def root_arguments(arguments: Sequence[str], user: int, container: str) -> list[str]:
+def root_arguments(arguments: Sequence[str], user: int, container: str, verb: str = "lab") -> list[str]:
     """What `jupyter lab` needs beside the user's arguments to start as root, which it refuses by itself.
 
     Args:
         arguments: the user's.
         user: the number of the user, 0 for root.
         container: what shows that this is a container; empty when nothing does.
+        verb: the course's command, to be named in the error.
 
     Raises:
         LabStartError: root, on what seems to be a whole machine.
@@ -90,7 +111,7 @@ def root_arguments(arguments: Sequence[str], user: int, container: str) -> list[
         return [_ALLOW_ROOT]
     raise LabStartError(
         "JupyterLab does not run as root: a program in a notebook could change anything on this machine. Log in as an "
-        f"ordinary user, or add {_ALLOW_ROOT} if you mean it: {environment.command()} lab {_ALLOW_ROOT}"
+        f"ordinary user, or add {_ALLOW_ROOT} if you mean it: {environment.command()} {verb} {_ALLOW_ROOT}"
     )
 
 

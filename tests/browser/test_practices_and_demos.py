@@ -7,12 +7,9 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import expect
 
-from tests.browser.learner import learner
 from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from tests.browser.learner import JupyterLab
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
@@ -54,20 +51,6 @@ def test_every_demo_shows_its_failure(lab: JupyterLab) -> None:
         lab.scroll_to(lab.page.get_by_text("It fails:").first)
         lab.require_no_error(f"notebooks/demos/{name}")
         lab.picture(f"demo_{name.partition('_')[0]}")
-
-
-@pytest.mark.answers
-def test_a_class_sees_it_large_with_the_answer_folded_and_nothing_from_before(tmp_path: Path) -> None:
-    with learner(tmp_path, "present") as shown:
-        opened = shown.page
-        shown.open("notebooks/demos/02_lost_cancel.ipynb")
-        expect(opened.locator(".jp-CodeCell .cm-content").first).to_have_css("font-size", "20px")
-        assert opened.locator(".jp-OutputArea-output").count() == 0
-        expect(opened.locator(".jp-CodeCell .jp-Placeholder")).to_have_count(1)
-        assert not opened.get_by_text("CancelResponse.ACCEPT").count()
-        shown.picture("presenter")
-        opened.locator(".jp-CodeCell .jp-Placeholder").click()
-        expect(opened.get_by_text("CancelResponse.ACCEPT")).to_be_visible()
 
 
 def test_every_notebook_of_the_course_is_opened_in_the_browser() -> None:

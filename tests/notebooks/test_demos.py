@@ -1,8 +1,7 @@
-"""Each demo fails as it stands, and works when its one line is switched."""
+"""Each demo fails before its repair, and works after it; what is for the speaker stays off the page for the class."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +10,17 @@ import pytest
 from nbclient import NotebookClient
 
 from course_kit.authoring import edition_notebooks
-from course_kit.cli import present
+from course_kit.presentation import projected
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 DEMOS = sorted((REPOSITORY / "notebooks/demos").glob("*.ipynb"))
-SWITCH = "REPAIRED = False"
+WIDEST = 72  # characters of a line that fit a projector of 1024 pixels
 
 demos = pytest.mark.parametrize("path", DEMOS, ids=lambda path: path.stem)
+
+
+def read(path: Path) -> Any:
+    return nbformat.read(path, as_version=4)
 
 
 def run(notebook: Any, folder: Path) -> Any:
@@ -25,51 +28,66 @@ def run(notebook: Any, folder: Path) -> Any:
     return notebook
 
 
-def verdict(notebook: Any) -> str:
+def verdicts(notebook: Any) -> list[str]:
     """What a demo prints of how it went."""
     said = [output.get("text", "") for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
-    lines = [line for text in said for line in text.splitlines() if line.startswith("It ")]
-    assert len(lines) == 1
-    return lines[0]
+    return [line[: line.index(":")] for text in said for line in text.splitlines() if line.startswith("It ")]
 
 
 @pytest.mark.answers
 @demos
-def test_it_fails_as_it_stands_and_the_switch_repairs_it(path: Path, domain: int) -> None:
-    """nbval runs it as it stands; here it is run with its one line switched."""
+def test_it_fails_first_and_works_after_its_repair(path: Path) -> None:
+    """As it is stored; nbval runs it and compares."""
+    assert verdicts(read(path)) == ["It fails", "It works"]
+
+
+@pytest.mark.answers
+@demos
+def test_the_repair_in_place_of_the_failing_cell_is_all_it_takes(path: Path, domain: int) -> None:
     assert domain
-    notebook = nbformat.read(path, as_version=4)
-    assert verdict(notebook).startswith("It fails:")
-    switches = [cell for cell in notebook.cells if cell.source == SWITCH]
-    assert len(switches) == 1
-    switches[0].source = "REPAIRED = True"
-    assert verdict(run(notebook, path.parent)).startswith("It works:")
+    notebook = projected.project(read(path))
+    failing = [cell for cell in notebook.cells if cell.metadata.get(projected.OURS)]
+    assert len(failing) == 1
+    failing[0].source = failing[0].metadata[projected.OURS][projected.REPAIRED]
+    assert verdicts(run(notebook, path.parent)) == ["It works"]
 
 
 def test_the_student_edition_shows_the_failure_without_the_answer(domain: int) -> None:
     assert domain
-    notebook = edition_notebooks.without_answers(nbformat.read(DEMOS[0], as_version=4))
-    assert verdict(run(notebook, DEMOS[0].parent)).startswith("It fails:")
+    notebook = edition_notebooks.without_answers(read(DEMOS[0]))
+    assert verdicts(notebook) == ["It fails"]
+    assert verdicts(run(notebook, DEMOS[0].parent)) == ["It fails"]
+    assert not any(projected.repairs_of(cell) for cell in notebook.cells)
 
 
 @pytest.mark.answers
 @demos
-def test_it_has_an_answer_to_fold_away(path: Path) -> None:
-    shown = present.for_a_class(nbformat.read(path, as_version=4))
-    folded = [cell for cell in shown.cells if cell.metadata.get("jupyter", {}).get("source_hidden")]
-    assert len(folded) == 1
-    assert not any(cell.outputs for cell in shown.cells if cell.cell_type == "code")
+def test_a_class_sees_neither_notes_nor_remarks_nor_outputs(path: Path) -> None:
+    whole, shown = read(path), projected.project(read(path))
+    left = {cell.id for cell in shown.cells}
+    remarks = [cell for cell in whole.cells if cell.metadata.get("tags") or cell.metadata.get("slideshow")]
+    assert len(remarks) > 5
+    assert left.isdisjoint(cell.id for cell in remarks)
+    assert not any(cell.outputs or cell.execution_count for cell in shown.cells if cell.cell_type == "code")
+    text = str([(cell.source, cell.metadata) for cell in shown.cells])
+    assert not [cell.source for cell in remarks if cell.cell_type == "markdown" and cell.source[:40] in text]
+    nbformat.validate(shown)
 
 
-def test_a_class_never_sees_what_the_one_before_has_typed(tmp_path: Path) -> None:
-    stage = tmp_path / "stage"
-    present.prepare(REPOSITORY, stage)
-    demo = stage / present.FIRST_DEMO
-    fresh = demo.read_text()
-    demo.write_text(fresh.replace("Doubler", "Tripler"))
-    (stage / "notebooks/Untitled.ipynb").write_text("{}")
-    present.prepare(REPOSITORY, stage)
-    assert demo.read_text() == fresh
-    assert not (stage / "notebooks/Untitled.ipynb").exists()
-    themes = stage / "settings/@jupyterlab/apputils-extension/themes.jupyterlab-settings"
-    assert json.loads(themes.read_text())["overrides"]["code-font-size"] == "20px"
+@pytest.mark.answers
+@demos
+def test_its_lines_fit_a_projector(path: Path) -> None:
+    code = [cell.source for cell in read(path).cells if cell.cell_type == "code"]
+    assert [line for source in code for line in source.splitlines() if len(line) > WIDEST] == []
+
+
+@pytest.mark.answers
+@demos
+def test_the_speaker_has_notes_for_the_beginning_and_the_repair_and_a_time(path: Path) -> None:
+    spoken = projected.script(read(path))
+    assert spoken[0].notes
+    assert [bool(cell.notes) for cell in spoken if cell.kind == "repair"] == [True]
+    assert projected.minutes(read(path)) > 0
+    assert all(cell.label for cell in spoken)
+    shown = [cell.id for cell in projected.project(read(path)).cells]
+    assert [cell.cell_id for cell in spoken if cell.kind != "repair"] == shown

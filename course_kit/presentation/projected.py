@@ -1,0 +1,112 @@
+"""The copy of a notebook that a class sees, made from the one file that also holds the speaker's notes.
+
+The marks are in the cells' metadata. Left out are speaker's notes (Jupyter's own `slideshow.slide_type` "notes"), cells
+tagged `instructor`, and those tagged `offstage`, which speak to a reader. A code cell tagged `answer` is left out, too;
+when its metadata says `course_kit.repairs` with the id of a failing cell, that cell carries its text along, and a
+button puts it in place.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from course_kit.authoring.edition_notebooks import ANSWER, INSTRUCTOR
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+OFFSTAGE = "offstage"  # a cell with this tag speaks to a reader, not to a class
+OURS = "course_kit"  # the kit's own key in the metadata of a cell
+REPAIRS, REPAIRED = "repairs", "repaired"
+_PREAMBLE = ("%", "import ", "from ", "#")
+
+
+@dataclass(frozen=True)
+class SpokenCell:
+    """What a speaker needs to know of a cell of the projected copy.
+
+    Attributes:
+        cell_id: its id there.
+        kind: "code" or "markdown"; "repair" for what the button puts in place.
+        label: its beginning, to know it by.
+        notes: the speaker's notes, Markdown.
+    """
+
+    cell_id: str
+    kind: str
+    label: str
+    notes: str
+
+
+def project(notebook: Any) -> Any:
+    """A notebook as a class sees it first: no outputs, no notes, no remarks, and the failure before the repair.
+
+    Args:
+        notebook: it is changed, and returned.
+    """
+    repairs = {repairs_of(cell): cell.source for cell in notebook.cells if repairs_of(cell)}
+    notebook.cells = [cell for cell in notebook.cells if _is_projected(cell)]
+    for cell in notebook.cells:
+        cell.metadata = {OURS: {REPAIRED: repairs[cell.id]}} if cell.id in repairs else {}
+        if cell.cell_type == "code":
+            cell.outputs = []
+            cell.execution_count = None
+    return notebook
+
+
+def script(notebook: Any) -> list[SpokenCell]:
+    """What the speaker's window shows of a notebook, cell by cell; the repair is last before what follows it."""
+    return [SpokenCell(cell_id, kind, label, "\n\n".join(notes)) for cell_id, kind, label, notes in _gathered(notebook)]
+
+
+def minutes(notebook: Any) -> int:
+    """How long it takes with talk, as its first cell says; 0 where it does not."""
+    stated = notebook.cells[0].metadata.get(OURS, {}).get("minutes", 0) if notebook.cells else 0
+    return stated if isinstance(stated, int) else 0
+
+
+def repairs_of(cell: Any) -> str:
+    """The id of the failing cell that this cell repairs; empty if none."""
+    return str(cell.metadata.get(OURS, {}).get(REPAIRS, ""))
+
+
+def title(notebook: Any) -> str:
+    """The first heading."""
+    first = notebook.cells[0].source if notebook.cells else ""
+    return _label("markdown", first)
+
+
+def _gathered(notebook: Any) -> Iterator[tuple[str, str, str, list[str]]]:
+    """The cells in order, each with the notes below it; notes at the very top belong to the first."""
+    waiting: list[str] = []
+    current: tuple[str, str, str, list[str]] | None = None
+    for cell in notebook.cells:
+        if _is_notes(cell):
+            (current[3] if current else waiting).append(cell.source)
+            continue
+        kind = "repair" if repairs_of(cell) else cell.cell_type
+        if kind == "repair" or _is_projected(cell):
+            if current:
+                yield current
+            current = (cell.id, kind, _label(kind, cell.source), waiting)
+            waiting = []
+    if current:
+        yield current
+
+
+def _is_notes(cell: Any) -> bool:
+    return bool(cell.metadata.get("slideshow", {}).get("slide_type") == "notes")
+
+
+def _is_projected(cell: Any) -> bool:
+    return not _is_notes(cell) and {ANSWER, INSTRUCTOR, OFFSTAGE}.isdisjoint(cell.metadata.get("tags", []))
+
+
+def _label(kind: str, source: str) -> str:
+    """The line that says most of a cell: a heading, or the first that neither imports nor loads anything."""
+    lines = [line.strip() for line in source.splitlines() if line.strip()]
+    if kind == "markdown":
+        return lines[0].lstrip("# ").replace("*", "").replace("`", "") if lines else ""
+    telling = [line for line in lines if not line.startswith(_PREAMBLE)]
+    return (telling or lines or [""])[0]

@@ -1,0 +1,124 @@
+"""One presentation, from its folder to the end of its JupyterLab; port, ROS domain and workspace are its own."""
+
+from __future__ import annotations
+
+import signal
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.integrations import jupyter
+from course_kit.presentation import demos, preparing, web
+from course_kit.presentation.errors import PresentationError
+from course_kit.presentation.scratch import scratch_folder
+from course_kit.process.child import Child
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+    from types import FrameType
+
+_ENDING = (signal.SIGTERM, signal.SIGHUP)  # a shutdown, and a terminal that is closed
+_SHUTDOWN_S = 20.0  # Jupyter ends its kernels first
+
+
+class _EndedError(BaseException):
+    """A signal that ends this process, so that it still tidies up."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+def present(root: Path, name: str, arguments: Sequence[str]) -> int:
+    """Show a notebook to a class until it is over.
+
+    Args:
+        root: the course's folder.
+        name: what `demos.find` takes.
+        arguments: more for `jupyter lab`.
+
+    Returns:
+        the exit code: 0 after Ctrl-C, which is how a presentation ends.
+
+    Raises:
+        PresentationError: it cannot begin.
+        DomainError: there is no ROS domain for it.
+        LabStartError: JupyterLab would refuse to start.
+    """
+    opened = demos.find(root, name)
+    parent = environment.state_dir() / "present"
+    with _tidily_ended(), _own_domain() as domain_id:
+        try:
+            with scratch_folder(parent) as folder:
+                preparing.prepare(root, folder, opened)
+                return _serve(folder, opened.relative_to(root).as_posix(), domain_id, arguments)
+        except _EndedError as ended:
+            return 128 + ended.number
+        except OSError as problem:
+            what = f"{problem.filename or parent}: {problem.strerror or problem}"
+            raise PresentationError(f"The copies for the class could not be made ({what}).") from problem
+
+
+def _serve(folder: Path, notebook: str, domain_id: str, arguments: Sequence[str]) -> int:
+    """Run JupyterLab on the copies until it ends or Ctrl-C ends it."""
+    settings = folder / preparing.SETTINGS
+    opens = f"/doc/tree/{notebook}"
+    command, environ = jupyter.lab_command(
+        folder / preparing.FILES,
+        opens,
+        [
+            f"--LabApp.extra_labextensions_path={preparing.LABEXTENSIONS}",
+            f"--ServerApp.jpserver_extensions={web.__name__}=True",
+            "--Application.log_level=ERROR",
+            *arguments,
+        ],
+        verb="present",
+        ROS_DOMAIN_ID=domain_id,
+        JUPYTERLAB_SETTINGS_DIR=str(settings),
+        JUPYTERLAB_WORKSPACES_DIR=str(settings / "workspaces"),
+        JUPYTER_RUNTIME_DIR=str(folder / "runtime"),
+        **{web.FOLDER_VARIABLE: str(folder), web.OPENS_VARIABLE: opens},
+    )
+    server = Child(command, environ=environ, dies_with_us=True)
+    try:
+        return 2 if server.wait() else 0
+    except KeyboardInterrupt:
+        return 0
+    finally:
+        server.send(signal.SIGTERM)  # after SIGINT it would show where it was while it starts
+        server.wait_or_kill(_SHUTDOWN_S)
+        server.kill()  # what it has left behind
+
+
+@contextmanager
+def _own_domain() -> Iterator[str]:
+    """A domain for this presentation alone, or the one that the user has chosen.
+
+    Raises:
+        DomainError: there is none.
+    """
+    chosen = environment.domain_of_user()
+    if chosen is not None:
+        yield str(chosen)
+        return
+    with environment.exclusive_domain() as domain_id:
+        yield str(domain_id)
+
+
+@contextmanager
+def _tidily_ended() -> Iterator[None]:
+    """Have the signals that end a process raise an exception."""
+
+    def end(number: int, frame: FrameType | None) -> None:
+        del frame
+        for other in (*_ENDING, signal.SIGINT):
+            signal.signal(other, signal.SIG_IGN)  # a second one would disturb the tidying up
+        raise _EndedError(number)
+
+    before = {number: signal.signal(number, end) for number in _ENDING}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
