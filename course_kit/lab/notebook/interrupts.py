@@ -13,6 +13,14 @@ if TYPE_CHECKING:
 _INTERRUPTS = (KeyboardInterrupt, asyncio.CancelledError)
 
 
+class _Interrupted(KeyboardInterrupt):
+    """Shown in place of the interrupt itself."""
+
+    def _render_traceback_(self) -> list[str]:
+        """IPython's hook, as in `lab.errors`."""
+        return [str(self)]
+
+
 def tell_briefly(shell: Any, locate: Callable[[str], str | None], nodes_run: Callable[[], bool]) -> None:
     """Have an interrupted cell say that it was, where, and that nodes go on.
 
@@ -27,7 +35,7 @@ def tell_briefly(shell: Any, locate: Callable[[str], str | None], nodes_run: Cal
     def tell(
         shell: Any, kind: type[BaseException], error: BaseException, trace: TracebackType, tb_offset: int | None = None
     ) -> None:
-        del tb_offset
+        del error, tb_offset
         places = [
             f" in {name}, line {number}"
             for frame, number in traceback.walk_tb(trace)
@@ -35,9 +43,7 @@ def tell_briefly(shell: Any, locate: Callable[[str], str | None], nodes_run: Cal
         ]
         where = places[-1] if places else ""
         rest = "; your nodes go on." if nodes_run() else "."
-        text = f"Interrupted{where}{rest}"
-        error._render_traceback_ = lambda: [text]  # type: ignore[attr-defined] # IPython's hook, as in `lab.errors`
-        shell.showtraceback((kind, error, trace))
+        shell.showtraceback((kind, _Interrupted(f"Interrupted{where}{rest}"), trace))
 
     shell.set_custom_exc(_INTERRUPTS, tell)
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import functools
+import inspect
 import re
-import sys
 from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionServer
@@ -59,7 +59,7 @@ def _require_callable(  # noqa: PLR0913, PLR0917 - a method, where its callback 
 
 def _caller() -> FrameType | None:
     """Who has called, past the functions of the kit that stand in for rclpy's."""
-    frame: FrameType | None = sys._getframe(1)  # noqa: SLF001 - the documented way to the caller
+    frame = inspect.currentframe()
     while frame is not None and frame.f_code.co_filename.startswith(str(environment.PACKAGE)):
         frame = frame.f_back
     return frame
