@@ -164,7 +164,7 @@ def test_a_page_that_is_loaded_again_begins_afresh(stage: Stage) -> None:
     stage.page.reload()
     expect(stage.bar.get_by_role("status")).to_have_text(re.compile("^0 of"))
     stage.run_all()
-    expect(stage.page.locator(".jp-InputPrompt").nth(0)).to_have_text("[1]:")
+    expect(stage.page.locator(".jp-CodeCell .jp-InputPrompt").first).to_have_text("[1]:")
     assert "It fails:" in stage.outputs()
 
 
