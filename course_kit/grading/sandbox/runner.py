@@ -13,13 +13,11 @@ import faulthandler
 import fcntl
 import gc
 import io
-import json
 import os
 import signal
 import sys
 import tempfile
 import threading
-import traceback
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -27,20 +25,17 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import limits
-from course_kit.grading.sandbox import locking, values
+from course_kit.grading.sandbox import locking, notes, values
 from course_kit.process.parent import set_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from types import TracebackType
 
     from course_kit.grading.sandbox.sandbox import Conditions, Streams
 
 # Ignored unless handled: harmless to a program that has replaced itself by another (exec).
 STACKS_SIGNAL = signal.SIGURG
 _THREADS = 4
-# Where rclpy holds what a callback has returned: by function, the name of our note and that of its variable.
-_RETURNED = {"send_response": ("returned", "response"), "_execute_goal": ("result", "execute_result")}
 _FIRST_HIGH_DESCRIPTOR = 200
 
 
@@ -106,10 +101,10 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
         status = 0
     except SystemExit as wish:
         status = _exit_status(wish.code)
-        _note(evidence, exit_in_callback=_in_callback(wish))
+        notes.send(evidence, exit_in_callback=notes.in_callback(wish))
     except BaseException as problem:  # noqa: BLE001 - whatever it is ends the program and is shown, as Python does
-        _show(problem)
-        _note_exception(problem, evidence)
+        notes.show(problem)
+        notes.exception(problem, evidence)
     _finish(status)
 
 
@@ -164,10 +159,10 @@ def _run(program: Program, evidence: int) -> None:
     module = ModuleType("__main__")
     module.__file__ = str(path)
     sys.modules["__main__"] = module
-    threading.excepthook = lambda problem: _thread_failed(problem, evidence)
+    threading.excepthook = lambda problem: notes.thread_failed(problem, evidence)
     code = compile(program.source, program.name, "exec", dont_inherit=True)
     if program.variable:
-        values.run(code, module, program.variable, partial(_note, evidence))
+        values.run(code, module, program.variable, partial(notes.send, evidence))
         return
     default = _default_context()  # rclpy forgets one that was shut down, and with it that there was a node
     exec(code, module.__dict__)  # noqa: S102
@@ -215,7 +210,7 @@ def _find_class(module: ModuleType, wanted: str, evidence: int) -> type | None:
     classes = [
         name for name, thing in vars(module).items() if isinstance(thing, type) and thing.__module__ == "__main__"
     ]
-    _note(evidence, node_classes=sorted(thing.__name__ for thing in own), classes=classes, functions=functions)
+    notes.send(evidence, node_classes=sorted(thing.__name__ for thing in own), classes=classes, functions=functions)
     return None
 
 
@@ -252,45 +247,6 @@ def _exit_status(code: object) -> int:
     return 1
 
 
-def _show(problem: BaseException) -> None:
-    """The traceback as Python prints it, beginning with the learner's own file."""
-    problem.__traceback__ = _own_part(problem.__traceback__)
-    traceback.print_exception(type(problem), problem, problem.__traceback__)
-
-
-def _own_part(trace: TracebackType | None) -> TracebackType | None:
-    kept = trace
-    while kept is not None and kept.tb_frame.f_code.co_filename == __file__:
-        kept = kept.tb_next
-    return kept
-
-
-def _thread_failed(hook: threading.ExceptHookArgs, evidence: int) -> None:
-    if hook.exc_value is not None and hook.exc_type is not SystemExit:
-        traceback.print_exception(hook.exc_type, hook.exc_value, hook.exc_traceback)
-        _note_exception(hook.exc_value, evidence)
-
-
-def _note_exception(problem: BaseException, evidence: int) -> None:
-    """Tell what a callback returned when rclpy refused to send it; its own exception does not say."""
-    for frame, _ in traceback.walk_tb(problem.__traceback__):
-        note, variable = _RETURNED.get(frame.f_code.co_name, ("", ""))
-        if variable in frame.f_locals:
-            _note(evidence, **{note: _type_name(frame.f_locals[variable])})
-
-
-def _in_callback(problem: BaseException) -> bool:
-    return any(frame.f_code.co_name == "await_or_execute" for frame, _ in traceback.walk_tb(problem.__traceback__))
-
-
-def _type_name(value: object) -> str:
-    return "None" if value is None else type(value).__name__
-
-
-def _note(evidence: int, **what: object) -> None:
-    os.write(evidence, b"\n" + json.dumps({"note": what}).encode() + b"\n")
-
-
 def _finish(status: int) -> None:
     """End as an interpreter does (other threads first, then atexit), without going back into the grader's code."""
     try:
@@ -299,5 +255,5 @@ def _finish(status: int) -> None:
         sys.stdout.flush()
         sys.stderr.flush()
     except BaseException as problem:  # noqa: BLE001 - as above: shown, and the end comes anyway
-        _show(problem)
+        notes.show(problem)
     os._exit(status)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.declared.around import Case, made
+from course_kit.grading.checks.declared.around import InputCase, made
 from course_kit.grading.checks.declared.explaining import Exchanged, explained
 from course_kit.grading.checks.declared.inputs import drawn
 from course_kit.grading.checks.declared.messages import Tolerance, differences, plain, shown, shown_part, worked_out
@@ -44,7 +44,7 @@ def parameter_acts(context: CheckContext, check: Declaration, around: Around) ->
     """
     evidence = Evidence()
     settings = drawn(as_list(check.keys["set"]), context.job.seed, f"{check.id} set")
-    cases = around.cases(check, context.job.seed) if _sends(check) else [Case({}, check.keys["expect"])]
+    cases = around.cases(check, context.job.seed) if _sends(check) else [InputCase({}, check.keys["expect"])]
     act = _at_start if check.keys.get("at_start") else _while_it_runs
     for number, values in enumerate(settings):
         oracle = [around.oracle(check, number * len(cases) + place) for place in range(len(cases))]
@@ -56,7 +56,7 @@ def _while_it_runs(
     context: CheckContext,
     check: Declaration,
     values: Mapping[str, Any],
-    cases: Sequence[tuple[Case, Mapping[str, Any]]],
+    cases: Sequence[tuple[InputCase, Mapping[str, Any]]],
 ) -> Evidence:
     ensure_up(context, check.endpoints)
     remote = served(context, check.node)
@@ -81,7 +81,7 @@ def _while_it_runs(
 def ask(context: CheckContext, check: Declaration, around: Around) -> list[Any]:
     """What comes out of the solution, which runs now, with each setting of a check."""
     found = []
-    cases = around.cases(check, context.job.seed) if _sends(check) else [Case({}, "")]
+    cases = around.cases(check, context.job.seed) if _sends(check) else [InputCase({}, "")]
     for values in drawn(as_list(check.keys["set"]), context.job.seed, f"{check.id} set"):
         remote = served(context, check.node)
         with put_back(context, remote, values):
@@ -95,7 +95,7 @@ def _at_start(
     context: CheckContext,
     check: Declaration,
     values: Mapping[str, Any],
-    cases: Sequence[tuple[Case, Mapping[str, Any]]],
+    cases: Sequence[tuple[InputCase, Mapping[str, Any]]],
 ) -> Evidence:
     arguments = ["--ros-args", *(word for name, value in values.items() for word in ("-p", f"{name}:={_yaml(value)}"))]
     sent = " ".join(arguments)
@@ -124,7 +124,7 @@ def _look(
     check: Declaration,
     remote: Remote,
     values: Mapping[str, Any],
-    cases: Sequence[tuple[Case, Mapping[str, Any]]],
+    cases: Sequence[tuple[InputCase, Mapping[str, Any]]],
 ) -> tuple[Evidence, tuple[list[Exchanged], int, Tolerance] | None]:
     """What comes with the present settings: evidence of the first wrong exchange with all of them, else of the last."""
     tolerance = Tolerance.of(check.keys.get("tolerance"))
@@ -144,7 +144,7 @@ def _look(
     return evidence, None if wrong is None else (exchanges, wrong, tolerance)
 
 
-def _observed(context: CheckContext, check: Declaration, case: Case, wanted: Any, evidence: Evidence) -> Exchanged:
+def _observed(context: CheckContext, check: Declaration, case: InputCase, wanted: Any, evidence: Evidence) -> Exchanged:
     """What comes for one input, or by itself."""
     tolerance = Tolerance.of(check.keys.get("tolerance"))
     if "service" in check.endpoints:
@@ -190,7 +190,7 @@ def _sends(check: Declaration) -> str:
     return next((name for name in ("request", "message") if f"{name}s" in check.keys), "")
 
 
-def _plain_input(check: Declaration, case: Case) -> Any:
+def _plain_input(check: Declaration, case: InputCase) -> Any:
     if "service" in check.endpoints:
         return plain(made(service_of(check.endpoints["service"]).interface.Request, case.fields, "the request"))
     if "subscription" in check.endpoints:
@@ -202,7 +202,7 @@ def _named_input(check: Declaration, sent: Any) -> dict[str, Any]:
     return {_sends(check): sent} if _sends(check) else {}
 
 
-def _sent(values: Mapping[str, Any], check: Declaration, case: Case) -> str:
+def _sent(values: Mapping[str, Any], check: Declaration, case: InputCase) -> str:
     where = next((check.endpoints[end].name for end in ("service", "subscription") if end in check.endpoints), "")
     told = [shown_values(values)] if values else []
     return "; ".join([*told, f"{where}: {shown(_plain_input(check, case))}"] if where else told)

@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.checks.declared.lines import Lines
-    from course_kit.grading.checks.declared.mistakes import Mistakes
+    from course_kit.grading.checks.declared.mistakes import MistakeList
     from course_kit.grading.checks.declared.python_checks import CheckFacts
     from course_kit.grading.plain_data import Record
 
 SENTENCES = "sentences"
 
 
-def require(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes: Mistakes, *, whole: bool) -> None:
+def require(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes: MistakeList, *, whole: bool) -> None:
     """Find what does not agree.
 
     Args:
@@ -59,7 +59,7 @@ def _names(table: Record, key: str) -> tuple[str, ...]:
     return tuple(map(str, value)) if isinstance(value, list) else ()
 
 
-def _points(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes: Mistakes, *, whole: bool) -> None:
+def _points(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes: MistakeList, *, whole: bool) -> None:
     total, wanted = math.fsum(one.points for one in checks), float(table["points"])
     if whole and not math.isclose(total, wanted):
         parts = " + ".join(f"{one.points:g}" for one in checks) or "none"
@@ -67,7 +67,7 @@ def _points(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes:
         mistakes.add(lines.of_key("points"), text)
 
 
-def _ids(checks: Sequence[CheckFacts], mistakes: Mistakes, *, whole: bool) -> None:
+def _ids(checks: Sequence[CheckFacts], mistakes: MistakeList, *, whole: bool) -> None:
     known: dict[str, CheckFacts] = {}
     for one in checks:
         if one.id in known:
@@ -112,7 +112,9 @@ def _way_back(start: str, known: dict[str, CheckFacts]) -> list[str]:
     return []
 
 
-def _sentences(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes: Mistakes, *, whole: bool) -> None:
+def _sentences(
+    checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes: MistakeList, *, whole: bool
+) -> None:
     if SENTENCES not in table:
         return
     tables = tables_of(table, SENTENCES)
@@ -135,7 +137,7 @@ def _sentences(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistak
             mistakes.add(lines.of_table(SENTENCES, number), text)
 
 
-def _hints(checks: Sequence[CheckFacts], table: Record, mistakes: Mistakes) -> None:
+def _hints(checks: Sequence[CheckFacts], table: Record, mistakes: MistakeList) -> None:
     topics = [str(name) for hint in tables_of(table, "hints") for name in hint.get("for", [])]
     for one in checks:
         if not any(fnmatchcase(one.id, topic) for topic in topics):

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _SUCCESS = "success"  # the field of many responses that says whether a request was refused
 
 
-class Case(NamedTuple):
+class InputCase(NamedTuple):
     """One input of a check, its values drawn, and what is expected for it, as it is written."""
 
     fields: Record
@@ -41,14 +41,14 @@ class Around:
     declarations: Sequence[Declaration]
     answers: dict[str, list[Any]] = field(default_factory=dict)
 
-    def cases(self, check: Declaration, seed: int) -> list[Case]:
+    def cases(self, check: Declaration, seed: int) -> list[InputCase]:
         """The inputs of a check, which are always the same for a seed."""
         kind = kind_of({"kind": check.kind, **check.keys})
         if "cases" in check.keys:
             filled = inputs.drawn([case[kind.sends] for case in check.keys["cases"]], seed, check.id)
-            return [Case(one, case["expect"]) for one, case in zip(filled, check.keys["cases"], strict=True)]
+            return [InputCase(one, case["expect"]) for one, case in zip(filled, check.keys["cases"], strict=True)]
         tables = as_list(check.keys[kind.inputs])
-        return [Case(one, check.keys.get("expect")) for one in inputs.drawn(tables, seed, check.id)]
+        return [InputCase(one, check.keys.get("expect")) for one in inputs.drawn(tables, seed, check.id)]
 
     def oracle(self, check: Declaration, number: int) -> Mapping[str, Any]:
         """The name for what the solution has answered to an input, where it was asked."""

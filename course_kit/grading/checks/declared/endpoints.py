@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from course_kit.grading.checks.declared.lines import Lines
-    from course_kit.grading.checks.declared.mistakes import Mistakes
+    from course_kit.grading.checks.declared.mistakes import MistakeList
     from course_kit.grading.plain_data import Record
 
 ENDPOINTS = "endpoints"
@@ -23,7 +23,7 @@ AN_ENDPOINT = (
 )
 
 
-def endpoints_of(tables: list[Record], lines: Lines, mistakes: Mistakes) -> list[WantedEndpoint]:
+def endpoints_of(tables: list[Record], lines: Lines, mistakes: MistakeList) -> list[WantedEndpoint]:
     """The `[[endpoints]]` of an exercise; those with mistakes are left out.
 
     Args:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading.checks.declared import agreement, reading
 from course_kit.grading.checks.declared.definitions import also_in
 from course_kit.grading.checks.declared.lines import Lines
-from course_kit.grading.checks.declared.mistakes import Mistakes
+from course_kit.grading.checks.declared.mistakes import MistakeList
 from course_kit.grading.checks.declared.python_checks import CheckFacts, facts_of
 from course_kit.grading.exercise_folders import INTERFACES
 
@@ -31,7 +31,7 @@ def load(text: str, table: Record, path: Path) -> tuple[Declaration, ...]:
     Raises:
         GradingError: the author has made mistakes; with all of them, each with its line.
     """
-    lines, mistakes = Lines(text), Mistakes(path)
+    lines, mistakes = Lines(text), MistakeList(path)
     with also_in(path.parent / INTERFACES):
         found = reading.read(table, lines, mistakes)
     grader = str(table.get("grader", ""))

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-class Mistakes:
+class MistakeList:
     """What is wrong with the files of an exercise."""
 
     def __init__(self, path: Path) -> None:

@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.declared.declaration import WantedEndpoint
     from course_kit.grading.checks.declared.kinds import Kind
     from course_kit.grading.checks.declared.lines import Lines
-    from course_kit.grading.checks.declared.mistakes import Mistakes
+    from course_kit.grading.checks.declared.mistakes import MistakeList
     from course_kit.grading.plain_data import Record
     from course_kit.interfaces.field_types import FieldType
 
 CHECKS = "checks"
 
 
-def read(table: Record, lines: Lines, mistakes: Mistakes) -> tuple[Declaration, ...]:
+def read(table: Record, lines: Lines, mistakes: MistakeList) -> tuple[Declaration, ...]:
     """The declared checks of an exercise, in their order; those with mistakes are left out.
 
     Args:
@@ -44,7 +44,7 @@ def tables_of(table: Record, name: str) -> list[Record]:
 class _Reading:
     """One exercise that is being read."""
 
-    def __init__(self, table: Record, lines: Lines, mistakes: Mistakes) -> None:
+    def __init__(self, table: Record, lines: Lines, mistakes: MistakeList) -> None:
         self._checks = tables_of(table, CHECKS)
         self._lines, self._mistakes = lines, mistakes
         self._endpoints = endpoints_of(tables_of(table, ENDPOINTS), lines, mistakes)
@@ -62,7 +62,7 @@ class _Reading:
         return self._lines
 
     @property
-    def mistakes(self) -> Mistakes:
+    def mistakes(self) -> MistakeList:
         """What is wrong."""
         return self._mistakes
 

@@ -1,0 +1,77 @@
+"""What a program's process tells the grader beside what stands on the ROS graph: hints for the diagnosis, never points.
+
+And how an exception of the program is shown: as Python does it, without the grader's own frames.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import threading
+    from types import TracebackType
+
+_OURS = Path(__file__).parent
+# Where rclpy holds what a callback has returned: by function, the name of our note and that of its variable.
+_RETURNED = {"send_response": ("returned", "response"), "_execute_goal": ("result", "execute_result")}
+
+
+def show(problem: BaseException) -> None:
+    """Print the traceback as Python does, beginning with the learner's own file."""
+    problem.__traceback__ = _own_part(problem.__traceback__)
+    traceback.print_exception(type(problem), problem, problem.__traceback__)
+
+
+def _own_part(trace: TracebackType | None) -> TracebackType | None:
+    kept = trace
+    while kept is not None and Path(kept.tb_frame.f_code.co_filename).parent == _OURS:
+        kept = kept.tb_next
+    return kept
+
+
+def thread_failed(hook: threading.ExceptHookArgs, evidence: int) -> None:
+    """Show and note an exception that has ended a thread.
+
+    Args:
+        hook: what `threading.excepthook` is told.
+        evidence: the descriptor for notes.
+    """
+    if hook.exc_value is not None and hook.exc_type is not SystemExit:
+        traceback.print_exception(hook.exc_type, hook.exc_value, hook.exc_traceback)
+        exception(hook.exc_value, evidence)
+
+
+def exception(problem: BaseException, evidence: int) -> None:
+    """Note what a callback returned when rclpy refused to send it; its own exception does not say.
+
+    Args:
+        problem: the exception.
+        evidence: the descriptor for notes.
+    """
+    for frame, _ in traceback.walk_tb(problem.__traceback__):
+        note, variable = _RETURNED.get(frame.f_code.co_name, ("", ""))
+        if variable in frame.f_locals:
+            send(evidence, **{note: _type_name(frame.f_locals[variable])})
+
+
+def in_callback(problem: BaseException) -> bool:
+    """Whether it was raised in a callback that rclpy ran."""
+    return any(frame.f_code.co_name == "await_or_execute" for frame, _ in traceback.walk_tb(problem.__traceback__))
+
+
+def _type_name(value: object) -> str:
+    return "None" if value is None else type(value).__name__
+
+
+def send(evidence: int, **what: object) -> None:
+    """Send a note to the grader.
+
+    Args:
+        evidence: the descriptor for notes.
+        what: plain data.
+    """
+    os.write(evidence, b"\n" + json.dumps({"note": what}).encode() + b"\n")
