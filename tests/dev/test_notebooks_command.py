@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -12,6 +13,7 @@ from course_kit.dev import notebooks
 
 WITHOUT = """
 import sys
+from pathlib import Path
 
 class Absent:
     def find_spec(self, name, path=None, target=None):
@@ -56,3 +58,10 @@ def test_nothing_but_the_plugin_needs_nbval_or_pytest() -> None:
         check=False,
     )
     assert done.stdout.endswith("all\n"), done.stderr
+
+
+def test_lessons_and_drills_are_compared_and_exercises_are_not() -> None:
+    root = environment.checkout() or Path()
+    found = {path.relative_to(root).parts[:2] for path in notebooks.with_outputs(root)}
+    assert found >= {("notebooks", "01_services.ipynb"), ("exercises", "drills")}
+    assert ("exercises", "move_robot") not in found
