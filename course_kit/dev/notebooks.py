@@ -62,6 +62,16 @@ def main(arguments: Sequence[str]) -> int:
     )
 
 
+def with_outputs(course: Path) -> list[Path]:
+    """The notebooks of a course whose outputs are stored: its lessons, demos and drills.
+
+    Args:
+        course: its folder.
+    """
+    found = [path for folder in ("notebooks", "exercises/drills") for path in (course / folder).rglob("*.ipynb")]
+    return sorted(path for path in found if ".ipynb_checkpoints" not in path.parts)
+
+
 def run(environ: Mapping[str, str], paths: Sequence[Path] = ()) -> int:
     """Run nbval, strict, over notebooks of the course: two at a time, each on a graph of its own.
 
@@ -74,8 +84,7 @@ def run(environ: Mapping[str, str], paths: Sequence[Path] = ()) -> int:
     Returns:
         0 when every output was as it is stored.
     """
-    found = [*Path("notebooks").rglob("*.ipynb"), *Path("exercises/drills").rglob("*.ipynb")]
-    paths = paths or sorted(path for path in found if ".ipynb_checkpoints" not in path.parts)
+    paths = paths or with_outputs(Path())
     with ThreadPoolExecutor(_AT_ONCE) as threads:
         ran = list(threads.map(lambda path: _run_one(path, environ), paths))
     rows = [

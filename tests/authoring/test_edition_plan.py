@@ -167,3 +167,23 @@ def test_an_edition_made_before_in_the_course_is_no_part_of_it(clone: Course) ->
     (clone.root / "student.zip").touch()
     planned = edition_plan.plan(clone.root)
     assert (planned.undecided, planned.untracked) == ([], [])
+
+
+def test_drills_go_in_without_their_solutions_and_proof_sets(clone: Course, tmp_path: Path) -> None:
+    planned = edition_plan.plan(clone.root)
+    found = {name for name in planned.files if name.startswith("exercises/drills/")}
+    drill = "exercises/drills/dark_lamp"
+    assert {name for name in found if name.startswith(drill)} == {
+        f"{drill}/exercise.toml", f"{drill}/dark_lamp.py", f"{drill}/dark_lamp.ipynb"
+    }  # fmt: skip
+    assert f"{drill}/solution/dark_lamp.py" in planned.instructors
+    assert f"{drill}/proof/slips.toml" in planned.instructors
+    assert "dark_lamp" in planned.drills
+    assert "dark_lamp" not in planned.exercises
+    assert f"For practice it holds {len(planned.drills)} drills: " in told(planned, tmp_path)
+
+
+def test_a_drill_that_is_not_wanted_stays_out(clone: Course) -> None:
+    planned = edition_plan.plan(clone.root, ["dark_lamp"])
+    assert not [name for name in planned.files if "dark_lamp" in name]
+    assert planned.unwanted == ["dark_lamp"]

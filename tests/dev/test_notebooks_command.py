@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import nbformat
 import pytest
@@ -12,11 +12,9 @@ import pytest
 from course_kit import environment
 from course_kit.dev import notebooks
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
 WITHOUT = """
 import sys
+from pathlib import Path
 
 class Absent:
     def find_spec(self, name, path=None, target=None):
@@ -89,3 +87,10 @@ def test_of_a_picture_the_words_are_compared_and_its_html_is_not(
         check=False,
     )
     assert done.returncode == code, done.stdout
+
+
+def test_lessons_and_drills_are_compared_and_exercises_are_not() -> None:
+    root = environment.checkout() or Path()
+    found = {path.relative_to(root).parts[:2] for path in notebooks.with_outputs(root)}
+    assert found >= {("notebooks", "01_services.ipynb"), ("exercises", "drills")}
+    assert ("exercises", "move_robot") not in found

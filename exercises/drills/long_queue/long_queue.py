@@ -7,7 +7,8 @@ The program runs. Repair what is wrong with it:
 
 - Names. The program offers the service `/weigh` (`example_interfaces/srv/AddTwoInts`).
 - The weight. It answers with `a + b`.
-- Half a second. The scale needs half a second: no answer comes sooner than 0.4 s after its request.
+- Half a second. The scale needs half a second: an answer comes 0.4 s after its request at the earliest, and 1.2 s at
+  the latest.
 - Together. Eight clients that ask together all have their answers within 3 s.
 """
 
