@@ -105,32 +105,41 @@ def change_status(context: CheckContext) -> Evidence:
         return expect_status(context, limiter.status, limiter.set(**values), was=was, sent=shown(values))
 
 
-@check(points=2.0, depends_on=["reacts"], deadline_s=12.0, proves=["refused", "reason", "ends_refused"])
+@check(points=2.5, depends_on=["reacts"], deadline_s=12.0, proves=["refused", "ends_refused"])
 def refuses(context: CheckContext) -> Evidence:
-    """An invalid value is refused with a reason, and the old one stays.
+    """An invalid value is refused, and the old one stays.
 
     Raises:
-        Failed: it is accepted, refused without a reason, or kept.
+        Failed: it is accepted, or kept.
     """
     evidence = Evidence()
-    (slowest, fastest), (smallest, largest) = BOUNDS["max_velocity"], BOUNDS["wheel_diameter"]
-    velocities = (-1.0, slowest, fastest + _BEYOND_AN_EDGE, context.random.uniform(5.1, 20.0), math.inf, math.nan)
-    near = (smallest - _BEYOND_AN_EDGE, largest + _BEYOND_AN_EDGE)
-    diameters = (0.0, -0.1, *near, context.random.uniform(1.1, 20.0))
-    attempts = [("robot_name", ""), *(("max_velocity", v) for v in velocities)]
-    for name, value in [*attempts, *(("wheel_diameter", d) for d in diameters)]:
+    for name, value in _invalid(context):
         with Limiter(context) as limiter:
             before = limiter.driving()
-            twist = command(BEYOND)
-            was = _seen(limiter, twist)
-            expected = f"refused, with a reason that names the parameter and its range ({RANGES[name]})"
+            was = _seen(limiter, command(BEYOND))
             outcome = limiter.remote.set(name, value)
-            evidence = require_refused(outcome, {name: value}, expected, "validation.missing")
+            evidence = require_refused(outcome, {name: value}, f"refused: {RANGES[name]}", "validation.missing")
             require_proper_answer(outcome, evidence)
-            if lacks := missing_in_reason(name, outcome.reason):
-                message = f"Your node was right to refuse, but the reason has to say why. {lacks}"
-                raise Failed(evidence, message, "validation.no_reason")
             _require_unchanged(limiter, before, was, evidence)
+    return evidence
+
+
+@check(points=1.5, depends_on=["refuses"], deadline_s=12.0, proves=["reason"])
+def reason(context: CheckContext) -> Evidence:
+    """A refusal names the parameter and its range.
+
+    Raises:
+        Failed: it does not.
+    """
+    evidence = Evidence()
+    remote = Limiter(context).remote
+    for name, value in _invalid(context):
+        expected = f"refused, with a reason that names the parameter and its range ({RANGES[name]})"
+        outcome = remote.set(name, value)
+        evidence = require_refused(outcome, {name: value}, expected, "validation.missing")
+        if lacks := missing_in_reason(name, outcome.reason):
+            message = f"Your node was right to refuse, but the reason has to say why. {lacks}"
+            raise Failed(evidence, message, "validation.no_reason")
     return evidence
 
 
@@ -153,7 +162,7 @@ def undeclared(context: CheckContext) -> Evidence:
     return require_refused(outcome, {name: 4}, "refused: there is no such parameter", "parameter.undeclared")
 
 
-@check(points=1.0, depends_on=["reacts"], proves=["atomic"])
+@check(points=1.5, depends_on=["reacts"], proves=["atomic"])
 def atomic(context: CheckContext) -> Evidence:
     """A valid and an invalid value set atomically change nothing."""
     evidence = Evidence()
@@ -172,6 +181,19 @@ def atomic(context: CheckContext) -> Evidence:
     with Limiter(context) as limiter:
         limiter.set_together(max_velocity=drawn(context, 1.1, 2.0), wheel_diameter=drawn(context, 0.2, 0.9))
     return evidence
+
+
+def _invalid(context: CheckContext) -> list[tuple[str, object]]:
+    """Values that are not valid, of each parameter that has a range."""
+    (slowest, fastest), (smallest, largest) = BOUNDS["max_velocity"], BOUNDS["wheel_diameter"]
+    velocities = (-1.0, slowest, fastest + _BEYOND_AN_EDGE, context.random.uniform(5.1, 20.0), math.inf, math.nan)
+    near = (smallest - _BEYOND_AN_EDGE, largest + _BEYOND_AN_EDGE)
+    diameters = (0.0, -0.1, *near, context.random.uniform(1.1, 20.0))
+    return [
+        ("robot_name", ""),
+        *(("max_velocity", value) for value in velocities),
+        *(("wheel_diameter", value) for value in diameters),
+    ]
 
 
 def _require_each_judged(context: CheckContext, values: Mapping[str, object]) -> None:

@@ -43,7 +43,7 @@ INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
 _COMMANDS = 5  # one after the other: a queue may have any depth, 1 included
 
 
-@check(points=1.0, deadline_s=12.0, proves=["node", "only_a_class", "a_program", "start"])
+@check(points=0.5, deadline_s=12.0, proves=["node", "only_a_class", "a_program", "start"])
 def node_up(context: CheckContext) -> Evidence:
     """The node velocity_limiter comes up and can be asked."""
     endpoints(context)
@@ -51,7 +51,7 @@ def node_up(context: CheckContext) -> Evidence:
 
 
 @check(
-    points=1.0, depends_on=["node_up"], proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"]
+    points=0.5, depends_on=["node_up"], proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"]
 )
 def topics(context: CheckContext) -> Evidence:
     """The four topics are there, and a default endpoint connects to each."""
@@ -59,7 +59,7 @@ def topics(context: CheckContext) -> Evidence:
     return expect_endpoints(context, published=(LIMITED, WHEEL, STATUS), subscribed=(COMMAND,))
 
 
-@check(points=1.0, depends_on=["node_up"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
+@check(points=0.5, depends_on=["node_up"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
 def declared(context: CheckContext) -> Evidence:
     """The four parameters are declared.
 
@@ -75,7 +75,7 @@ def declared(context: CheckContext) -> Evidence:
     return evidence
 
 
-@check(points=1.0, depends_on=["declared"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
+@check(points=0.5, depends_on=["declared"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
 def types(context: CheckContext) -> Evidence:
     """Each parameter has its type.
 
@@ -95,7 +95,7 @@ def types(context: CheckContext) -> Evidence:
     return evidence
 
 
-@check(points=1.0, depends_on=["types"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
+@check(points=0.5, depends_on=["types"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
 def defaults(context: CheckContext) -> Evidence:
     """Each parameter has its default.
 
@@ -112,7 +112,7 @@ def defaults(context: CheckContext) -> Evidence:
 
 
 @check(
-    points=1.0, depends_on=["types", "topics"], proves=["within_3_s", "topic_command", "topic_velocity", "topic_wheel"]
+    points=0.5, depends_on=["types", "topics"], proves=["within_3_s", "topic_command", "topic_velocity", "topic_wheel"]
 )
 def reacts(context: CheckContext) -> Evidence:
     """A command on /cmd_vel_in brings a message on /cmd_vel and on /wheel_speed."""
@@ -193,7 +193,7 @@ def start_file(context: CheckContext) -> Evidence:
     return starts.expect_file(context, {"robot_name": f"rover_{context.random.randrange(100, 1000)}", "enabled": False})
 
 
-@check(points=0.5, depends_on=["start_arguments", "defaults"], deadline_s=25.0, proves=["start_invalid"])
+@check(points=1.0, depends_on=["start_arguments", "defaults"], deadline_s=25.0, proves=["start_invalid"])
 def start_invalid(context: CheckContext) -> Evidence:
     """An invalid value given at the start is not used, and the node says so."""
     values = {"max_velocity": -drawn(context, 1.5, 3.0), "wheel_diameter": drawn(context, 2.0, 9.0)}
@@ -216,6 +216,7 @@ CHECKS: tuple[Check, ...] = (
     changes.change_enabled,
     changes.change_status,
     changes.refuses,
+    changes.reason,
     changes.wrong_type,
     changes.undeclared,
     changes.atomic,
