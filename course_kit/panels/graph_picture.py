@@ -17,6 +17,7 @@ from course_kit.text.templates import render
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from course_kit.lab.runtime.neighbours import OtherNotebook
     from course_kit.panels.flow_layers import Arrow, Box
     from course_kit.panels.flow_layout import Point
     from course_kit.ros.graph import Overview, Use
@@ -39,12 +40,14 @@ class GraphBox(NamedTuple):
         name: as people read it; its full name for a channel.
         lines: each with its style.
         words: what it is and does, in words.
+        elsewhere: whether it is a node that only other notebooks run.
     """
 
     kind: str
     name: str
     lines: list[tuple[str, str]]
     words: str
+    elsewhere: bool = False
 
     @property
     def size(self) -> tuple[float, float]:
@@ -53,11 +56,16 @@ class GraphBox(NamedTuple):
         return max(_LEAST_WIDTH, widest + 2 * _PADDING), float(len(self.lines) * _LINE + _PADDING)
 
 
-def graph_svg(seen: Overview) -> str:
-    """The drawing as an `svg` element, which templates take as it is; empty without nodes."""
+def graph_svg(seen: Overview, others: Sequence[OtherNotebook] = ()) -> str:
+    """The drawing as an `svg` element, which templates take as it is; empty without nodes.
+
+    Args:
+        seen: the graph.
+        others: other notebooks on it, whose nodes say so.
+    """
     if not seen.nodes:
         return ""
-    boxes = boxes_of(seen)
+    boxes = boxes_of(seen, others)
     sizes = {key: box.size for key, box in boxes.items()}
     first = sorted(seen.uses, key=lambda use: (_TURNED_LAST.index(use.role.kind), use.role.inward))
     arrows = {_arrow(use): use for use in first}
@@ -72,15 +80,9 @@ def graph_svg(seen: Overview) -> str:
     )
 
 
-def boxes_of(seen: Overview) -> dict[Box, GraphBox]:
+def boxes_of(seen: Overview, others: Sequence[OtherNotebook] = ()) -> dict[Box, GraphBox]:
     """Nodes in alphabetical order, then the channels."""
-    boxes: dict[Box, GraphBox] = {}
-    for node in sorted(set(seen.nodes)):
-        count = seen.nodes.count(node)
-        name, note = short_name(node), how_many(count)
-        lines = [("name", line) for line in _broken(name)] + [("types", note)] * bool(note)
-        does = "; ".join(f"{use.role.verb} {use.channel}" for use in seen.of(node)) or "nothing yet"
-        boxes[NODE, node] = GraphBox(NODE, name, lines, f"{name}{f' {note}' if note else ''}: {does}")
+    boxes: dict[Box, GraphBox] = {(NODE, node): _box_of_node(seen, node, others) for node in sorted(set(seen.nodes))}
     remarks = seen.remarks()
     for (kind, name), uses in seen.channels().items():
         types = sorted({one for use in uses for one in use.types})
@@ -90,6 +92,19 @@ def boxes_of(seen: Overview) -> dict[Box, GraphBox]:
         lines += [("remark", line) for one in said for line in _broken(f"⚠ {one}")]
         boxes[kind, name] = GraphBox(kind, name, lines, ". ".join([f"{kind} {name}, {', '.join(types)}", *said]))
     return boxes
+
+
+def _box_of_node(seen: Overview, node: str, others: Sequence[OtherNotebook]) -> GraphBox:
+    name, count = short_name(node), seen.nodes.count(node)
+    elsewhere = sum(other.nodes.count(node) for other in others)
+    titles = ", ".join(other.title for other in others if node in other.nodes)
+    notes = [note for note in (how_many(count), titles and f"in {titles}") if note]
+    if elsewhere and elsewhere < count:
+        notes[-1] = f"also {notes[-1]}"
+    lines = [("name", line) for line in _broken(name)]
+    lines += [("types", line) for note in notes for line in _broken(note)]
+    does = "; ".join(f"{use.role.verb} {use.channel}" for use in seen.of(node)) or "nothing yet"
+    return GraphBox(NODE, name, lines, f"{' '.join([name, *notes])}: {does}", 0 < count <= elsewhere)
 
 
 def how_many(count: int) -> str:

@@ -23,6 +23,7 @@ from course_kit.ros.names import short_name
 if TYPE_CHECKING:
     from ipywidgets import Widget
 
+    from course_kit.lab.runtime.neighbours import OtherNotebook
     from course_kit.ros.graph import Role
 
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
@@ -69,7 +70,7 @@ class GraphView(Panel):
         self._node = lab.current().engine.node
         self._lock = threading.Lock()
         self._shown: Overview | None = None
-        self._drawn: tuple[Overview, str, frozenset[Use]] | None = None
+        self._drawn: tuple[Overview, str, frozenset[Use], list[OtherNotebook]] | None = None
         self._of_lab: dict[tuple[Role, str], float] = {}  # what the notebook itself has sent or got, and when
         self._ended = threading.Event()
         self.widget = GraphWidget()
@@ -92,7 +93,7 @@ class GraphView(Panel):
 
     def still(self) -> str:
         """The drawing of this moment."""
-        return still(self.describe(), graph_svg(graph.read(self._node)), "graph_flow.css")
+        return still(self.describe(), graph_svg(graph.read(self._node), lab.others()), "graph_flow.css")
 
     def _watch(self) -> None:
         while not self._ended.wait(_PAUSE):
@@ -104,12 +105,12 @@ class GraphView(Panel):
             seen = graph.read(self._node, plumbing=self.widget.plumbing)
             if seen != self._shown:
                 self._forget_lab()
-            picture = (seen, self.widget.wanted, self._uses_of_lab(seen))
+            picture = (seen, self.widget.wanted, self._uses_of_lab(seen), lab.others())
             if picture == self._drawn:
                 return
             before, self._shown, self._drawn = self._shown, seen, picture
             with self.widget.hold_sync():
-                self.widget.svg = graph_svg(matching(with_lab(seen, picture[2]), self.widget.wanted))
+                self.widget.svg = graph_svg(matching(with_lab(seen, picture[2]), self.widget.wanted), picture[3])
                 self.widget.text = in_lines(matching(seen, self.widget.wanted))
                 if before is not None and before != seen and not self._completes(before, seen):
                     self._came = frozenset(seen.nodes) - frozenset(before.nodes)

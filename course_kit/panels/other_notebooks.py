@@ -44,7 +44,7 @@ def _line(other: OtherNotebook) -> VBox:
     text = HTML(f'<span role="status">Of another notebook, {html.escape(str(other))}</span>')
     button = Button(description=f"Stop what {other.title} runs", layout=Layout(width="auto"))
     button.on_click(partial(_stop, other.title, text))
-    return VBox([text, button])
+    return VBox([text, button], layout=Layout(align_items="flex-start"))
 
 
 def _stop(title: str, text: HTML, button: Button) -> None:

@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.browser.learner import learner
+from tests.browser.pictures import photograph
 from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
@@ -86,8 +87,9 @@ def test_nodes_left_in_another_notebook_are_shown_apart_and_stopped_by_one_click
     lab.run_cell_that_begins("graph = panels.graph()")
     others = lab.page.locator(".ck-others")
     expect(others).to_contain_text("Of another notebook, 02_actions.ipynb: coffee_machine")
-    lab.scroll_to(others)
-    lab.picture("other_notebooks")
+    theirs = lab.page.locator(".ck-graph .ck-elsewhere[data-node=coffee_machine]")
+    expect(theirs).to_contain_text("in 02_actions.ipynb")
+    photograph(lab, lab.scroll_to(lab.page.locator(".jp-OutputArea-output:has(.ck-others)")), "other_notebooks")
     others.get_by_role("button", name="Stop what 02_actions.ipynb runs").click()
     expect(others).not_to_contain_text("02_actions")
     expect(lab.page.locator(".ck-graph [data-node=coffee_machine]")).to_have_count(0)

@@ -15,6 +15,7 @@ from rclpy.node import Node
 from std_msgs.msg import Bool, Float64
 
 from course_kit import lab, panels
+from course_kit.lab.runtime.neighbours import OtherNotebook
 from course_kit.panels.graph_picture import boxes_of, graph_svg
 from course_kit.panels.graph_view import GraphView, in_lines, matching, news
 from course_kit.ros import graph as overview
@@ -311,6 +312,19 @@ def test_two_nodes_of_one_name_are_told_apart_from_one() -> None:
     twice = overview.Overview(("/twin", "/twin"), ())
     assert in_lines(twice) == "twin (2 nodes of this name)"
     assert "(2 nodes of this name)" in graph_svg(twice)
+
+
+def test_a_node_of_another_notebook_says_so() -> None:
+    graph = overview.Overview(("/mine", "/robot", "/twin", "/twin"), ())
+    others = [OtherNotebook("02_actions.ipynb", ("/robot", "/twin"), "/_lab_1")]
+    boxes = boxes_of(graph, others)
+    assert boxes["node", "/robot"].words == "robot in 02_actions.ipynb: nothing yet"
+    assert boxes["node", "/twin"].words == "twin (2 nodes of this name) also in 02_actions.ipynb: nothing yet"
+    assert [name for (_, name), box in boxes.items() if box.elsewhere] == ["/robot"]
+    svg = graph_svg(graph, others)
+    assert svg.count("ck-elsewhere") == 1
+    assert svg.count(">in 02_actions.ipynb<") == 1
+    assert "in 02_actions" not in graph_svg(graph)
 
 
 def test_it_ends_when_another_one_is_shown_and_with_the_lab(live_lab: Lab) -> None:
