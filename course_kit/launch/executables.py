@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.launch import source_packages
 from course_kit.launch.errors import LaunchError
 from course_kit.ros.names import did_you_mean
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 _PATH_VARIABLE = "COURSE_KIT_PACKAGE_PATH"
 _ENDINGS = ("", ".py")
+_NO_PROGRAMS = (".launch.py", "setup.py", "conftest.py")
 
 
 def find(package: str | None, executable: str, near: Sequence[Path] = ()) -> list[str]:
@@ -38,7 +40,7 @@ def find(package: str | None, executable: str, near: Sequence[Path] = ()) -> lis
         return _program(executable, near)
     folders = list(_folders(near))
     for place in _package_places(package, folders):
-        if found := _in(place, executable):
+        if found := _of_source(place, executable) or _in(place, executable):
             return found
     if found := _entry_point(package, executable):
         return found
@@ -52,15 +54,30 @@ def packages(near: Sequence[Path] = ()) -> list[str]:
     """The packages that have programs, by their folders."""
     found = {entry.name for lib in _installed() if lib.is_dir() for entry in lib.iterdir() if _programs(entry)}
     for folder in _folders(near):
-        if folder.is_dir():
-            found |= {entry.name for entry in folder.iterdir() if not entry.name.startswith(".") and _programs(entry)}
+        if source_packages.is_one(folder):
+            found.add(folder.name)
+        elif folder.is_dir() and folder != environment.checkout():  # whose folders are not packages of anybody's
+            entries = [*folder.iterdir(), *folder.glob("src/*")]
+            found |= {entry.name for entry in entries if not entry.name.startswith(".") and _programs(entry)}
     return sorted(found)
 
 
 def executables(package: str, near: Sequence[Path] = ()) -> list[str]:
     """The programs of a package."""
-    places = _package_places(package, list(_folders(near)))
-    return sorted({*_entry_points(package), *(name for place in places for name in _programs(place))})
+    places = list(_package_places(package, list(_folders(near))))
+    named = {*_entry_points(package), *(name for place in places for name in source_packages.programs(place))}
+    return sorted(named or {name for place in places for name in _programs(place)})
+
+
+def prefix(package: str) -> Path | None:
+    """Where a package is installed, or lies as source; None when nothing is known of it."""
+    for lib in _installed():
+        if (lib / package).is_dir() or (lib.parent / "share" / package).is_dir():
+            return lib.parent
+    if _entry_points(package):
+        return Path(sys.prefix)
+    places = [place for place in _package_places(package, list(_folders(()))) if place.is_dir()]
+    return places[0] if places else None
 
 
 def _folders(near: Sequence[Path]) -> Iterator[Path]:
@@ -91,6 +108,7 @@ def _package_places(package: str, folders: list[Path]) -> Iterator[Path]:
         yield folder / package
         yield folder / package / package
         yield folder / package / "scripts"
+        yield folder / "src" / package
 
 
 def _in(folder: Path, executable: str) -> list[str] | None:
@@ -99,6 +117,18 @@ def _in(folder: Path, executable: str) -> list[str] | None:
         if path.is_file() and (path.suffix == ".py" or os.access(path, os.X_OK)):
             return _command(path)
     return None
+
+
+def _of_source(folder: Path, executable: str) -> list[str] | None:
+    """The command for a program that the package in a folder names in its setup.py."""
+    target = source_packages.programs(folder).get(executable) if source_packages.is_one(folder) else None
+    return None if target is None else _call(*target, executable, folder)
+
+
+def _call(module: str, function: str, executable: str, folder: Path | None = None) -> list[str]:
+    place = "" if folder is None else f"sys.path.insert(0, {str(folder)!r}); "
+    code = f"import sys; {place}from {module} import {function}; sys.argv[0] = {executable!r}; sys.exit({function}())"
+    return [sys.executable, "-c", code]
 
 
 def _command(path: Path) -> list[str]:
@@ -122,8 +152,9 @@ def _programs(folder: Path) -> list[str]:
     if not folder.is_dir():
         return []
     files = [path for path in folder.iterdir() if path.is_file() and not path.name.startswith(("_", "."))]
-    scripts = [path.stem for path in files if path.suffix == ".py" and not path.name.endswith(".launch.py")]
-    return scripts + [path.name for path in files if not path.suffix and os.access(path, os.X_OK)]
+    named = source_packages.programs(folder)
+    scripts = [path.stem for path in files if path.suffix == ".py" and not path.name.endswith(_NO_PROGRAMS)]
+    return list(named) + scripts + [path.name for path in files if not path.suffix and os.access(path, os.X_OK)]
 
 
 def _entry_points(package: str) -> dict[str, str]:
@@ -141,8 +172,7 @@ def _entry_point(package: str, executable: str) -> list[str] | None:
     if target is None:
         return None
     module, _, function = target.partition(":")
-    code = f"import sys; from {module} import {function}; sys.argv[0] = {executable!r}; sys.exit({function}())"
-    return [sys.executable, "-c", code]
+    return _call(module, function, executable)
 
 
 def _not_found(package: str, executable: str, folders: list[Path]) -> LaunchError:

@@ -85,8 +85,15 @@ class Inbox:
         forgotten = self.count - len(self.messages)
         return list(islice(self.messages, max(count - forgotten, 0), None))
 
-    def subscribe(
-        self, node: Node, message_type: MessageType, topic: str, qos: QoSProfile | int, *, quiet: bool = False
+    def subscribe(  # noqa: PLR0913 - what rclpy asks for, and two switches
+        self,
+        node: Node,
+        message_type: MessageType,
+        topic: str,
+        qos: QoSProfile | int,
+        *,
+        quiet: bool = False,
+        raw: bool = False,
     ) -> Subscription:
         """Take in what comes on a topic from now on.
 
@@ -96,10 +103,11 @@ class Inbox:
             topic: its name, which the node resolves.
             qos: a profile, or the depth of the default one.
             quiet: say nothing of publishers whose quality of service does not fit.
+            raw: take the bytes that came instead of messages.
         """
         events = _NO_EVENTS if quiet else None
         take: Callable[..., None] = self.take  # of two arguments, which rclpy allows and its types do not tell
-        return node.create_subscription(message_type, topic, take, qos, event_callbacks=events)
+        return node.create_subscription(message_type, topic, take, qos, event_callbacks=events, raw=raw)
 
 
 @dataclass(frozen=True)

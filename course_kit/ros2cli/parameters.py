@@ -37,16 +37,15 @@ class ParameterClient:
         """
         return parameters.driven(steps, self._answer)
 
-    def require(self, name: str) -> Message:
-        """The ParameterValue of `name`.
+    def declared(self, name: str) -> Message:
+        """The ParameterValue of `name`; of type 0 where it is declared without a value.
 
         Raises:
             CommandError: the node has no such parameter.
         """
         (found,) = self.ask(parameters.values([name]))
-        if found.type == 0:
-            near = did_you_mean(name, self.ask(parameters.names()))
-            raise CommandError(f"Parameter not set: {self._name} has no {name!r}.{near}")
+        if found.type == 0 and name not in (known := self.ask(parameters.names())):
+            raise CommandError(f"Parameter not set: {self._name} has no {name!r}.{did_you_mean(name, known)}")
         return found
 
     def _answer(self, question: parameters.Question) -> Message:
@@ -109,37 +108,3 @@ def parse(name: str, text: str) -> Message:
         return Parameter(name=name, value=get_parameter_value(text))
     except (YAMLError, AssertionError, ValueError, OverflowError) as error:
         raise CommandError(f"{text!r} is not a parameter value: {str(error).splitlines()[0]}.") from error
-
-
-def load_file(path: str, node: str, *, use_wildcard: bool) -> list[Message]:
-    """The parameters for `node` in a parameter file, as rcl_interfaces/msg/Parameter.
-
-    Args:
-        path: of the file.
-        node: the node's full name.
-        use_wildcard: whether `/**` counts for it.
-
-    Raises:
-        CommandError: the file cannot be read, or has nothing for this node.
-    """
-    from rclpy.parameter import parameter_dict_from_yaml_file
-    from yaml import YAMLError
-
-    # ROS 2 takes /name and name; rclpy's function both from 7.1.8 on, and before that only what is asked for.
-    try:
-        keys = _top_level(path)
-        written = node if node in keys or node[1:] not in keys else node[1:]
-        loaded = parameter_dict_from_yaml_file(path, use_wildcard=use_wildcard, target_nodes=[written])
-    except OSError as error:
-        raise CommandError(f"{path}: {error.strerror}.") from error
-    except (RuntimeError, YAMLError, AttributeError, TypeError, ValueError) as error:
-        raise CommandError(f"{path} is not a parameter file for {node}: {str(error).strip()}") from error
-    return list(loaded.values())
-
-
-def _top_level(path: str) -> set[str]:
-    from yaml import safe_load
-
-    with open(path, encoding="utf-8") as file:  # noqa: PTH123 - an OSError names what was given
-        loaded = safe_load(file)
-    return set(loaded) if isinstance(loaded, dict) else set()

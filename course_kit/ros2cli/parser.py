@@ -27,15 +27,38 @@ COMMANDS = {
     "launch": "run a launch file",
     "node": "list nodes, see what they have",
     "param": "list, get, set and save parameters of nodes",
+    "pkg": "packages and their programs",
     "run": "run a node by package and executable",
     "service": "list services, call them",
     "topic": "list topics, listen, publish",
+}
+# What the real command has besides; empty for the commands themselves.
+_ONLY_IN_ROS = {
+    "": (
+        "bag",
+        "component",
+        "control",
+        "doctor",
+        "extensions",
+        "lifecycle",
+        "multicast",
+        "plugin",
+        "security",
+        "test",
+        "wtf",
+    ),
+    "pkg": ("create", "xml"),
+}
+_INSTEAD = {
+    "create": "a folder with your program in it is enough: `ros2 run` finds it",
+    "doctor": "see `./course doctor`",
+    "wtf": "see `./course doctor`",
 }
 DEFAULT_TIMEOUT = 10.0
 _HELP_WIDTH = 100
 _SUBSET = (
     "The ros2 command of the ROS 2 course kit: a subset of the real one, against the nodes of the course. "
-    "It never waits longer than --timeout seconds for anything."
+    "It waits --timeout seconds at most; only messages are waited for as long as it takes."
 )
 _BAD_CHOICE = re.compile(r"invalid choice: '(?P<word>[^']*)' \(choose from (?P<choices>.*)\)")
 
@@ -82,6 +105,11 @@ class Parser(argparse.ArgumentParser):
         """
         if wrong := _BAD_CHOICE.search(message):
             choices = re.findall(r"[\w.-]+", wrong["choices"])
+            if wrong["word"] in _ONLY_IN_ROS.get(self.prog.removeprefix("ros2").strip(), ()):
+                instead = _INSTEAD.get(wrong["word"])
+                end = f"; {instead}." if instead else ". It is in a full installation of ROS 2."
+                sys.stderr.write(f"{self.prog}: '{wrong['word']}' exists in ROS 2; this course does not have it{end}\n")
+                raise SystemExit(2)
             near = did_you_mean(wrong["word"], choices) or f" There are: {', '.join(choices)}."
             message = f"{message[: wrong.start()]}there is no {wrong['word']!r}.{near}"
         elif unknown := re.fullmatch(r"unrecognized arguments: (.*)", message):
@@ -102,7 +130,7 @@ def build(commands: Sequence[str]) -> Parser:
     places = parser.add_subparsers(metavar="command", title="commands", parser_class=Parser)
     for name, purpose in COMMANDS.items():
         place = places.add_parser(name, help=purpose, description=f"{purpose}. {_SUBSET}")
-        place.set_defaults(parser=place, on_graph=name != "interface")
+        place.set_defaults(parser=place, on_graph=name not in {"interface", "pkg"})
         if name in commands:
             verb_module(name).add_to(place)
     return parser
@@ -132,11 +160,29 @@ def add_verb(verbs: Verbs, name: str, run: Run, purpose: str) -> argparse.Argume
     return verb
 
 
-def add_timeout(verb: argparse.ArgumentParser, purpose: str = "seconds to wait at most") -> None:
-    """The option that keeps a verb from waiting for ever."""
+def add_timeout(
+    verb: argparse.ArgumentParser,
+    purpose: str = "seconds to wait at most",
+    default: float | None = DEFAULT_TIMEOUT,
+) -> None:
+    """The option that keeps a verb from waiting for ever.
+
+    Args:
+        verb: the verb's parser.
+        purpose: for the help.
+        default: seconds; None for a verb that listens until somebody ends it.
+    """
+    usual = "no end" if default is None else f"{default:g}"
     verb.add_argument(
-        "--timeout", type=_seconds, default=DEFAULT_TIMEOUT, metavar="SECONDS", help=f"{purpose} (default: %(default)g)"
+        "--timeout", type=_seconds, default=default, metavar="SECONDS", help=f"{purpose} (default: {usual})"
     )
+
+
+def add_node_options(verb: argparse.ArgumentParser) -> None:
+    """The options of the real command's own node, as far as they are without effect here."""
+    verb.add_argument("--spin-time", type=_seconds, metavar="SECONDS", help=argparse.SUPPRESS)
+    verb.add_argument("--no-daemon", action="store_true", help=argparse.SUPPRESS)
+    verb.add_argument("-s", "--use-sim-time", action="store_true", help=argparse.SUPPRESS)
 
 
 def add_graph_options(verb: argparse.ArgumentParser) -> None:

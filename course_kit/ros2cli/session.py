@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import time
 from typing import TYPE_CHECKING
 
@@ -38,6 +39,7 @@ class Session:
         self._context = context
         self._guests = set() if guests is None else guests
         self._own: tuple[Node, Executor] | None = None
+        self._name = f"_ros2cli_{os.getpid()}"
 
     @property
     def has_node(self) -> bool:
@@ -48,6 +50,18 @@ class Session:
     def node(self) -> Node:
         """The command's hidden node, made on first use, without services of its own."""
         return self._spun_node()[0]
+
+    def call_node(self, name: str) -> None:
+        """Give the command's node a name of the user's, before it is made.
+
+        Raises:
+            CommandError: no node can be called so.
+        """
+        if not re.fullmatch(r"[A-Za-z_]\w*", name):
+            raise CommandError(
+                f"{name!r} cannot be a node's name: it begins with a letter, then letters, digits and _."
+            )
+        self._name = name
 
     def observe(self, patience: float) -> Graph:
         """The graph as this process sees it, settled."""
@@ -122,7 +136,7 @@ class Session:
             from course_kit.ros.node import quiet_node
 
             context = self._own_context()
-            self._own = quiet_node(f"_ros2cli_{os.getpid()}", context), SingleThreadedExecutor(context=context)
+            self._own = quiet_node(self._name, context), SingleThreadedExecutor(context=context)
             node, executor = self._own
             executor.add_node(node)
             self._guests.add(node)

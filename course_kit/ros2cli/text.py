@@ -5,6 +5,7 @@ from __future__ import annotations
 import array
 from typing import Any
 
+_END = "...\n"
 TRUNCATE = 128  # elements and characters, unless told otherwise
 
 
@@ -29,18 +30,24 @@ WHOLE = Layout(truncate=None)
 
 def to_yaml(value: object, layout: Layout = WHOLE) -> str:
     """A message, or one field of it, as YAML with the fields in their order; ends with a line break."""
+    return dumped(to_plain(value, layout), layout)
+
+
+def dumped(plain: object, layout: Layout = WHOLE) -> str:
+    """Mappings, lists and scalars as YAML in their order; ends with a line break."""
     import sys
 
     import yaml
 
     text: str = yaml.safe_dump(
-        to_plain(value, layout),
+        plain,
         allow_unicode=True,
         width=sys.maxsize,
         sort_keys=False,
         default_flow_style=True if layout.flow else False,  # noqa: SIM210 - PyYAML's third value is None
     )
-    return text.removesuffix("...\n")
+    # PyYAML ends a document that is one plain value with a line of dots.
+    return text[: -len(_END)] if text.endswith(f"\n{_END}") else text
 
 
 def to_plain(value: Any, layout: Layout = WHOLE, field_type: str = "") -> Any:

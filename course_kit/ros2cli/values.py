@@ -1,4 +1,4 @@
-"""Values typed as YAML put into a message."""
+"""TypedValues typed as YAML put into a message."""
 
 from __future__ import annotations
 
@@ -9,24 +9,45 @@ from course_kit.ros2cli.errors import CommandError
 if TYPE_CHECKING:
     from course_kit.ros.messages import Message
 
+_OF_THE_MOMENT = ("now", "auto")  # what a time and a header may be given as
 
-def _load(text: str | None) -> object:
-    """The YAML in `text`; an empty mapping for nothing.
+
+class TypedValues:
+    """TypedValues for the fields of a message.
+
+    Args:
+        text: YAML such as '{a: 1, b: 2}'; nothing leaves every field at its default.
+        owner: the message's ROS name, for errors.
 
     Raises:
         CommandError: it is no YAML; says where in one line.
     """
-    import yaml
 
-    try:
-        loaded = yaml.safe_load(text) if text else {}
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        place = f" in line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        raise CommandError(f"The values are not valid YAML: {error.problem}{place} of {text!r}.") from error
-    except yaml.YAMLError as error:
-        raise CommandError(f"The values are not valid YAML: {error}") from error
-    return {} if loaded is None else loaded
+    def __init__(self, text: str | None, owner: str) -> None:
+        self._text, self._owner = text, owner
+        self._values = _load(text)
+
+    @property
+    def are_of_the_moment(self) -> bool:
+        """Whether they hold a time that is another one each time they are put into a message."""
+        return _holds(self._values, _OF_THE_MOMENT)
+
+    def put_into(self, message: Message) -> None:
+        """Set the fields that are named.
+
+        Raises:
+            CommandError: an unknown field, a value that does not fit; the field is named.
+        """
+        from course_kit.ros.errors import BadFieldError
+        from course_kit.ros.filling import fill_from_yaml
+
+        if not isinstance(self._values, dict):
+            known = ", ".join(f"{name}: ..." for name in message.get_fields_and_field_types())
+            raise CommandError(f"{self._owner} takes its fields as '{{{known}}}', not {self._text!r}.")
+        try:
+            fill_from_yaml(message, self._values, self._owner)
+        except BadFieldError as error:
+            raise CommandError(str(error)) from error
 
 
 def fill(message: Message, text: str | None, owner: str) -> None:
@@ -40,14 +61,26 @@ def fill(message: Message, text: str | None, owner: str) -> None:
     Raises:
         CommandError: no YAML, an unknown field, a value that does not fit; the field is named.
     """
-    from course_kit.ros.errors import BadFieldError
-    from course_kit.ros.filling import fill_from_yaml
+    TypedValues(text, owner).put_into(message)
 
-    values = _load(text)
-    if not isinstance(values, dict):
-        known = ", ".join(f"{name}: ..." for name in message.get_fields_and_field_types())
-        raise CommandError(f"{owner} takes its fields as '{{{known}}}', not {text!r}.")
+
+def _holds(value: object, words: tuple[str, ...]) -> bool:
+    if isinstance(value, dict):
+        return any(_holds(inner, words) for inner in value.values())
+    if isinstance(value, list):
+        return any(_holds(inner, words) for inner in value)
+    return isinstance(value, str) and value in words
+
+
+def _load(text: str | None) -> object:
+    import yaml
+
     try:
-        fill_from_yaml(message, values, owner)
-    except BadFieldError as error:
-        raise CommandError(str(error)) from error
+        loaded = yaml.safe_load(text) if text else {}
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        place = f" in line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        raise CommandError(f"The values are not valid YAML: {error.problem}{place} of {text!r}.") from error
+    except yaml.YAMLError as error:
+        raise CommandError(f"The values are not valid YAML: {error}") from error
+    return {} if loaded is None else loaded

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.ros.names import did_you_mean, from_root
 from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.graph import visible
 from course_kit.ros2cli.graph_source import graph_for
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from course_kit.ros2cli.session import Session
 
 _NAME = re.compile(r"(?:/?(?:[A-Za-z_~]\w*)(?:/[A-Za-z_]\w*)*|/)")
+_TYPES = {"service": "std_srvs/srv/SetBool", "topic": "std_msgs/msg/String"}
 _EXAMPLES = {"service": "/add_two_ints", "action": "/fibonacci", "topic": "/chatter", "node": "/robot"}
 
 
@@ -80,6 +82,30 @@ def add_type(verbs: Verbs, kind: str, names_of: Callable[[Graph], Names]) -> Non
 
     article = "an" if kind == "action" else "a"
     add_graph_options(add_about(verbs, kind, "type", run, f"Show the type of {article} {kind}"))
+
+
+def add_find(verbs: Verbs, kind: str, names_of: Callable[[Graph], Names]) -> None:
+    """Add the verb `find`, which lists what has a type.
+
+    Args:
+        verbs: of the command.
+        kind: "service" or "topic".
+        names_of: all there are of it on a graph, with their types.
+    """
+    part = {"service": "srv", "topic": "msg"}[kind]
+
+    def run(options: Namespace, session: Session) -> None:
+        package, _, name = getattr(options, f"{kind}_type").partition("/")
+        wanted = f"{package}/{name}" if "/" in name else f"{package}/{part}/{name}"
+        names = visible(names_of(graph_of(options, session)), hidden_too=options.hidden)
+        print_names({one: its_types for one, its_types in names.items() if wanted in its_types}, options)
+
+    verb = add_verb(verbs, "find", run, f"List the {kind}s of a type")
+    completer = {"service": "service_types", "topic": "message_types"}[kind]
+    add_named(verb, f"{kind}_type", completer, help=f"such as {_TYPES[kind]}")
+    verb.add_argument("-c", f"--count-{kind}s", dest="count", action="store_true", help="only how many there are")
+    verb.add_argument("-a", f"--include-hidden-{kind}s", dest="hidden", action="store_true", help="hidden ones too")
+    add_graph_options(verb)
 
 
 def existing(kind: str, name: str, names: Names) -> list[str]:

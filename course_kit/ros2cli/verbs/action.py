@@ -29,7 +29,7 @@ def add_to(place: ArgumentParser) -> None:
     add_graph_options(info)
     goal = add_about(verbs, "action", "send_goal", _send_goal, "Send a goal; Ctrl-C cancels it")
     add_named(goal, "action_type", "action_types", help="such as example_interfaces/action/Fibonacci")
-    goal.add_argument("goal", help="the goal's fields as YAML, such as '{order: 5}'")
+    goal.add_argument("goal", nargs="?", help="the goal's fields as YAML, such as '{order: 5}'")
     goal.add_argument("-f", "--feedback", action="store_true", help="show the feedback as it comes")
     add_timeout(goal, "seconds to wait at most for the server, its decision, and between two signs of life")
 

@@ -25,19 +25,24 @@ def add_to(place: ArgumentParser) -> None:
         ("packages", _packages, "List the packages that have interfaces"),
     ):
         verb = add_verb(verbs, name, run, purpose)
-        verb.add_argument("-m", "--only-msgs", action="append_const", dest="kinds", const="msg", help="messages")
-        verb.add_argument("-s", "--only-srvs", action="append_const", dest="kinds", const="srv", help="services")
-        verb.add_argument("-a", "--only-actions", action="append_const", dest="kinds", const="action", help="actions")
+        _add_kinds(verb)
     show = add_verb(verbs, "show", _show, "Show the text of an interface")
     add_named(show, "type", "all_types", help="such as std_srvs/srv/SetBool; - reads it from stdin")
     which = show.add_mutually_exclusive_group()
     which.add_argument("--all-comments", action="store_true", help="those of the messages inside it too")
     which.add_argument("--no-comments", action="store_true", help="no comments and empty lines")
     package = add_verb(verbs, "package", _package, "List the interfaces of a package")
+    _add_kinds(package)
     add_named(package, "package_name", "interface_packages", help="such as std_srvs")
     proto = add_verb(verbs, "proto", _proto, "Show an interface's values, ready to be filled in")
     add_named(proto, "type", "all_types", help="such as std_srvs/srv/SetBool")
     proto.add_argument("--no-quotes", action="store_true", help="without the quotes around it")
+
+
+def _add_kinds(verb: ArgumentParser) -> None:
+    verb.add_argument("-m", "--only-msgs", action="append_const", dest="kinds", const="msg", help="messages")
+    verb.add_argument("-s", "--only-srvs", action="append_const", dest="kinds", const="srv", help="services")
+    verb.add_argument("-a", "--only-actions", action="append_const", dest="kinds", const="action", help="actions")
 
 
 def _list(options: Namespace, session: Session) -> None:
@@ -65,7 +70,9 @@ def _package(options: Namespace, session: Session) -> None:
 
     if options.package_name not in (packages := interfaces.packages()):
         raise CommandError(f"Unknown package '{options.package_name}'.{did_you_mean(options.package_name, packages)}")
-    print(*interfaces.types(options.package_name), sep="\n")
+    for kind in options.kinds or list(_TITLES):
+        for name in interfaces.types(options.package_name, kind):
+            print(name)
 
 
 def _show(options: Namespace, session: Session) -> None:

@@ -40,7 +40,7 @@ def add_to(place: ArgumentParser) -> None:
     _add(verbs, "dump", _dump, "Show all parameters of a node as a parameter file")
     load = _add(verbs, "load", _load, "Set the parameters that stand in a parameter file")
     load.add_argument("parameter_file")
-    load.add_argument("--no-use-wildcard", action="store_true", help="leave out what stands below /**")
+    load.add_argument("--no-use-wildcard", action="store_true", help="leave out what is for several nodes")
     delete = _add(verbs, "delete", _delete, "Delete a parameter")
     add_named(delete, "parameter_name", "parameters")
 
@@ -83,7 +83,10 @@ def _list(options: Namespace, session: Session) -> None:
 def _get(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli.parameters import value_in_words
 
-    value = _client(options, session).require(options.parameter_name)
+    value = _client(options, session).declared(options.parameter_name)
+    if value.type == 0:
+        print("None" if options.hide_type else "Parameter not set.")
+        return
     label = "" if options.hide_type else f"{value_in_words(value)} "
     print(f"{label}{parameters.held(value)}")
 
@@ -98,7 +101,7 @@ def _set(options: Namespace, session: Session) -> None:
 
 def _delete(options: Namespace, session: Session) -> None:
     client = _client(options, session)
-    client.require(options.parameter_name)
+    client.declared(options.parameter_name)
     (result,) = client.ask(parameters.set_each([parameters.to_message(options.parameter_name, None)]))
     _report(result, "Deleted parameter successfully", "Deleting parameter failed")
 
@@ -116,7 +119,7 @@ def _report(result: Message, done: str, failed: str) -> None:
 def _describe(options: Namespace, session: Session) -> None:
     client = _client(options, session)
     for name in options.parameter_names:
-        client.require(name)
+        client.declared(name)
     for descriptor in client.ask(parameters.descriptors(options.parameter_names)):
         print(f"Parameter name: {descriptor.name}")
         print(f"  Type: {type_in_words(descriptor)}")
@@ -154,10 +157,10 @@ def _dump(options: Namespace, session: Session) -> None:
 
 
 def _load(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli.parameters import load_file
+    from course_kit.ros2cli import parameter_file
 
     client = _client(options, session)
     node = checked_name(options.node_name)
-    loaded = load_file(options.parameter_file, node, use_wildcard=not options.no_use_wildcard)
+    loaded = parameter_file.load(options.parameter_file, node, use_wildcard=not options.no_use_wildcard)
     for one, result in zip(loaded, client.ask(parameters.set_each(loaded)), strict=True):
         _report(result, f"Set parameter {one.name} successful", f"Set parameter {one.name} failed")

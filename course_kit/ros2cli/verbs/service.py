@@ -1,4 +1,4 @@
-"""`ros2 service`: list, type, info, find, call."""
+"""`ros2 service`: list, type, info, find, echo, call."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
-from course_kit.ros2cli.parser import add_graph_options, add_named, add_timeout, add_verb, add_verbs
+from course_kit.ros2cli.layout_options import add_layout
+from course_kit.ros2cli.parser import add_graph_options, add_named, add_node_options, add_timeout, add_verbs
 from course_kit.ros2cli.verbs._listing import (
     add_about,
+    add_find,
     add_list,
     add_type,
     checked_name,
@@ -33,16 +35,20 @@ def add_to(place: ArgumentParser) -> None:
     add_graph_options(add_list(verbs, "service", _list))
     add_type(verbs, "service", lambda graph: graph.services)
     add_graph_options(add_about(verbs, "service", "info", _info, "Show the type of a service and how many use it"))
-    find = add_verb(verbs, "find", _find, "List the services of a type")
-    add_named(find, "service_type", "service_types", help="such as std_srvs/srv/SetBool")
-    find.add_argument("-c", "--count-services", dest="count", action="store_true", help="only how many there are")
-    find.add_argument("-a", "--include-hidden-services", dest="hidden", action="store_true", help="hidden ones too")
-    add_graph_options(find)
+    add_find(verbs, "service", lambda graph: graph.services)
+    _add_echo(add_about(verbs, "service", "echo", _echo, "Show what clients and server of a service send"))
     call = add_about(verbs, "service", "call", _call, "Call a service")
     add_named(call, "service_type", "service_types", help="such as std_srvs/srv/SetBool or std_srvs/SetBool")
     call.add_argument("values", nargs="?", help="the request's fields as YAML, such as '{a: 1, b: 2}'")
     call.add_argument("-r", "--rate", type=float, metavar="N", help="call again and again, N times a second")
     add_timeout(call, "seconds to wait for the service, and for its answer, at most")
+
+
+def _add_echo(verb: ArgumentParser) -> None:
+    add_named(verb, "service_type", "service_types", nargs="?", help="found out when left out")
+    add_layout(verb)
+    add_timeout(verb, "seconds without anything sent after which it ends", default=None)
+    add_node_options(verb)
 
 
 def _list(options: Namespace, session: Session) -> None:
@@ -59,16 +65,15 @@ def _info(options: Namespace, session: Session) -> None:
     print(f"Services count: {servers}")
 
 
-def _find(options: Namespace, session: Session) -> None:
-    services = visible(graph_of(options, session).services, hidden_too=options.hidden)
-    wanted = _long(options.service_type)
-    found = {name: types for name, types in services.items() if wanted in types}
-    print_names(found, options)
+def _echo(options: Namespace, session: Session) -> None:
+    from course_kit.ros2cli import types
+    from course_kit.ros2cli.introspection import echo
 
-
-def _long(type_name: str) -> str:
-    package, _, name = type_name.partition("/")
-    return type_name if "/" in name else f"{package}/srv/{name}"
+    name = checked_name(options.service_name)
+    kind = options.service_type
+    if kind is None:
+        kind = existing("service", name, session.observe(options.timeout or types.LOOK_S).services)[0]
+    echo(options, session, name, kind)
 
 
 def _call(options: Namespace, session: Session) -> None:

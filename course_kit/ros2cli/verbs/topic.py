@@ -1,15 +1,16 @@
-"""`ros2 topic`: list, type, info, echo, pub, hz."""
+"""`ros2 topic`: list, type, find, info, echo, pub, hz, bw, delay."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.graph import Ends, visible
-from course_kit.ros2cli.parser import add_graph_options, add_named, add_timeout, add_verbs
+from course_kit.ros2cli.layout_options import add_layout, layout_of
+from course_kit.ros2cli.parser import add_graph_options, add_named, add_node_options, add_timeout, add_verbs
 from course_kit.ros2cli.qos import add_qos
-from course_kit.ros2cli.text import TRUNCATE
 from course_kit.ros2cli.verbs._listing import (
     add_about,
+    add_find,
     add_list,
     add_type,
     checked_name,
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
     from course_kit.ros2cli.graph import EndpointFacts, Graph, Names
+    from course_kit.ros2cli.listening import Listener
+    from course_kit.ros2cli.parser import Run, Verbs
     from course_kit.ros2cli.session import Session
 
 # Every command's own node brings these two, also where nobody else is.
@@ -41,43 +44,66 @@ def add_to(place: ArgumentParser) -> None:
     listed.add_argument("-v", "--verbose", action="store_true", help="who publishes and who subscribes")
     add_graph_options(listed)
     add_type(verbs, "topic", _topics)
+    add_find(verbs, "topic", _topics)
     info = add_about(verbs, "topic", "info", _info, "Show the type of a topic and how many are on it")
     info.add_argument("-v", "--verbose", action="store_true", help="nodes and quality of service too")
     add_graph_options(info)
     _add_echo(add_about(verbs, "topic", "echo", _echo, "Show the messages of a topic"))
     _add_pub(add_about(verbs, "topic", "pub", _pub, "Publish messages"))
-    hz = add_about(verbs, "topic", "hz", _hz, "Show how often messages come")
-    hz.add_argument("-w", "--window", type=int, default=10000, metavar="N", help="messages looked at")
-    add_qos(hz)
-    add_timeout(hz, "seconds without a message after which it ends")
+    hz = _add_measure(verbs, "hz", _hz, "Show how often messages come")
+    _add_filter(hz, "count")
+    hz.add_argument("--wall-time", action="store_true", help="accepted; the time is the computer's anyway")
+    _add_measure(verbs, "bw", _bw, "Show how many bytes come", window=100)
+    _add_measure(verbs, "delay", _delay, "Show how old messages are when they come, by their header")
+
+
+def _add_measure(verbs: Verbs, name: str, run: Run, purpose: str, window: int = 10000) -> ArgumentParser:
+    verb = add_about(verbs, "topic", name, run, purpose)
+    verb.add_argument("-w", "--window", type=int, default=window, metavar="N", help="messages looked at")
+    add_qos(verb)
+    add_timeout(verb, "seconds without a message after which it ends", default=None)
+    add_node_options(verb)
+    return verb
+
+
+def _add_filter(verb: ArgumentParser, do: str) -> None:
+    verb.add_argument(
+        "--filter", dest="filter_expr", metavar="EXPR", help=f"{do} only messages m for which this Python holds"
+    )
 
 
 def _add_echo(verb: ArgumentParser) -> None:
     add_named(verb, "message_type", "message_types", nargs="?", help="found out when left out")
     verb.add_argument("--once", action="store_true", help="only the first message")
     verb.add_argument("--field", metavar="NAME", help="only this field, such as pose.position")
-    verb.add_argument("-f", "--full-length", action="store_true", help="long strings and arrays in full")
-    verb.add_argument("-l", "--truncate-length", type=int, default=TRUNCATE, metavar="N", help="where they are cut")
-    verb.add_argument("--no-arr", action="store_true", help="no elements of arrays")
-    verb.add_argument("--no-str", action="store_true", help="no strings")
-    verb.add_argument("--flow-style", action="store_true", help="in one line")
-    verb.add_argument("--csv", action="store_true", help="values separated by commas")
+    add_layout(verb)
+    verb.add_argument("--raw", action="store_true", help="the bytes as they came")
+    verb.add_argument("--no-lost-messages", action="store_true", help="accepted; lost messages are not reported")
+    _add_filter(verb, "show")
     add_qos(verb)
-    add_timeout(verb, "seconds without a message after which it ends")
+    add_timeout(verb, "seconds without a message after which it ends", default=None)
+    add_node_options(verb)
 
 
 def _add_pub(verb: ArgumentParser) -> None:
     add_named(verb, "message_type", "message_types", help="such as std_msgs/msg/String")
-    verb.add_argument("values", nargs="?", help="the message's fields as YAML, such as '{data: hello}'")
+    what = verb.add_mutually_exclusive_group()
+    what.add_argument("values", nargs="?", help="the message's fields as YAML, such as '{data: hello}'")
+    what.add_argument("--stdin", action="store_true", help="read the fields from standard input")
+    verb.add_argument("-r", "--rate", type=float, default=1.0, metavar="N", help="messages a second (default: 1)")
     often = verb.add_mutually_exclusive_group()
-    often.add_argument("-r", "--rate", type=float, default=1.0, metavar="N", help="messages a second (default: 1)")
     often.add_argument("-1", "--once", action="store_true", help="one message")
     often.add_argument("-t", "--times", type=int, default=0, metavar="N", help="N messages, then the end")
     verb.add_argument("-p", "--print", type=int, default=1, metavar="N", dest="print_every", help="show every Nth")
     verb.add_argument("-w", "--wait-matching-subscriptions", type=int, metavar="N", help="wait for N subscriptions")
+    verb.add_argument(
+        "--max-wait-time-secs", dest="max_wait", type=float, metavar="N", help="wait for them N seconds at most"
+    )
+    verb.add_argument("-n", "--node-name", metavar="NAME", help="call the publishing node so")
     verb.add_argument("--keep-alive", type=float, metavar="N", help="accepted; the end waits for the delivery anyway")
     add_qos(verb)
     add_timeout(verb, "seconds to wait for subscriptions, and for the delivery, at most")
+    add_node_options(verb)
 
 
 def _list(options: Namespace, session: Session) -> None:
@@ -139,25 +165,34 @@ def _topics(graph: Graph) -> Names:
 
 
 def _echo(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli.messages import Listener
-    from course_kit.ros2cli.text import Layout
-
-    layout = Layout(
-        truncate=None if options.full_length else options.truncate_length,
-        arrays=not options.no_arr,
-        strings=not options.no_str,
-        flow=options.flow_style,
-    )
-    Listener(options, session, checked_name(options.topic_name)).echo(layout)
+    _listener(options, session).echo(layout_of(options))
 
 
 def _hz(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli.messages import Listener
+    from course_kit.ros2cli import listening
 
-    Listener(options, session, checked_name(options.topic_name)).rate(options.window)
+    listening.rate(_listener(options, session), options.window)
+
+
+def _delay(options: Namespace, session: Session) -> None:
+    from course_kit.ros2cli import listening
+
+    listening.delay(_listener(options, session), options.window)
+
+
+def _bw(options: Namespace, session: Session) -> None:
+    from course_kit.ros2cli import listening
+
+    listening.bandwidth(_listener(options, session), checked_name(options.topic_name), options.window)
+
+
+def _listener(options: Namespace, session: Session) -> Listener:
+    from course_kit.ros2cli.listening import Listener
+
+    return Listener(options, session, checked_name(options.topic_name))
 
 
 def _pub(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli.messages import publish
+    from course_kit.ros2cli.publishing import publish
 
     publish(options, session, checked_name(options.topic_name))

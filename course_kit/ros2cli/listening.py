@@ -1,0 +1,255 @@
+"""Listening to a topic, for `topic echo`, `hz`, `bw` and `delay`."""
+
+from __future__ import annotations
+
+import math
+import statistics
+import sys
+import time
+from collections import deque
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from course_kit.ros.names import did_you_mean
+from course_kit.ros.topic import Inbox
+from course_kit.ros2cli import types
+from course_kit.ros2cli.errors import CommandError
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+    from collections.abc import Callable
+
+    from rclpy.subscription import Subscription
+
+    from course_kit.ros.messages import Message, MessageType
+    from course_kit.ros2cli.session import Session
+    from course_kit.ros2cli.text import Layout
+
+REPORT_EVERY = 1.0  # seconds between two lines of figures
+_WORD_AFTER = 10.0  # seconds without a message until somebody is told that nothing comes
+_SPIN_S = 0.5
+_NS = 1e9
+
+
+class Received(NamedTuple):
+    """A message, bytes where it is not to be read, and when it came, in seconds of the system's clock."""
+
+    at: float
+    message: Any
+
+
+class Listener:
+    """A subscription that hands messages on.
+
+    Args:
+        options: parsed: `timeout`, None to listen for ever, and the quality of service; `message_type`, `filter_expr`
+            where a verb has them.
+        session: the command's.
+        topic: its full name.
+    """
+
+    def __init__(self, options: Namespace, session: Session, topic: str) -> None:
+        self._options, self._session, self._topic = options, session, topic
+        self._inbox = Inbox()
+        self._matches = _filter_of(getattr(options, "filter_expr", None))
+
+    def echo(self, layout: Layout) -> None:
+        """Print messages as YAML or CSV, for as long as they come."""
+        from course_kit.ros2cli.text import to_csv, to_yaml
+
+        options = self._options
+        self.subscribe(wait=False, raw=options.raw)
+        while True:
+            shown = self._field(self.next().message)
+            if not self._matches(shown):
+                continue
+            if not hasattr(shown, "get_fields_and_field_types"):
+                print(f"{shown}\n---", flush=True)
+            elif options.csv:
+                print(to_csv(shown, layout), flush=True)
+            else:
+                print(f"{to_yaml(shown, layout)}---", flush=True)
+            if options.once:
+                return
+
+    def subscribe(self, *, wait: bool, raw: bool = False) -> None:
+        """Subscribe.
+
+        Args:
+            wait: for the topic to appear; else it has to be there already.
+            raw: have the messages as bytes.
+
+        Raises:
+            CommandError: the topic is not there, or has several types.
+        """
+        from course_kit.ros2cli import qos
+
+        node = self._session.node
+        named = getattr(self._options, "message_type", None)
+        message_type = types.find_type(named or self._type_on_graph(wait=wait), "msg")
+        profile = qos.for_listening(self._options, node.get_publishers_info_by_topic(self._topic))
+        self._inbox.subscribe(node, message_type, self._topic, profile, raw=raw)
+
+    def subscribe_to(self, message_type: MessageType, profile: str) -> Subscription:
+        """Subscribe to messages of a known type with a profile of rclpy's, whether or not somebody publishes them."""
+        from rclpy.qos import QoSPresetProfiles
+
+        qos = QoSPresetProfiles.get_from_short_key(profile)
+        return self._inbox.subscribe(self._session.node, message_type, self._topic, qos)
+
+    def next(self) -> Received:
+        """The next message.
+
+        Raises:
+            CommandError: none has come within `--timeout`.
+        """
+        began = time.monotonic()
+        timeout = math.inf if self._options.timeout is None else self._options.timeout
+        told = False
+        while not self._session.spin_until(lambda: bool(self._inbox.messages), min(_SPIN_S, timeout)):
+            waited = time.monotonic() - began
+            if waited >= timeout:
+                raise CommandError(f"{self._silence(timeout)} A longer wait: --timeout SECONDS, or none for any time.")
+            if waited >= _WORD_AFTER and not told:
+                told = True
+                sys.stderr.write(f"{self._silence(_WORD_AFTER)} Still listening; Ctrl-C ends it.\n")
+        return Received(self._inbox.times.popleft(), self._inbox.messages.popleft())
+
+    def next_matching(self) -> Received:
+        """The next message for which the filter holds."""
+        while not self._matches((received := self.next()).message):
+            pass
+        return received
+
+    def _silence(self, seconds: float) -> str:
+        publishers = self._session.node.count_publishers(self._topic)
+        who = f"{publishers or 'no'} publisher{'' if publishers == 1 else 's'} on it."
+        return f"No message on {self._topic} for {seconds:g} s; {who}"
+
+    def _type_on_graph(self, *, wait: bool) -> str:
+        topics = self._session.observe(types.LOOK_S).topics
+        while self._topic not in topics:
+            near = did_you_mean(self._topic, topics)
+            if not wait:
+                raise CommandError(f"Could not determine the type of {self._topic}: nobody uses this topic.{near}")
+            sys.stderr.write(f"Waiting for {self._topic}, which nobody uses yet.{near} Ctrl-C ends it.\n")
+            topics = self._wait_for_topic()
+        if len(topics[self._topic]) > 1:
+            raise CommandError(
+                f"{self._topic} has the types {', '.join(topics[self._topic])} at once: name the one to listen to."
+            )
+        return topics[self._topic][0]
+
+    def _wait_for_topic(self) -> dict[str, list[str]]:
+        found: dict[str, list[str]] = {}
+
+        def is_there() -> bool:
+            found.update(self._session.node.get_topic_names_and_types())
+            return self._topic in found
+
+        timeout = math.inf if self._options.timeout is None else self._options.timeout
+        if not self._session.wait_on_graph(is_there, timeout):
+            raise CommandError(f"{self._topic} has not appeared within {timeout:g} s.")
+        return found
+
+    def _field(self, message: Any) -> Any:
+        for name in filter(None, (self._options.field or "").split(".")):
+            known: dict[str, str] = getattr(message, "get_fields_and_field_types", dict)()
+            if name not in known:
+                raise CommandError(f"There is no field {name!r} in the message.{did_you_mean(name, known)}")
+            message = getattr(message, name)
+        return message
+
+
+def rate(listener: Listener, window: int) -> None:
+    """Print once a second how often messages have come, over the last `window` of them, for as long as they come."""
+    times: deque[float] = deque(maxlen=_checked(window) + 1)
+    listener.subscribe(wait=True)
+    report_at = time.monotonic() + REPORT_EVERY
+    while True:
+        times.append(listener.next_matching().at)
+        if time.monotonic() >= report_at and len(times) > 1:
+            gaps = [later - earlier for earlier, later in pairwise(times)]
+            mean = statistics.fmean(gaps)
+            print(f"average rate: {1.0 / mean if mean else math.inf:.3f}\n\t{_spread(gaps)}", flush=True)
+            report_at = time.monotonic() + REPORT_EVERY
+
+
+def delay(listener: Listener, window: int) -> None:
+    """Print once a second how old messages are when they come, by the stamp in their header.
+
+    Raises:
+        CommandError: they have none.
+    """
+    delays: deque[float] = deque(maxlen=_checked(window))
+    listener.subscribe(wait=True)
+    report_at = time.monotonic() + REPORT_EVERY
+    while True:
+        received = listener.next()
+        stamp = getattr(getattr(received.message, "header", None), "stamp", None)
+        if stamp is None:
+            raise CommandError(
+                "msg does not have header: only messages with a std_msgs/Header say when they were sent."
+            )
+        delays.append(received.at - stamp.sec - stamp.nanosec / _NS)
+        if time.monotonic() >= report_at:
+            print(f"average delay: {statistics.fmean(delays):.3f}\n\t{_spread(delays)}", flush=True)
+            report_at = time.monotonic() + REPORT_EVERY
+
+
+def bandwidth(listener: Listener, topic: str, window: int) -> None:
+    """Print once a second how many bytes come, for as long as messages come."""
+    sizes: deque[tuple[float, int]] = deque(maxlen=_checked(window))
+    listener.subscribe(wait=True, raw=True)
+    print(f"Subscribed to [{topic}]", flush=True)
+    report_at = time.monotonic() + REPORT_EVERY
+    while True:
+        received = listener.next()
+        sizes.append((received.at, len(received.message)))
+        if time.monotonic() >= report_at and len(sizes) > 1:
+            print(_bandwidth_line(list(sizes), time.time()), flush=True)
+            report_at = time.monotonic() + REPORT_EVERY
+
+
+def _bandwidth_line(sizes: list[tuple[float, int]], now: float) -> str:
+    numbers = [size for _, size in sizes]
+    per_second = sum(numbers) / (now - sizes[0][0])
+    unit, name = next(((unit, name) for unit, name in ((1e6, "MB"), (1e3, "KB")) if per_second >= unit), (1.0, "B"))
+    digits = 0 if name == "B" else 2
+
+    def shown(size: float) -> str:
+        return f"{size / unit:.{digits}f} {name}"
+
+    mean, least, most = (shown(size) for size in (statistics.fmean(numbers), min(numbers), max(numbers)))
+    return f"{shown(per_second)}/s from {len(numbers)} messages\n\tMessage size mean: {mean} min: {least} max: {most}"
+
+
+def _spread(values: deque[float] | list[float]) -> str:
+    return (
+        f"min: {min(values):.3f}s max: {max(values):.3f}s std dev: {statistics.pstdev(values):.5f}s "
+        f"window: {len(values)}"
+    )
+
+
+def _checked(window: int) -> int:
+    if window < 1:
+        raise CommandError(f"--window has to be a number of messages, at least 1, not {window}.")
+    return window
+
+
+def _filter_of(expression: str | None) -> Callable[[Message], bool]:
+    """What tells the messages that are wanted: a Python expression of `m`, as somebody has typed it for themselves."""
+    if expression is None:
+        return lambda _: True
+    try:
+        code = compile(expression, "--filter", "eval")
+    except (SyntaxError, ValueError) as error:
+        raise CommandError(f"--filter {expression!r} is not a Python expression: {error}.") from error
+
+    def matches(message: Message) -> bool:
+        try:
+            return bool(eval(code, {"m": message}))  # noqa: S307 - the user's own words, as in the real command
+        except Exception as error:
+            raise CommandError(f"--filter {expression!r} has failed: {type(error).__name__}: {error}.") from error
+
+    return matches

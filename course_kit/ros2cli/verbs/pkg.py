@@ -1,0 +1,64 @@
+"""`ros2 pkg`: list, prefix, executables."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from course_kit.launch import executables
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.parser import add_named, add_verb, add_verbs
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+    from course_kit.ros2cli.session import Session
+
+
+def add_to(place: ArgumentParser) -> None:
+    """Add the verbs."""
+    verbs = add_verbs(place)
+    add_verb(verbs, "list", _list, "List the packages there are")
+    prefix = add_verb(verbs, "prefix", _prefix, "Show where a package lies")
+    add_named(prefix, "package_name", "run_packages")
+    prefix.add_argument("--share", action="store_true", help="its share folder")
+    programs = add_verb(verbs, "executables", _executables, "List the programs of packages")
+    add_named(programs, "package_name", "run_packages", nargs="?", help="of this package alone")
+    programs.add_argument("--full-path", action="store_true", help="with the folder of their package")
+
+
+def _packages() -> list[str]:
+    from course_kit import interfaces
+
+    return sorted({*executables.packages(), *interfaces.packages()})
+
+
+def _list(options: Namespace, session: Session) -> None:
+    del options, session
+    print(*_packages(), sep="\n")
+
+
+def _prefix(options: Namespace, session: Session) -> None:
+    del session
+    name = options.package_name
+    found = executables.prefix(name)
+    if found is None:
+        raise CommandError(_unknown(name))
+    print(found / "share" / name if options.share else found)
+
+
+def _executables(options: Namespace, session: Session) -> None:
+    del session
+    named = options.package_name
+    if named is not None and named not in executables.packages() and not executables.executables(named):
+        raise CommandError(_unknown(named))
+    for package in executables.packages() if named is None else [named]:
+        place = executables.prefix(package)
+        for program in executables.executables(package):
+            print(f"{place}/{program}" if options.full_path else f"{package} {program}")
+
+
+def _unknown(name: str) -> str:
+    if name in _packages():
+        return f"Package '{name}' brings interfaces alone: it lies among Python's packages and has no programs."
+    return f"Package not found: {name}.{did_you_mean(name, _packages())}"
