@@ -26,6 +26,7 @@ RESULT = {
     "got": "3.0",
     "message": "It failed.",
     "steps": [],
+    "proves": [],
 }
 BROKEN = {path.stem for path in (REPOSITORY / "tests/broken/temperature_service").glob("*.py")}
 
