@@ -21,6 +21,7 @@ def test_lesson_six_runs_and_its_guards_hold_against_the_mouse(lab: JupyterLab) 
     lab.open("notebooks/06_best_practices.ipynb")
     lab.run_all()
     lab.require_no_error("notebooks/06_best_practices.ipynb")
+    lab.run_cell_that_begins("class Guarded(Node)")  # the lesson has ended with `lab.stop()`
     sliders = lab.scroll_to(lab.page.locator(".ck-params"))
     highest = sliders.locator("[data-name='max_velocity']")
     highest.locator("input[type='range']").focus()
@@ -33,6 +34,9 @@ def test_lesson_six_runs_and_its_guards_hold_against_the_mouse(lab: JupyterLab) 
 def test_panels_work_in_notebook_7(lab: JupyterLab) -> None:
     lab.open_in_notebook_7("notebooks/06_best_practices.ipynb")
     lab.run_all()
+    # The lesson has ended with `lab.stop()`.
+    for start in ("from my_interfaces.srv import SetGripperWidth", "class Guarded(Node)"):
+        lab.run_cell_that_begins(start)
     form = lab.scroll_to(lab.page.locator(".ck-form[aria-label='Call /set_gripper_width']"))
     form.get_by_label("width", exact=True).fill("0.03")
     lab.page.keyboard.press("Enter")
