@@ -52,7 +52,7 @@ def send_and_cancel(lab: JupyterLab, panel: Locator) -> None:
     expect(panel).to_contain_text(re.compile(r"term \d+ of 40"))
     share = bar.evaluate("bar => bar.value")
     lab.page.wait_for_function("([bar, before]) => bar.value > before", arg=[bar.element_handle(), share])
-    panel.get_by_text("Feedback").scroll_into_view_if_needed()
+    bar.scroll_into_view_if_needed()  # the feedback below it is drawn anew with each message
     lab.picture("goal_panel_running")
     panel.get_by_role("button", name="Cancel goal").click()
     expect(panel).to_contain_text("The goal was cancelled (CANCELED).")
