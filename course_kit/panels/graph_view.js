@@ -117,7 +117,10 @@ function render({ model, el }) {
     model.save_changes();
   };
   plumbing.addEventListener("change", () => choose("plumbing", plumbing.checked));
-  wanted.addEventListener("input", () => choose("wanted", wanted.value));
+  wanted.addEventListener("input", () => {
+    own = false; // what is left is drawn as large as it can be read
+    choose("wanted", wanted.value);
+  });
   const resized = new ResizeObserver(() => own || fit());
   resized.observe(picture);
   const told = [["change:svg change:text", draw], ["change:crossed", showCrossed],

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.pictures import photograph
 from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
@@ -21,6 +23,7 @@ def test_lesson_six_runs_and_its_guards_hold_against_the_mouse(lab: JupyterLab) 
     lab.open("notebooks/06_best_practices.ipynb")
     lab.run_all()
     lab.require_no_error("notebooks/06_best_practices.ipynb")
+    lab.run_cell_that_begins("class Guarded(Node)")  # the lesson has ended with `lab.stop()`
     sliders = lab.scroll_to(lab.page.locator(".ck-params"))
     highest = sliders.locator("[data-name='max_velocity']")
     highest.locator("input[type='range']").focus()
@@ -30,9 +33,33 @@ def test_lesson_six_runs_and_its_guards_hold_against_the_mouse(lab: JupyterLab) 
     lab.picture("lesson_six_refusal")
 
 
+def test_the_drills_run_and_one_is_repaired_and_graded(lab: JupyterLab) -> None:
+    lab.open("notebooks/07_drills.ipynb")
+    lab.run_all()
+    lab.require_no_error("notebooks/07_drills.ipynb")
+    drill = "exercises/drills/dark_lamp/dark_lamp.ipynb"
+    lab.open(drill)
+    lab.run_all()
+    lab.require_no_error(drill)
+    card = lab.scroll_to(lab.page.locator(".course-kit-report"))
+    expect(card.locator("li.failed").first).to_be_visible()
+    photograph(lab, card, "drill_not_done")
+    cells = json.loads((lab.root / drill).read_text())["cells"]
+    program = next(source for cell in cells if (source := "".join(cell["source"])).startswith("%%submission"))
+    lab.scroll_to(lab.page.locator(".jp-CodeCell", has_text="%%submission"))
+    lab.replace_cell_that_begins("%%submission", program.replace("Float32", "Float64"))
+    lab.run_all()
+    expect(card).to_be_visible()
+    expect(card.locator("li.failed")).to_have_count(0)
+    photograph(lab, card, "drill_done")
+
+
 def test_panels_work_in_notebook_7(lab: JupyterLab) -> None:
     lab.open_in_notebook_7("notebooks/06_best_practices.ipynb")
     lab.run_all()
+    # The lesson has ended with `lab.stop()`.
+    for start in ("from my_interfaces.srv import SetGripperWidth", "class Guarded(Node)"):
+        lab.run_cell_that_begins(start)
     form = lab.scroll_to(lab.page.locator(".ck-form[aria-label='Call /set_gripper_width']"))
     form.get_by_label("width", exact=True).fill("0.03")
     lab.page.keyboard.press("Enter")

@@ -22,8 +22,9 @@ _TEMPLATE = Path(__file__).with_name("templates") / "timeline.html"
 _EMPTY = "No callback has run yet since the recording began."
 _WAIT_SHOWN = 100_000_000  # nanoseconds; what a busy thread keeps waiting for less has not waited
 _DRAWN = 80  # bars, the latest ones
-_LENGTH, _GAP = 540, 16  # user units: of the time lines, and before them
-_LANE, _BAR, _TOP = 44, 20, 8
+_LEFT, _LENGTH = 1, 540  # user units: before the time lines, and of them
+_RIGHT = _LEFT + _LENGTH
+_LANE, _BAR, _TOP = 60, 20, 4
 _CHARACTER = 7.3  # width of a character of 12 px monospace
 _LEAST_BAR = 3
 _AFTER = 2_000_000_000  # nanoseconds for which what has not ended is drawn at most, after the last thing that happened
@@ -78,9 +79,6 @@ class Timeline:
         self._begin = min(begins, default=0)
         last = max([*ends, *begins, *(event.at for event in events)], default=0)
         is_open = len(ends) < len(begins)
-        longest = max((len(lane) for lane in self.lanes), default=0)
-        self._left = round(longest * _CHARACTER) + _GAP
-        self._right = self._left + _LENGTH
         if is_open:
             last = min(time.monotonic_ns(), last + _AFTER)
         self._length = max(_MILLISECOND, last - self._begin)
@@ -121,7 +119,7 @@ class Timeline:
         step = self._length / _TICKS
         ticks = [(self._x(self._begin + int(step * number)), _time(int(step * number))) for number in range(_TICKS + 1)]
         words = str(self).splitlines()
-        drawing = {"bars": bars, "names": names, "ticks": ticks, "height": height, "width": self._right}
+        drawing = {"bars": bars, "names": names, "ticks": ticks, "height": height, "width": _RIGHT}
         return str(render(_TEMPLATE, words=words, summary=self._summary(), bar=_BAR, lane=_LANE, **drawing))
 
     def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
@@ -142,13 +140,13 @@ class Timeline:
         begin = self._x(one.begin)
         end = self._x(self._begin + self._length if one.end is None else one.end)
         room = len(text) * _CHARACTER
-        anchor, text_x = ("start", begin) if begin + room <= self._right else ("end", max(end, begin + _LEAST_BAR))
+        anchor, text_x = ("start", begin) if begin + room <= _RIGHT else ("end", max(end, begin + _LEAST_BAR))
         return TimelineBar(
             kind, begin, y, max(_LEAST_BAR, end - begin), text, anchor, text_x, words, is_open=one.end is None
         )
 
     def _x(self, at: int) -> int:
-        return round(self._left + _LENGTH * (at - self._begin) / self._length)
+        return round(_LEFT + _LENGTH * (at - self._begin) / self._length)
 
     def _words(self, said: str, one: Busy | MessageWait) -> str:
         begin = _time(one.begin - self._begin)
@@ -192,6 +190,7 @@ def _how_long(one: MessageWait) -> str:
 
 
 def _time(nanoseconds: int) -> str:
-    if nanoseconds < 1000 * _MILLISECOND:
-        return f"{nanoseconds / _MILLISECOND:.3g} ms"
-    return f"{nanoseconds / 1000 / _MILLISECOND:.3g} s"
+    milliseconds = nanoseconds / _MILLISECOND
+    if milliseconds < 999.5:  # noqa: PLR2004 - more would be rounded to a thousand
+        return f"{milliseconds:.3g} ms"
+    return f"{milliseconds / 1000:.3g} s" if milliseconds < 999_500 else f"{milliseconds / 1000:.0f} s"  # noqa: PLR2004
