@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import exercise
+from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
@@ -29,8 +30,16 @@ def next_step(passed: str, root: Path | None = None) -> str:
     steps = [f"lesson {number + 1}, notebooks/{lessons[0].name}"] if lessons else []
     if following is not None:
         steps.append(f"exercise {following.order}, {following.id}")
-    way = f"Next: {'; then '.join(steps)}. " if steps else "That was the last exercise: well done! "
-    return f"{way}Compare yours with ours: {environment.command()} solution {passed}"
+    way = f"Next: {'; then '.join(steps)}." if steps else "That is the last exercise."
+    return f"{way}{_comparison(next((task for task in tasks if task.id == passed), None))}"
+
+
+def _comparison(task: Exercise | None) -> str:
+    """How to see our solution, where there is one; a student edition has none."""
+    if task is None or not task.solution.is_file():
+        return ""
+    where = f" --exercises {shlex.quote(str(task.folder))}" if exercise_folders.is_added(task.folder) else ""
+    return f" Compare yours with ours: {environment.command()} solution {task.id}{where}"
 
 
 def _in_order() -> list[Exercise]:

@@ -27,4 +27,13 @@ def test_the_next_lesson_and_exercise_are_named(passed: str, sentence: str) -> N
 
 
 def test_after_the_last_one_it_says_so(tmp_path: Path) -> None:
-    assert next_step("pattern_choice", tmp_path).startswith("That was the last exercise: well done! ")
+    assert next_step("pattern_choice", tmp_path).startswith("That is the last exercise.")
+
+
+def test_one_added_from_elsewhere_is_compared_where_it_lies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And nothing is said of a solution that is not there, as in a student edition."""
+    folder = outside_exercises.add_three(tmp_path / "my exercises")
+    monkeypatch.setenv(exercise_folders.VARIABLE, str(folder))
+    assert next_step(folder.name, REPOSITORY).endswith(f"solution {folder.name} --exercises '{folder}'")
+    (folder / "solution" / f"{folder.name}.py").unlink()
+    assert "Compare" not in next_step(folder.name, REPOSITORY)

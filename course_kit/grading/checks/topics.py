@@ -133,8 +133,13 @@ class TopicExchange:
         self._turn = Exchange()
         self._heard = tuple(context.grader_node.inbox(topic.interface, topic.name) for topic in answers)
 
-    def send(self, message: Message, evidence: Evidence) -> tuple[Message, ...]:
+    def send(self, message: Message, evidence: Evidence, *, about: str = "") -> tuple[Message, ...]:
         """Send one message and return the next that comes on each of the other topics.
+
+        Args:
+            message: what to send.
+            evidence: what the check has so far.
+            about: `Evidence.sent` of a verdict on just this message, where several are sent before the verdict.
 
         Raises:
             Failed: on one of them none came; with topic.silent, or with what was raised meanwhile.
@@ -143,7 +148,7 @@ class TopicExchange:
         with exceptions.explained(self._context, evidence):
             self._connect(evidence)
             places = [heard.count for heard in self._heard]
-            self._tell_sent(message)
+            self._tell_sent(message, about)
             self._publisher.publish(message)
             self._await([place + 1 for place in places], evidence)
             self._tell_came(places)
@@ -164,8 +169,8 @@ class TopicExchange:
     def _last(self) -> tuple[Message, ...]:
         return tuple(heard.messages[-1] for heard in self._heard)
 
-    def _tell_sent(self, message: Message) -> None:
-        self._turn = self._context.record.sent(f"{self._sent.name}: {in_one_line(message)}", "message")
+    def _tell_sent(self, message: Message, about: str) -> None:
+        self._turn = self._context.record.sent(f"{self._sent.name}: {in_one_line(message)}", "message", about=about)
 
     def _tell_came(self, places: Sequence[int]) -> None:
         """Keep what has come on each topic since there were so many messages."""

@@ -98,7 +98,7 @@ def exchanged(
     def fits(last: tuple[Message, ...]) -> bool:
         return next(differences(wanted, plain(last[0]), tolerance), None) is None
 
-    got = exchange.send(message, evidence)
+    got = exchange.send(message, evidence, about=evidence.sent)
     if not fits(got):
         got = exchange.wait_for_better(fits, evidence)
     return Exchanged(plain(message), wanted, got[0])
