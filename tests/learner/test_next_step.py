@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from course_kit.grading import exercise_folders
 from course_kit.learner.next_step import next_step
+from tests import outside_exercises
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -32,7 +34,7 @@ def test_after_the_last_one_it_says_so(tmp_path: Path) -> None:
 
 def test_one_added_from_elsewhere_is_compared_where_it_lies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """And nothing is said of a solution that is not there, as in a student edition."""
-    folder = outside_exercises.add_three(tmp_path / "my exercises")
+    folder = outside_exercises.write(tmp_path / "my exercises")
     monkeypatch.setenv(exercise_folders.VARIABLE, str(folder))
     assert next_step(folder.name, REPOSITORY).endswith(f"solution {folder.name} --exercises '{folder}'")
     (folder / "solution" / f"{folder.name}.py").unlink()

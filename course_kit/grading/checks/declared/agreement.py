@@ -7,6 +7,7 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.declared.reading import CHECKS, tables_of
+from course_kit.grading.diagnosis import catalogue
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
@@ -34,6 +35,8 @@ def require(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes:
     _ids(checks, mistakes, whole=whole)
     _sentences(checks, table, lines, mistakes, whole=whole)
     _hints(checks, table, mistakes)
+    if whole:
+        _hint_names(checks, table, lines, mistakes)
 
 
 def declared_facts(table: Record, lines: Lines, facts: type[CheckFacts]) -> list[CheckFacts]:
@@ -143,3 +146,13 @@ def _hints(checks: Sequence[CheckFacts], table: Record, mistakes: MistakeList) -
         if not any(fnmatchcase(one.id, topic) for topic in topics):
             text = f"The check '{one.id}' has no hint. Add [[hints]] with for = [\"{one.id}\"] and a text."
             mistakes.add(one.line, text, one.path)
+
+
+def _hint_names(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes: MistakeList) -> None:
+    """Each hint is for a check or a diagnosis that there is; `*_reason` stands for all that end so."""
+    known = [*(one.id for one in checks), *catalogue.catalogue()]
+    for number, hint in enumerate(tables_of(table, "hints")):
+        for name in map(str, hint.get("for", [])):
+            if not any(fnmatchcase(one, name) for one in known):
+                text = f"A hint is for '{name}', but no check and no diagnosis is called so.{did_you_mean(name, known)}"
+                mistakes.add(lines.of_table("hints", number), text)

@@ -126,7 +126,8 @@ def _end_of(check: Declaration) -> tuple[Any, str]:
 def _evidence(check: Declaration, sent: Mapping[str, Any], wanted: Any, got: Message | None = None) -> Evidence:
     there, back = (check.endpoints[end].name for end in ("subscription", "publisher"))
     told = "" if got is None else f"{back}: {shown(plain(got))}"
-    return Evidence(f"{there}: {shown(sent)}", f"{back}: {shown_part(wanted)}", told)
+    expected = wanted if isinstance(wanted, str) else shown_part(wanted)  # in words where anything will do
+    return Evidence(f"{there}: {shown(sent)}", f"{back}: {expected}", told)
 
 
 def _require_exactly_one(context: CheckContext, check: Declaration, came: int, exchanges: list[Exchanged]) -> Evidence:

@@ -188,10 +188,16 @@ def test_all_mistakes_are_told_at_once(load: Callable[..., Exercise]) -> None:
     [
         (HINTS, HEAD.replace("{points}", "3.0"), "points = 3.0", "the points of the checks are 1 + 1 = 2"),
         (HINTS.replace('"*"', '"adds"'), HEAD, "[[checks]]", "The check 'limits' has no hint"),
+        (
+            HINTS.replace('"*"', '"*", "topic.slient"'),
+            HEAD,
+            "[[hints]]",
+            "for 'topic.slient', but no check and no diagnosis",
+        ),
         (f"{HINTS}{SENTENCE}", HEAD, "[[checks]]", "The check 'adds' proves no sentence"),
         (f"{HINTS}{SENTENCE}", HEAD, "[[sentences]]", "No check proves the sentence 'one'"),
     ],
-    ids=["points", "hint", "check without a sentence", "sentence without a check"],
+    ids=["points", "hint", "hint for nothing", "check without a sentence", "sentence without a check"],
 )
 def test_parts_that_do_not_agree_are_told(
     load: Callable[..., Exercise], tmp_path: Path, case: tuple[str, str, str, str]
