@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from course_kit.authoring import carried_exercises, course_files, parts
 from course_kit.authoring.parts import Owner
 from course_kit.grading import exercise
-from course_kit.grading.checks.declared import solutions
+from course_kit.grading.checks.declared import asking
 from course_kit.grading.errors import GradingError
 from course_kit.grading.exercise_folders import DRILLS
 from course_kit.learner.workspace import PRISTINE
@@ -185,7 +185,7 @@ class _Planner:
             self._made.unwanted.append(exercise_id)
             return
         task = exercise.load(exercise_id)
-        if solutions.are_asked(task):
+        if asking.are_asked(task):
             self._made.asking.append(exercise_id)
             return
         self._made.exercises.append(exercise_id)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.grading import exercise_folders
-from course_kit.grading.checks.declared import solutions
+from course_kit.grading.checks.declared import asking
 from course_kit.grading.errors import GradingError
 from course_kit.grading.job import Job
 from course_kit.grading.workers import grader_module
@@ -62,7 +62,7 @@ def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
         interfaces=task.interfaces,
         points=task.points,
         declared=tuple(asdict(one) for one in task.declared),
-        solution=solutions.text_for(task),
+        solution=asking.text_for(task),
     )
     if command is None:
         return job

@@ -75,7 +75,6 @@ def test_a_demo_does_not_meet_the_nodes_of_another_one(tmp_path: Path) -> None:
         lab.open("notebooks/demos/05_wrong_name.ipynb")
         lab.run_all()
         lab.scroll_to(lab.page.locator(".jp-OutputArea", has_text="It fails:"))
-        assert not lab.page.locator(".jp-OutputArea", has_text="It works:").count()
 
 
 def test_nodes_left_in_another_notebook_are_shown_apart_and_stopped_by_one_click(lab: JupyterLab) -> None:

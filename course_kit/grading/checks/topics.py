@@ -169,7 +169,7 @@ class TopicExchange:
     def _last(self) -> tuple[Message, ...]:
         return tuple(heard.messages[-1] for heard in self._heard)
 
-    def _tell_sent(self, message: Message, about: str) -> None:
+    def _tell_sent(self, message: Message, about: str = "") -> None:
         self._turn = self._context.record.sent(f"{self._sent.name}: {in_one_line(message)}", "message", about=about)
 
     def _tell_came(self, places: Sequence[int]) -> None:

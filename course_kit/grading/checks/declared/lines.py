@@ -8,14 +8,21 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 _HEADER = re.compile(r"\s*(?P<many>\[\[|\[)\s*(?P<name>[^\]]+?)\s*\]")
 _KEY = re.compile(r"""\s*(?P<name>"[^"]*"|'[^']*'|[\w-]+)\s*(?:\.[^=]*)?=""")
 # What is no bracket: a comment, or a string in one of its four forms.
+# A string that is not closed goes on to the end, so that no part of the text is looked at again and again.
 _OPAQUE = re.compile(
-    r'#[^\n]*|"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'',
+    r'#[^\n]*|"""(?:\\.|[^\\])*?(?:"{3,5}|\Z)|\'\'\'.*?(?:\'{3,5}|\Z)|"(?:\\.|[^"\\\n])*"?|\'[^\'\n]*\'?',
     re.DOTALL,
 )
+_SYNTAX = re.compile(r"[\[\]{}=]")
+_WRITTEN = re.compile(r"[^\n]")
 
 
 @dataclass
@@ -81,13 +88,15 @@ class Lines:
 
 
 def _has(line: str, word: str) -> bool:
-    return bool(word) and re.search(rf"(?<!\w){re.escape(word)}(?!\w)", line) is not None
+    return bool(word) and any(
+        not _joins(line[at - 1 : at]) and not _joins(line[at + len(word) :][:1]) for at in _places(word, line)
+    )
 
 
 def _blanked(found: re.Match[str]) -> str:
     """Without what could be taken for structure; a quoted name on one line stays readable."""
     plain = "\n" not in found[0] and not found[0].startswith("#")
-    return re.sub(r"[\[\]{}=]" if plain else r"[^\n]", " ", found[0])
+    return _SYNTAX.sub(" ", found[0]) if plain else _WRITTEN.sub(" ", found[0])
 
 
 def _end(bare: list[str], first: int) -> int:
@@ -101,3 +110,14 @@ def _end(bare: list[str], first: int) -> int:
         if depth <= 0:
             break
     return number
+
+
+def _places(word: str, line: str) -> Iterator[int]:
+    at = line.find(word)
+    while at >= 0:
+        yield at
+        at = line.find(word, at + 1)
+
+
+def _joins(character: str) -> bool:
+    return character.isalnum() or character == "_"
