@@ -149,10 +149,13 @@ class GradeMagics(Magics):
             complain(warning)
 
     def _run_in_its_cell(self, first: str, cell: str) -> None:
-        """Run the rest of a cell so that errors name the cell, and its lines as the notebook counts them."""
+        """Run the rest of a cell so that errors name the cell, and its lines as the notebook counts them.
+
+        A magic of a whole cell has to stand in the first line, so there the lines are counted from it.
+        """
         after_it, self.shell.execution_count = self.shell.execution_count, self._number()
         try:
-            self.shell.run_cell(f"# {first}{cell}")
+            self.shell.run_cell(cell if cell.startswith("%%") else f"# {first}{cell}")
         finally:
             self.shell.execution_count = after_it
 

@@ -43,6 +43,12 @@ def test_the_cell_runs_as_usual_and_its_main_does_not(kernel: Kernel) -> None:
     assert kernel.run("print(TemperatureService.__name__, __name__)").stdout == "TemperatureService __main__\n"
 
 
+def test_a_magic_of_the_whole_cell_may_follow(kernel: Kernel) -> None:
+    done = kernel.run("%%submission temperature_service\n%%capture said\nprint('aside')")
+    assert (done.stdout, done.stderr) == ("", "")
+    assert kernel.run("print(said.stdout)").stdout == "aside\n\n"
+
+
 def test_the_card_shows_the_grade_and_the_text_says_the_same(kernel: Kernel) -> None:
     kernel.run("%%submission temperature_service\n" + SOLUTION.read_text())
     done = kernel.run("%grade temperature_service --seed 7")

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.nodes import LiveNode
 
-_LOOKING = 4.0  # seconds: another program is found within one of them, unless the machine is busy
-_UNANNOUNCED = 2.5  # seconds; a program that was killed stays visible for 2
+_LOOKING = 6.0  # seconds: another program is found within one of them, unless the machine is busy
+_UNANNOUNCED = 4.0  # seconds; a program that was killed stays visible for 2
 _PAUSE = 0.1
 _GOALS = "/_action/send_goal"
 

@@ -34,7 +34,7 @@ class StandInClock:
 class StandInWarden(supervisor.Supervisor):
     """Queues for a domain, and then starts nothing in it."""
 
-    def _launch(self, *_: Any) -> dict[str, Any]:
+    def _launch(self, *_: Any, **_options: Any) -> dict[str, Any]:
         domain, queued_s = self._domain()
         return {"domain": domain, "queued_s": queued_s}
 
