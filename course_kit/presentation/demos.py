@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
+from course_kit.interfaces.hints import nearest
 from course_kit.presentation.errors import PresentationError
 
 if TYPE_CHECKING:
@@ -70,8 +70,8 @@ def _begins(path: Path, wanted: str) -> bool:
 def _meant(wanted: str, everything: list[Path]) -> str:
     """The nearest name, as a question."""
     by_name = {name: path.stem for path in everything for name in _names(path)[:2]}
-    near = get_close_matches(wanted, by_name, n=1)
-    return f" Did you mean {by_name[near[0]]}?" if near else ""
+    near = nearest(wanted, by_name)
+    return f" Did you mean {by_name[near]}?" if near else ""
 
 
 def _listed(paths: list[Path]) -> str:

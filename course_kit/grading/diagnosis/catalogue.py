@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import sys
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -15,6 +14,7 @@ else:
     import tomli as tomllib
 
 from course_kit import environment
+from course_kit.interfaces.hints import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -70,8 +70,8 @@ def reworded(code: str, fields: Mapping[str, str]) -> Diagnosis:
         ValueError: there is no such code or field, a text is missing, or a notebook comes without its section.
     """
     if code not in catalogue():
-        near = difflib.get_close_matches(code, catalogue(), 1)
-        raise ValueError(f"there is no diagnosis '{code}'{f'; did you mean {near[0]}?' if near else ''}")
+        near = nearest(code, catalogue())
+        raise ValueError(f"there is no diagnosis '{code}'{f'; did you mean {near}?' if near else ''}")
     for name, text in fields.items():
         if name not in REPLACEABLE:
             raise ValueError(f"the diagnosis {code} has no '{name}' to set; known are {', '.join(REPLACEABLE)}")
