@@ -57,6 +57,7 @@ class Combination:
     python: Interpreter
     installer: str
     notebooks: bool = True
+    drills: bool = True  # with the notebooks
     tests: bool = False
 
     def __str__(self) -> str:
@@ -112,12 +113,12 @@ def choose(
 
 
 def _ends(found: Sequence[Interpreter], notes: list[str], *, has_uv: bool) -> tuple[list[Combination], list[str]]:
-    """The oldest and the newest besides this Python. Notebooks take longest: each end runs them by one installer."""
+    """The oldest and the newest besides this Python. Notebooks take longest: one installer of each runs the lessons."""
     others = [one for one in found if one.version[:2] != sys.version_info[:2]]
     chosen: list[Combination] = []
     for one, longer in zip(dict.fromkeys((*others[:1], *others[-1:])), ("uv", "pip"), strict=False):
         for installer in INSTALLERS:
-            _add(Combination(one, installer, notebooks=installer == longer), chosen, notes, has_uv=has_uv)
+            _add(Combination(one, installer, notebooks=installer == longer, drills=False), chosen, notes, has_uv=has_uv)
     if not others:
         notes.append("It has no other Python than the one of this course, so there is nothing to compare.")
     return chosen, notes
@@ -163,7 +164,8 @@ def steps_of(combination: Combination, course: Path) -> Iterator[CommandStep]:
     if combination.notebooks:
         install = [str(course / ".venv/bin/python"), "-m", "pip", "install", "--quiet", notebooks.requirement()]
         yield CommandStep("nbval", install, _SET_UP_S)
-        yield CommandStep("notebooks", ["./course", "dev", "notebooks"], _NOTEBOOKS_S)
+        chosen = [] if combination.drills else [str(path) for path in notebooks.with_outputs(course, drills=False)]
+        yield CommandStep("notebooks", ["./course", "dev", "notebooks", *chosen], _NOTEBOOKS_S)
     if combination.tests:
         tests = [f"tests/{name}" for name in FAST_TESTS]
         yield CommandStep("tests", ["./course", "test", "-q", "-n", "2", "--dist", "loadfile", *tests], _TESTS_S)

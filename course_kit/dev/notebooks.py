@@ -62,13 +62,15 @@ def main(arguments: Sequence[str]) -> int:
     )
 
 
-def with_outputs(course: Path) -> list[Path]:
+def with_outputs(course: Path, *, drills: bool = True) -> list[Path]:
     """The notebooks of a course whose outputs are stored: its lessons, demos and drills.
 
     Args:
         course: its folder.
+        drills: whether its drills are wanted, too.
     """
-    found = [path for folder in ("notebooks", "exercises/drills") for path in (course / folder).rglob("*.ipynb")]
+    folders = ("notebooks", "exercises/drills") if drills else ("notebooks",)
+    found = [path for folder in folders for path in (course / folder).rglob("*.ipynb")]
     return sorted(path for path in found if ".ipynb_checkpoints" not in path.parts)
 
 
