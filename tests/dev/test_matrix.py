@@ -201,6 +201,15 @@ def test_the_ends_are_the_oldest_and_the_newest_besides_this_python() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("drills", [True, False])
+def test_the_ends_run_the_lessons_and_not_the_drills(drills: bool) -> None:
+    combination = matrix.Combination(NEW, "uv", drills=drills)
+    course = Path(__file__).resolve().parents[2]
+    command = next(step.command for step in matrix.steps_of(combination, course) if step.name == "notebooks")
+    named = [Path(one).relative_to(course).parts[0] for one in command[3:]]
+    assert set(named) == (set() if drills else {"notebooks"})
+
+
 @pytest.mark.parametrize(
     ("found", "has_uv", "tried_", "note"),
     [
