@@ -43,12 +43,17 @@ class Server:
         """What it answers to a request to make something."""
         return self._ask(path, "POST")
 
+    def delete(self, path: str) -> None:
+        """Ask it to end something."""
+        self._ask(path, "DELETE")
+
     def _ask(self, path: str, method: str = "GET") -> Any:
         request = urllib.request.Request(  # noqa: S310 - an http address of this machine
             f"{self.address}/api/{path}", method=method, headers={"Authorization": f"token {self.token}"}
         )
         with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:  # noqa: S310
-            return json.load(answer)
+            said = answer.read()
+            return json.loads(said) if said else None
 
     def in_terminal(self, line: str) -> str:
         """Type a line into a new terminal; what it prints until it has ended."""

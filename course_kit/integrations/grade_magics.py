@@ -58,6 +58,7 @@ class GradeMagics(Magics):
         super().__init__(shell)
         self._submissions = SubmissionCells()
         self._reports: dict[tuple[str, int | None], Report] = {}
+        self._within_cell = False  # IPython tells of the rest of a %%submission cell as of a cell
         shell.events.register("pre_run_cell", self._before_cell)
         shell.events.register("post_run_cell", self._after_cell)
 
@@ -154,9 +155,11 @@ class GradeMagics(Magics):
         A magic of a whole cell has to stand in the first line, so there the lines are counted from it.
         """
         after_it, self.shell.execution_count = self.shell.execution_count, self._number()
+        self._within_cell = True
         try:
             self.shell.run_cell(cell if cell.startswith("%%") else f"# {first}{cell}")
         finally:
+            self._within_cell = False
             self.shell.execution_count = after_it
 
     def _number(self) -> int:
@@ -164,12 +167,16 @@ class GradeMagics(Magics):
         return len(self.shell.history_manager.input_hist_parsed) - 1
 
     def _before_cell(self, info: ExecutionInfo) -> None:
+        if self._within_cell:
+            return
         metadata = self._metadata()
         cell_id = metadata.get("cellId")
         deleted = [one for one in metadata.get("deletedCells") or () if isinstance(one, str)]
         self._submissions.before(cell_id if isinstance(cell_id, str) else None, info.raw_cell, deleted)
 
     def _after_cell(self, result: ExecutionResult) -> None:
+        if self._within_cell:
+            return
         self._submissions.after(result.info.raw_cell, result.execution_count or 0)
 
     def _metadata(self) -> dict[str, Any]:

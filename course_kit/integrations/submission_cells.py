@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 _CLASS = re.compile(r"^class\s+(\w+)", re.MULTILINE)
-_MARK = re.compile(r"\s*(?:# )?%%submission\s+(\S+)")  # with "# " while the rest of the cell runs
+_MARK = re.compile(r"\s*%%submission\s+(\S+)")
 
 
 @dataclass

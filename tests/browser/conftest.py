@@ -1,4 +1,4 @@
-"""The browser tests' one fixture."""
+"""What the browser tests share: one JupyterLab for the tests of a file, and a new learner for each."""
 
 from __future__ import annotations
 
@@ -6,17 +6,23 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.browser.learner import learner
+from tests.browser.learner import open_server
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
-    from tests.browser.learner import JupyterLab
+    from tests.browser.learner import JupyterLab, OpenServer
+
+
+@pytest.fixture(scope="module")
+def jupyter(tmp_path_factory: pytest.TempPathFactory) -> Iterator[OpenServer]:
+    """JupyterLab on a copy of the course."""
+    with open_server(tmp_path_factory.mktemp("jupyter")) as started:
+        yield started
 
 
 @pytest.fixture
-def lab(tmp_path: Path) -> Iterator[JupyterLab]:
-    """JupyterLab on a copy of the course."""
-    with learner(tmp_path) as someone:
+def lab(jupyter: OpenServer) -> Iterator[JupyterLab]:
+    """A learner there."""
+    with jupyter.learner() as someone:
         yield someone

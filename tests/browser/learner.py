@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
-from playwright.sync_api import Locator, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
 from course_kit import environment
 from course_kit.dev import browser
@@ -86,14 +87,21 @@ class JupyterLab:
         wanted.first.scroll_into_view_if_needed()
         return wanted.first
 
+    def cell_that_begins(self, start: str) -> Locator:
+        """The code cells with these words in their code; what a cell shows below it does not count."""
+        return self.page.locator(".jp-CodeCell", has=self.page.locator(".cm-content", has_text=start))
+
     def run_cell_that_begins(self, start: str) -> None:
-        cell = self.scroll_to(self.page.locator(".jp-CodeCell", has_text=start))
+        cell = self.scroll_to(self.cell_that_begins(start))
+        prompt = cell.locator(".jp-InputPrompt").first
+        before = prompt.inner_text()
         cell.locator(".cm-content").click()
         self.page.keyboard.press("Control+Enter")
-        expect(cell.locator(".jp-InputPrompt").first).to_have_text(re.compile(r"\[\d+\]"))
+        expect(prompt).not_to_have_text(before)
+        expect(prompt).to_have_text(re.compile(r"\[\d+\]"))
 
     def replace_cell_that_begins(self, start: str, text: str) -> None:
-        cell = self.page.locator(".jp-CodeCell", has_text=start).first
+        cell = self.cell_that_begins(start).first
         cell.scroll_into_view_if_needed()
         cell.locator(".cm-content").click()
         self.page.keyboard.press("Control+A")
@@ -131,20 +139,59 @@ def whole(path: Path) -> dict[str, Any] | None:
     return found
 
 
+class OpenServer:
+    """A JupyterLab on a copy of the course, and a Chromium, for one learner after the other.
+
+    Attributes:
+        root: the copy.
+        chromium: the browser; playwright allows one at a time in a thread.
+    """
+
+    def __init__(self, root: Path, server: jupyter_server.Server, chromium: Browser) -> None:
+        self.root, self.chromium, self._server = root, chromium, server
+        self._settings, self._handed_out = root.parent / "settings", root.parent / "handed out"
+        for name in COPIED:
+            shutil.copytree(root / name, self._handed_out / name)
+
+    @contextmanager
+    def learner(self) -> Iterator[JupyterLab]:
+        """Somebody new: the course as it is handed out, JupyterLab's settings and the browser as on the first day."""
+        for name in COPIED:
+            shutil.rmtree(self.root / name)
+            shutil.copytree(self._handed_out / name, self.root / name)
+        write_settings(self._settings)
+        shutil.rmtree(self.root.parent / "workspaces", ignore_errors=True)
+        try:
+            with page(self.chromium) as opened:
+                yield JupyterLab(opened, self.root, self._server.address, self._server.token)
+        finally:
+            for session in self._server.get("sessions"):
+                self._server.delete(f"sessions/{session['id']}")
+
+
+COPIED = ("exercises", "notebooks")
+
+
 @contextmanager
-def learner(folder: Path, verb: str = "lab", **changes: str | None) -> Iterator[JupyterLab]:
-    """A learner before a copy of the course in JupyterLab, so that tests side by side never see each other's files."""
+def learner(folder: Path, within: Browser | None = None, **changes: str | None) -> Iterator[JupyterLab]:
+    """A learner before a JupyterLab of their own, started with other variables."""
     root = copy_with_notebooks(folder).root
-    with served(root, folder, verb, **changes) as (address, token), page() as opened:
-        yield JupyterLab(opened, root, address, token)
+    with served(root, folder, "lab", **changes) as server, page(within) as opened:
+        yield JupyterLab(opened, root, server.address, server.token)
 
 
 @contextmanager
-def served(root: Path, folder: Path, verb: str, **changes: str | None) -> Iterator[tuple[str, str]]:
-    """Start `./course lab`, or `present`; yields its address and token, and ends it as closing the terminal does."""
-    for name, values in SETTINGS.items():
-        (folder / "settings" / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / "settings" / name).write_text(json.dumps(values))
+def open_server(folder: Path) -> Iterator[OpenServer]:
+    """A copy of the course in JupyterLab, so that tests side by side never see each other's files."""
+    root = copy_with_notebooks(folder).root
+    with served(root, folder, "lab") as server, chromium() as started:
+        yield OpenServer(root, server, started)
+
+
+@contextmanager
+def served(root: Path, folder: Path, verb: str, **changes: str | None) -> Iterator[jupyter_server.Server]:
+    """Start `./course lab`, or `present`, and end it as closing the terminal does."""
+    write_settings(folder / "settings")
     with environment.exclusive_domain() as domain_id:
         variables = environment.child_environment(
             PYTHONPATH=str(root),  # the environment knows the course by its first folder
@@ -157,21 +204,38 @@ def served(root: Path, folder: Path, verb: str, **changes: str | None) -> Iterat
         with jupyter_server.started(
             [root / "course", verb, *jupyter_server.allow_root()], folder, root, {**variables, **changes}
         ) as server:
-            yield server.address, server.token
+            yield server
+
+
+def write_settings(folder: Path) -> None:
+    """JupyterLab's settings as a test has them."""
+    shutil.rmtree(folder, ignore_errors=True)
+    for name, values in SETTINGS.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(json.dumps(values))
 
 
 @contextmanager
-def page() -> Iterator[Page]:
-    """A page of a new Chromium, that fails the test when the page's own code fails."""
-    errors: list[str] = []
+def chromium() -> Iterator[Browser]:
+    """A new Chromium."""
     with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=browser.find(), args=CHROMIUM_FLAGS)
-        opened = chromium.new_page(viewport={"width": 1280, "height": 1000})
+        started = playwright.chromium.launch(executable_path=browser.find(), args=CHROMIUM_FLAGS)
+        yield started
+        started.close()
+
+
+@contextmanager
+def page(within: Browser | None = None) -> Iterator[Page]:
+    """A page that fails the test when the page's own code fails; of a Chromium of its own, if none is given."""
+    errors: list[str] = []
+    with nullcontext(within) if within else chromium() as started:
+        context = started.new_context(viewport={"width": 1280, "height": 1000})
+        opened = context.new_page()
         opened.set_default_timeout(PATIENCE_MS)
         expect.set_options(timeout=PATIENCE_MS)
         opened.on("pageerror", lambda error: errors.append(f"{error}\n{error.stack}"))
         opened.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
         yield opened
-        chromium.close()
+        context.close()
     ours = [error for error in errors if not re.search(f"{NOTEBOOK_7_ITSELF}|{KERNEL_ENDED}", error)]
     assert not ours, "\n".join(ours)

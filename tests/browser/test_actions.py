@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.pictures import photograph
+
 if TYPE_CHECKING:
     from playwright.sync_api import Locator
 
@@ -28,6 +30,8 @@ def test_lesson_two_is_run_and_its_panels_are_used(lab: JupyterLab) -> None:
         expect(drawn.first).to_be_visible()
         drawn.first.scroll_into_view_if_needed()  # what is drawn above it has moved it
         lab.picture(f"lesson_two_{name}")
+    blocked = lab.scroll_to(lab.page.locator(".ck-times", has_text="the cancel request to /fibonacci"))
+    photograph(lab, blocked, "timeline_blocked_cancel")
     # The lesson has ended with `lab.stop()`; a cell that starts the server, and one for the robot, bring them back.
     lab.run_cell_that_begins("if len(feedback.sequence) == 4:")
     # A cell that was just run stays where it is; others come and go with what is drawn above them.

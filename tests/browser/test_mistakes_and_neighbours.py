@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from playwright.sync_api import Page
 
-    from tests.browser.learner import JupyterLab
+    from tests.browser.learner import JupyterLab, OpenServer
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 BROKEN = REPOSITORY / "tests/broken/temperature_service/service.no_return.py"
@@ -67,8 +67,8 @@ def test_a_link_lands_at_its_heading_at_the_first_click_in_notebook_7(lab: Jupyt
     require_landed(opened.value)
 
 
-def test_a_demo_does_not_meet_the_nodes_of_another_one(tmp_path: Path) -> None:
-    with learner(tmp_path, ROS_DOMAIN_ID=None) as lab:
+def test_a_demo_does_not_meet_the_nodes_of_another_one(tmp_path: Path, jupyter: OpenServer) -> None:
+    with learner(tmp_path, jupyter.chromium, ROS_DOMAIN_ID=None) as lab:
         lab.open("notebooks/demos/01_deadlock.ipynb")
         lab.replace_cell_that_begins("lab.stop()", "pass  # it was forgotten, and /add goes on")
         lab.run_all()

@@ -93,9 +93,9 @@ def without_findings(shown: Page, within: str) -> None:
 def stage(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stage]:
     folder = tmp_path_factory.mktemp("present")
     root = copy_with_notebooks(folder).root
-    with served(root, folder, "present") as (address, token), page() as opened:
+    with served(root, folder, "present") as server, page() as opened:
         opened.set_viewport_size({"width": 1024, "height": 768})
-        yield Stage(opened, address, token)
+        yield Stage(opened, server.address, server.token)
 
 
 @pytest.mark.parametrize("demo", DEMOS)

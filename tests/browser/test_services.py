@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.pictures import photograph
+
 if TYPE_CHECKING:
     from tests.browser.learner import JupyterLab
 
@@ -52,6 +54,9 @@ def test_lesson_one_answers_the_form_and_draws(lab: JupyterLab) -> None:
     diagram = lab.scroll_to(page.locator(".ck-exchange svg", has_text="/add_two_ints request: a=1, b=2"))
     expect(diagram).to_be_visible()
     lab.picture("lesson_one_diagram")
+    stuck = lab.scroll_to(page.locator(".ck-times", has_text="stuck_double"))
+    expect(stuck).to_contain_text("has not ended")
+    photograph(lab, stuck, "timeline_deadlock")
 
     # The lesson ends with lab.stop(); its cells can be run again one by one.
     lab.run_cell_that_begins("class MinimalService(Node)")

@@ -65,6 +65,13 @@ def test_it_says_which_cells_it_grades_and_when_they_ran(kernel: Kernel) -> None
     assert warned == ""
 
 
+def test_a_cell_with_another_magic_below_the_mark_counts(kernel: Kernel) -> None:
+    kernel.run(CELL.replace(MARK, f"{MARK}%%capture said\n"), cellId="one")
+    said, warned = grade(kernel)
+    assert said.count("In[") == 1
+    assert warned == ""
+
+
 def test_a_deleted_cell_does_not_count_whether_the_notebook_was_saved_or_not(kernel: Kernel) -> None:
     kernel.run(CELL, cellId="one")
     assert NOTHING in grade(kernel, "one")[1]
