@@ -28,8 +28,12 @@ CHROMIUM_FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-# Notebook 7 trips over its own settings when it starts, with any notebook; panels' code comes from a blob: address.
-NOTEBOOK_7_ITSELF = r"\(reading 'schema'\)\n(?:(?!blob:)[\s\S])*/static/notebook/notebook_core"
+# Notebook 7 trips over its own settings when it starts, with any notebook, and after a JupyterLab over a file browser
+# that it has not; panels' code comes from a blob: address.
+NOTEBOOK_7_ITSELF = (
+    r"(?:\(reading 'schema'\)|'filebrowser:open-path' not registered)[\s\S]*?\n"
+    r"(?:(?!blob:)[\s\S])*/static/notebook/notebook_core"
+)
 # JupyterLab's debugger and subshells ask a kernel that has just been restarted or ended.
 KERNEL_ENDED = r"Canceled future for \w+ message before replies were done"
 PATIENCE_MS = 240_000  # against hanging only
