@@ -62,6 +62,8 @@ def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
         interfaces=task.interfaces,
         points=task.points,
         declared=tuple(asdict(one) for one in task.declared),
+        check_order=task.check_order,
+        variables=dict(task.variables),
         solution=asking.text_for(task),
     )
     if command is None:

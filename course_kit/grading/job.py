@@ -40,6 +40,7 @@ class Job:
         interfaces: the folder with the interfaces that the exercise brings, which the submission sees; empty for none.
         points: the exercise's full marks, which its checks have to add up to; 0 when nobody asks.
         declared: the checks that the exercise declares in its exercise.toml; see `checks.declared.declaration`.
+        check_order: the ids of checks in the order in which they are run; others come last.
         variables: environment variables that the submission is started with.
         solution: the text of the exercise's solution, where it is asked as an oracle; no submission ever sees it.
     """
@@ -67,6 +68,7 @@ class Job:
     scratch: str = ""
     first_failure: bool = False
     declared: tuple[Record, ...] = ()
+    check_order: tuple[str, ...] = ()
     variables: Record = field(default_factory=dict)
     solution: str = ""
 
