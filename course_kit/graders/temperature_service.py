@@ -1,9 +1,9 @@
 """Exercise 1: the service /convert_temperature, called over ROS.
 
-The checks that need no Python stand in the exercise's exercise.toml. Here is what knows temperatures: both directions
-with their well-known mistakes, the identity bit for bit; unknown units and temperatures below absolute zero refused with
-a reason, and the node still running after it. Lost digits cost the points of one check, `precision`, which is declared:
-the others look for the right formula.
+The checks that need no Python stand in the exercise.toml. Here is what knows temperatures: both directions with their
+well-known mistakes, the identity bit for bit; unknown units and temperatures below absolute zero refused with a reason,
+and the node still running after it. Lost digits cost the points of one check, `precision`, which is declared: the
+others look for the right formula.
 """
 
 from __future__ import annotations
