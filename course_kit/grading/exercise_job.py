@@ -56,6 +56,7 @@ def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
         "",
         seed,
         class_name=task.class_name,
+        own_start=task.practice,  # a drill's program runs: without its start it would be another one
         variable=task.variable,
         limits=task.limits,
         hidden=tuple(dict.fromkeys((str(task.folder.resolve()), *exercise_folders.hidden()))),

@@ -25,6 +25,7 @@ class Job:
         facts: what the source's text gives away.
         literal: what the source sets the variable to, where its text tells that; see `Submission.literal`.
         class_name: the Node class the exercise names.
+        own_start: whether the program has to start its node itself; else the class that it only defines is started.
         variable: the variable it names instead, when it needs no ROS.
         command: the executable and its arguments, for "exec".
         folder: the working directory of a command.
@@ -55,6 +56,7 @@ class Job:
     facts: Facts = field(default_factory=Facts)
     literal: Record | None = None
     class_name: str = ""
+    own_start: bool = False
     variable: str = ""
     command: tuple[str, ...] = ()
     folder: str = ""

@@ -44,9 +44,7 @@ def parameter_declared(context: CheckContext, check: Declaration, around: Around
         message = f"{_are(empty)} declared without a value, so there is nothing to read."
         raise Failed(evidence, message, "parameter.default")
     if wrong := [name for name, (kind, _) in wanted.items() if kind and found[name].type != kind]:
-        told = " and ".join(
-            f"{name} is a parameter of type {found[name].type}, not {wanted[name][0]}" for name in wrong
-        )
+        told = " and ".join(f"{name} is {found[name].type}, expected {wanted[name][0]}" for name in wrong)
         point = any((found[name].type, wanted[name][0]) == ("integer", "double") for name in wrong)
         raise Failed(evidence, f"{told}.{_NEEDS_A_POINT if point else ''}", "parameter.type")
     others = {
