@@ -111,7 +111,7 @@ class Exercise:
         found = self.diagnoses.get(code or "") or catalogue.catalogue().get(code or "")
         if found is None or found.notebook:
             return found
-        return replace(found, notebook=f"exercises/{self.id}/{self.notebook}")
+        return replace(found, notebook=exercise_folders.in_course(self.folder, self.notebook))
 
 
 def exercises_folder() -> Path:
