@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.declared import inputs
 from course_kit.grading.checks.declared.values import as_list
+from course_kit.ros.messages import with_article
 from course_kit.ros.names import did_you_mean
 from course_kit.ros.parameters import NOT_SET, TYPES
 
@@ -82,7 +83,7 @@ def _of_declared(table: Record) -> Iterator[tuple[str, str]]:
         elif wanted and default is not None and type_of(default) not in ("", wanted):
             key = "default" if key == "type" else "defaults"
             of = "'type' is" if key == "default" else f"The type of {name} is"
-            yield f"{of} {wanted}, but the default {default!r} is a {type_of(default)}.", key
+            yield f"{of} {wanted}, but the default {default!r} is {with_article(type_of(default))}.", key
 
 
 def _of_acting(table: Record, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
