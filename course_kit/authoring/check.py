@@ -185,9 +185,12 @@ def main(arguments: Sequence[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="course-kit dev check",
-        description="Grade every submission in the tests and check that each gets the verdict it is there for.",
+        description="Grade every submission that is there to prove an exercise, and check that each gets the verdict "
+        "it is there for: of an exercise of your own its starter, its solution and what lies in its folder proof/.",
     )
-    parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="only these exercises; all when none is named")
+    parser.add_argument(
+        "exercises", nargs="*", metavar="EXERCISE", help="only these; the course's own when none is named"
+    )
     parser.add_argument(
         "--repeat", type=_positive, default=1, metavar="N", help="number of runs; the verdicts must be the same"
     )
@@ -195,6 +198,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--workers", type=_positive, default=0, metavar="N", help="number of gradings at the same time")
     parser.add_argument("--seed", type=int, help="draw the same random values again")
     parser.add_argument("--format", choices=("text", "json"), default="text")
+    parser.add_argument(  # `course-kit` has taken it out before, wherever it stands
+        "--exercises", dest="folders", metavar="DIR", help="also the exercises in DIR, or the one that DIR is"
+    )
     return parser
 
 

@@ -6,6 +6,7 @@ import json
 from typing import TYPE_CHECKING, TextIO
 
 from course_kit.authoring import rules
+from course_kit.grading import exercise_folders
 from course_kit.grading.diagnosis import catalogue
 from course_kit.text.console import wrapped
 
@@ -61,7 +62,8 @@ def as_text(found: ProofOutcome) -> str:
     for one in found.sets:
         cells = [_cell(found, one, name) for name in names]
         lines.append("  ".join([f"{one.task.id:<{width}}", *(f"{cell:<10}" for cell in cells)]).rstrip())
-    lines += ["", _codes(found)]
+    if not all(exercise_folders.is_added(one.task.folder) for one in found.sets):
+        lines += ["", _codes(found)]
     if found.faults:
         lines += ["", "What does not hold:"]
     for fault in found.faults:

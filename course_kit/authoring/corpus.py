@@ -38,6 +38,7 @@ class ProofSubmission:
         says: a fact that the messages of a slip's failed checks name.
         breaks: the ids of the sentences of the task that it does not keep.
         seed: what the checks draw from for it; as everywhere in this run when None.
+        told_in: the file that declares a slip.
     """
 
     exercise: str
@@ -49,6 +50,7 @@ class ProofSubmission:
     says: str = ""
     breaks: tuple[str, ...] = ()
     seed: int | None = None
+    told_in: Path | None = None
 
     def text(self) -> str:
         """The program to grade.
@@ -60,8 +62,8 @@ class ProofSubmission:
         for old, new in self.changes:
             if text.count(old) != 1:
                 raise GradingError(
-                    f"The slip {self.name} of {self.exercise} replaces a text that occurs {text.count(old)} times in "
-                    f"{self.path.name}, not once: {old.strip()!r}."
+                    f"{self.told_in}: the slip {self.name} replaces a text that occurs {text.count(old)} times in "
+                    f"{self.path}, not once: {old.strip()!r}."
                 )
             text = text.replace(old, new)
         return text
@@ -147,10 +149,17 @@ def _slips(task: Exercise, places: ProofFolders) -> tuple[list[ProofSubmission],
     try:
         table = tomllib.loads(places.slips.read_text(encoding="utf-8"))
         breaks = {name: tuple(ids) for name, ids in table.pop("broken", {}).items()}
-        return [_slip(task, name, entry, places) for name, entry in table.items()], breaks
-    except (ValueError, KeyError, TypeError) as problem:
+    except (ValueError, TypeError) as problem:
+        raise GradingError(f"{places.slips} cannot be used: {problem}.") from problem
+    return [_read_slip(task, name, entry, places) for name, entry in table.items()], breaks
+
+
+def _read_slip(task: Exercise, name: str, entry: dict[str, Any], places: ProofFolders) -> ProofSubmission:
+    try:
+        return _slip(task, name, entry, places)
+    except (KeyError, TypeError, AttributeError) as problem:
         what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
-        raise GradingError(f"{places.slips} cannot be used: {what}.") from problem
+        raise GradingError(f"{places.slips} cannot be used: in the slip {name}, {what}.") from problem
 
 
 def _slip(task: Exercise, name: str, entry: dict[str, Any], places: ProofFolders) -> ProofSubmission:
@@ -165,4 +174,5 @@ def _slip(task: Exercise, name: str, entry: dict[str, Any], places: ProofFolders
         says=entry.get("says", ""),
         breaks=tuple(entry.get("breaks", ())),
         seed=entry.get("seed"),
+        told_in=places.slips,
     )

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from course_kit.authoring.corpus import Corpus, ProofSubmission
     from course_kit.grading import CheckReport, Report
+    from course_kit.grading.exercise import Exercise
 
     Reports = Mapping[ProofSubmission, Report]
 
@@ -164,9 +165,18 @@ def faults(sets: Corpus, reports: Reports) -> list[Fault]:
     for name, rule in RULES.items():
         for said in rule(sets, reports):
             one, text = said if isinstance(said, tuple) else (None, said)
-            where = f"{one.kind} {one.name}" if one is not None else ""
+            where = _where(one, sets.task) if one is not None else ""
             found.append(Fault(sets.task.id, name, where, text))
     return found
+
+
+def _where(one: ProofSubmission, task: Exercise) -> str:
+    """A submission in words: of files that share their name with another the folder, of a slip the file that has it."""
+    if not exercise_folders.is_added(task.folder):
+        return f"{one.kind} {one.name}"
+    path = one.told_in or one.path
+    place = path.relative_to(task.folder) if path.is_relative_to(task.folder) else path
+    return f"slip {one.name} ({place})" if one.told_in is not None else f"{one.kind} {place}"
 
 
 def codes_without_submission(names: set[str]) -> list[Fault]:

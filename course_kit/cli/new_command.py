@@ -61,9 +61,10 @@ def _create(options: argparse.Namespace) -> int:
     from course_kit.learner.workspace import shown
 
     task = new_exercise.create(options.name, options.kind, options.folder or Path.cwd())
-    folder, command = shlex.quote(str(shown(task.folder))), environment.command()
+    folder, program = (shlex.quote(str(shown(path))) for path in (task.folder, task.solution))
+    command = environment.command()
     print(f"The exercise {task.id} is in {folder}. It works as it is:")
-    print(f"  {command} grade {task.id} {folder}/solution/{task.starter} --exercises {folder}")
+    print(f"  {command} grade {task.id} {program} --exercises {folder}")
     print("Change exercise.toml, the starter and the solution into your own exercise; after a change of the task:")
     print(f"  {command} new exercise {task.id} --refresh{_in(options)}")
     print("The guide is course_kit/authoring/AUTHORING.md.")

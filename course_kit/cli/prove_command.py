@@ -25,7 +25,8 @@ def add_to(verbs: Any) -> None:
         "Grades right programs made from the solution, too, again on a busy machine, and names what is rejected or "
         "differs from one time to the next.",
         epilog="Exit code: 0 when nothing was found, 1 when something was, 2 when it could not be tried, 130 when it "
-        "was stopped. Mistakes that are none are declared with the reason in equivalent.toml: see CONTRIBUTING.md.",
+        "was stopped. Mistakes that are none are declared with the reason in equivalent.toml: see "
+        "course_kit/authoring/AUTHORING.md.",
     )
     parser.add_argument("exercise", metavar="EXERCISE")
     parser.add_argument("--quick", action="store_true", help="under a minute: a sample of the mistakes, no repeats")

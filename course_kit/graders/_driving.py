@@ -14,7 +14,6 @@ from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.discovery import ensure_ready, start_again
 from course_kit.grading.checks.goals import SUCCEEDED, CheckedGoal, Ended
-from course_kit.grading.diagnosis import goals
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -188,13 +187,7 @@ def arrive(context: CheckContext, goal: CheckedGoal, length: float, within_s: fl
         Failed: it has not, or otherwise.
     """
     ended = goal.wait_for_end(allowed_s(length) if within_s is None else within_s, REACHED)
-    process = goal.process()
-    cause = goals.of_exception(process, context.job)
-    if ended.status != SUCCEEDED:
-        cause = goals.of_status(ended.name, process, context.job)
-    if cause is not None:
-        diagnosis, message = cause
-        raise Failed(Evidence(goal.shown, REACHED, told(ended)), message, diagnosis)
+    goal.require_status(ended, SUCCEEDED, Evidence(goal.shown, REACHED, told(ended)))
     is_at(context, place_of(ended.result.final_position))
     context.memory[_DRIVEN] = driven(context) + length
     return ended

@@ -94,7 +94,7 @@ def cancel_midway(context: CheckContext) -> Evidence:
     ended = goal.wait_for_end(allowed_s(length), expected)
     evidence = Evidence(goal.shown, expected, told(ended))
     stopped = place_of(ended.result.final_position)
-    _require_canceled(context, goal, ended, evidence, (begin, target))
+    _require_canceled(goal, ended, evidence, (begin, target))
     _require_stopped(goal, ended, evidence, begin, target)
     is_at(context, stopped)
     return evidence
@@ -170,9 +170,7 @@ def _have_it_accepted(context: CheckContext, goal: CheckedGoal, length: float, e
     )
 
 
-def _require_canceled(
-    context: CheckContext, goal: CheckedGoal, ended: Ended, evidence: Evidence, way: tuple[MovePlace, MovePlace]
-) -> None:
+def _require_canceled(goal: CheckedGoal, ended: Ended, evidence: Evidence, way: tuple[MovePlace, MovePlace]) -> None:
     """The goal was ended as CANCELED, short of its target."""
     begin, target = way
     at_target = not misses(place_of(ended.result.final_position), target)
@@ -185,13 +183,7 @@ def _require_canceled(
             raise HastyError(evidence, message)
         message = "Your server agreed to cancel the goal, but the robot drove on to its target."
         raise HastyError(evidence, message, "action.cancel_ignored")
-    process = goal.process()
-    cause = goals.of_exception(process, context.job)
-    if ended.status != CANCELED:
-        cause = goals.of_status(ended.name, process, context.job)
-    if cause is not None:
-        diagnosis, message = cause
-        raise Failed(evidence, message, diagnosis)
+    goal.require_status(ended, CANCELED, evidence)
 
 
 def _require_stopped(goal: CheckedGoal, ended: Ended, evidence: Evidence, begin: MovePlace, target: MovePlace) -> None:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from geometry_msgs.msg import Twist
 
+from course_kit.grading.checks.parameters import yaml
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -225,13 +227,6 @@ def parameter_file(node: str, values: Mapping[str, object]) -> str:
     """A YAML file of parameters for a node, as `--params-file` reads it (ROS 2: Node arguments)."""
     lines = [f"    {name}: {yaml(value)}" for name, value in values.items()]
     return "\n".join([f"{node.lstrip('/')}:", "  ros__parameters:", *lines]) + "\n"
-
-
-def yaml(value: object) -> str:
-    """A value as YAML, for files and for `-p name:=value`."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f"'{value}'" if isinstance(value, str) else repr(value)
 
 
 def _shown(fields: tuple[float, ...]) -> str:

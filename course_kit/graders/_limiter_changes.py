@@ -154,14 +154,6 @@ def wrong_type(context: CheckContext) -> Evidence:
         return evidence
 
 
-@check(points=0.5, depends_on=["declared"], proves=["undeclared"])
-def undeclared(context: CheckContext) -> Evidence:
-    """Setting a parameter that is not declared is refused."""
-    name = f"wheel_count_{context.random.randrange(100, 1000)}"
-    outcome = Limiter(context).remote.set(name, 4)
-    return require_refused(outcome, {name: 4}, "refused: there is no such parameter", "parameter.undeclared")
-
-
 @check(points=1.5, depends_on=["reacts"], proves=["atomic"])
 def atomic(context: CheckContext) -> Evidence:
     """A valid and an invalid value set atomically change nothing."""

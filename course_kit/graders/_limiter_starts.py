@@ -6,12 +6,12 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.graders._limiter import BEYOND, TYPES, LimiterSettings, command, parameter_file, right_reaction, yaml
+from course_kit.graders._limiter import BEYOND, TYPES, LimiterSettings, command, parameter_file, right_reaction
 from course_kit.graders._limiter import shown as shown_command
 from course_kit.graders._limiter_node import BOTH, NODE, VELOCITY, Limiter, endpoints, fits
 from course_kit.graders._limiter_status import expect_status
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.parameters import expect_served, shown
+from course_kit.grading.checks.parameters import expect_served, shown, start_arguments
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -32,7 +32,7 @@ def expect_arguments(context: CheckContext, values: Mapping[str, object]) -> Evi
     Raises:
         Failed: they are not; with parameter.override_ignored, or what `expect_served` says.
     """
-    arguments = _arguments(values)
+    arguments = start_arguments(values)
     sent = " ".join(arguments)
     try:
         limiter = _start(context, arguments, {}, sent)
@@ -67,7 +67,7 @@ def expect_invalid(context: CheckContext, values: Mapping[str, object]) -> Evide
     """
     evidence = Evidence()
     for name, value in values.items():
-        arguments = _arguments({name: value})
+        arguments = start_arguments({name: value})
         expected = f"an error that names {name} and the end of the program, or a warning and the default"
         evidence = Evidence(" ".join(arguments), expected)
         try:
@@ -76,11 +76,6 @@ def expect_invalid(context: CheckContext, values: Mapping[str, object]) -> Evide
         finally:
             context.spoil()
     return evidence
-
-
-def _arguments(values: Mapping[str, object]) -> list[str]:
-    pairs = (("-p", f"{name}:={yaml(value)}") for name, value in values.items())
-    return ["--ros-args", *(word for pair in pairs for word in pair)]
 
 
 def _start(context: CheckContext, arguments: list[str], files: Mapping[str, str], sent: str) -> Limiter:

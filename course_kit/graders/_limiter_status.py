@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from course_kit.graders._limiter import LimiterSettings, read_status, status_fits, status_line
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.topics import await_next
 from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.diagnosis.hangs import told
 
@@ -56,33 +55,10 @@ def expect_status(
     raise Failed(evidence, _what_is_wrong(settings, line))
 
 
-def expect_rate(context: CheckContext, heard: Inbox) -> Evidence:
-    """The lines come at 2 Hz.
-
-    Raises:
-        Failed: they come at another rate.
-    """
-    evidence = Evidence("", "a message on /status every 0.5 s")
-    clock = context.clock()
-    count = max(3, heard.count)
-    while await_next(context, heard, count, _SILENT_S, evidence) and not clock.past(_WATCHED_S):
-        times = list(heard.times)
-        evidence = replace(evidence, got=f"one every {_period(times):.2f} s")
-        if any(_PERIOD_S[0] <= _period(some) <= _PERIOD_S[1] for some in (times, times[-_LAST:])):
-            return evidence
-        count = heard.count + 1
-    got = evidence.got or f"{heard.count} messages, then none for {told(clock.fair(), _SILENT_S)} s"
-    raise Failed(replace(evidence, got=got), "Publish the line from a timer with a period of half a second.")
-
-
 def _await_after(context: CheckContext, heard: Inbox, moment: float, count: int, evidence: Evidence) -> bool:
     """Wait for so many lines from a moment on; older ones may still wait to be taken, a fast program has many."""
     with explained(context, evidence):
         return context.wait_until(lambda: len(heard.after(moment)) >= count, _SILENT_S)
-
-
-def _period(times: list[float]) -> float:
-    return (times[-1] - times[0]) / (len(times) - 1)
 
 
 def _what_is_wrong(settings: LimiterSettings, line: str) -> str:

@@ -42,7 +42,6 @@ from course_kit.graders._moves import (
 )
 from course_kit.graders._watching import feedback_of_a_move, progress_of_a_move, require_no_z, require_progress_limits
 from course_kit.grading.checks.check import Check, Evidence, Failed, check
-from course_kit.grading.checks.discovery import ensure_ready, expect_node, expect_offered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,23 +50,10 @@ if TYPE_CHECKING:
 
 INTERFACES = (ACTION.interface,)
 VARIABLES = FAST
-NODE = "/move_robot_server"
 _SHORT_M = 0.4  # metres; a move where nothing but its end matters
 _AT_ONCE_S = 1.0  # a goal at the present position
 _TOO_STRICT = "validation.overzealous"
 _EDGE_M = 0.01  # how near outside the arena we test
-
-
-@check(points=1.0, deadline_s=12.0, proves=["action", "only_a_class", "a_program", "start"])
-def offered(context: CheckContext) -> Evidence:
-    """The action /move_robot is there, with its type."""
-    return expect_offered(context, ACTION)
-
-
-@check(points=0.5, depends_on=["offered"], proves=["node"])
-def node_name(context: CheckContext) -> Evidence:
-    """The node is called move_robot_server."""
-    return expect_node(context, NODE, lambda: ensure_ready(context, ACTION))
 
 
 @check(points=1.0, depends_on=["offered"], proves=["reaches", "a_program"])
@@ -143,14 +129,6 @@ def outside(context: CheckContext) -> Evidence:
     return _rejects(context, targets, f"which lies outside the arena (0 to {ARENA:g} m)")
 
 
-@check(points=1.0, depends_on=["accepted"], deadline_s=30.0, proves=["not_a_number"])
-def not_a_number(context: CheckContext) -> Evidence:
-    """Goals that are NaN or infinite are rejected."""
-    values = (math.nan, math.inf, -math.inf)
-    targets = [MovePlace(value, 5.0) for value in values] + [MovePlace(5.0, value) for value in values]
-    return _rejects(context, targets, "which is not a place")
-
-
 @check(points=2.0, depends_on=["arrives"], deadline_s=30.0, proves=["five_a_metre", "spread", "straight"])
 def feedback(context: CheckContext) -> Evidence:
     """While the robot moves, at least five feedback messages a metre tell where it is."""
@@ -197,8 +175,6 @@ def after_cancel(context: CheckContext) -> Evidence:
 
 
 CHECKS: tuple[Check, ...] = (
-    offered,
-    node_name,
     accepted,
     succeeds,
     arrives,
@@ -206,7 +182,6 @@ CHECKS: tuple[Check, ...] = (
     any_z,
     already_there,
     outside,
-    not_a_number,
     feedback,
     progress,
     second_goal,

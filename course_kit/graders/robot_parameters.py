@@ -14,27 +14,20 @@ from std_msgs.msg import Float64, String
 
 from course_kit.graders import _limiter_changes as changes
 from course_kit.graders import _limiter_starts as starts
-from course_kit.graders._limiter import BEYOND, TYPES, LimiterSettings, command, shown
+from course_kit.graders._limiter import BEYOND, command, shown
 from course_kit.graders._limiter_node import (
-    COMMAND,
-    LIMITED,
     NODE,
-    STATUS,
     VELOCITY,
-    WHEEL,
     WHEELS,
     Limiter,
     drawn,
     endpoints,
     rest,
 )
-from course_kit.graders._limiter_status import expect_rate, expect_status
+from course_kit.graders._limiter_status import expect_status
 from course_kit.grading.checks.check import Check, Evidence, Failed, check
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.parameters import expect_served
-from course_kit.grading.checks.parameters import shown as shown_values
-from course_kit.grading.checks.topics import expect_endpoints
-from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
@@ -48,67 +41,6 @@ def node_up(context: CheckContext) -> Evidence:
     """The node velocity_limiter comes up and can be asked."""
     endpoints(context)
     return expect_served(context, NODE)
-
-
-@check(
-    points=0.5, depends_on=["node_up"], proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"]
-)
-def topics(context: CheckContext) -> Evidence:
-    """The four topics are there, and a default endpoint connects to each."""
-    Limiter(context)
-    return expect_endpoints(context, published=(LIMITED, WHEEL, STATUS), subscribed=(COMMAND,))
-
-
-@check(points=0.5, depends_on=["node_up"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
-def declared(context: CheckContext) -> Evidence:
-    """The four parameters are declared.
-
-    Raises:
-        Failed: they are not.
-    """
-    names = Limiter(context).remote.names()
-    missing = [name for name in TYPES if name not in names]
-    evidence = Evidence("list_parameters", ", ".join(TYPES), ", ".join(names))
-    if missing:
-        message = f"Your node has not declared {', '.join(missing)}."
-        raise Failed(evidence, message, "parameter.undeclared")
-    return evidence
-
-
-@check(points=0.5, depends_on=["declared"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
-def types(context: CheckContext) -> Evidence:
-    """Each parameter has its type.
-
-    Raises:
-        Failed: one has another.
-    """
-    found = Limiter(context).remote.values(list(TYPES))
-    empty = [name for name, value in found.items() if value.type == NOT_SET]
-    wrong = [f"{name} is {value.type}" for name, value in found.items() if value.type != TYPES[name]]
-    expected = ", ".join(f"{name}: {kind}" for name, kind in TYPES.items())
-    evidence = Evidence("get_parameters", expected, ", ".join(f"{name}: {value.type}" for name, value in found.items()))
-    if empty:
-        message = f"{' and '.join(empty)} is declared without a value, so there is nothing to read."
-        raise Failed(evidence, message, "parameter.default")
-    if wrong:
-        raise Failed(evidence, f"{' and '.join(wrong)}. A double needs a decimal point.", "parameter.type")
-    return evidence
-
-
-@check(points=0.5, depends_on=["types"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
-def defaults(context: CheckContext) -> Evidence:
-    """Each parameter has its default.
-
-    Raises:
-        Failed: one has another.
-    """
-    expected, got = LimiterSettings().to_mapping(), Limiter(context).settings().to_mapping()
-    wrong = {name: value for name, value in got.items() if value != expected[name]}
-    evidence = Evidence("get_parameters", shown_values(expected), shown_values(got))
-    if wrong:
-        message = f"Started without settings, your node has {shown_values(wrong)}."
-        raise Failed(evidence, message, "parameter.default")
-    return evidence
 
 
 @check(
@@ -172,12 +104,6 @@ def status(context: CheckContext) -> Evidence:
         return expect_status(context, limiter.status, limiter.settings())
 
 
-@check(points=0.5, depends_on=["status"], deadline_s=12.0, proves=["status_rate"])
-def status_rate(context: CheckContext) -> Evidence:
-    """/status is published twice a second."""
-    return expect_rate(context, Limiter(context).status)
-
-
 @check(
     points=1.0, depends_on=["limits", "wheel_speed"], deadline_s=15.0, proves=["start_arguments", "init_sees_arguments"]
 )
@@ -202,10 +128,6 @@ def start_invalid(context: CheckContext) -> Evidence:
 
 CHECKS: tuple[Check, ...] = (
     node_up,
-    topics,
-    declared,
-    types,
-    defaults,
     reacts,
     limits,
     wheel_speed,
@@ -218,9 +140,7 @@ CHECKS: tuple[Check, ...] = (
     changes.refuses,
     changes.reason,
     changes.wrong_type,
-    changes.undeclared,
     changes.atomic,
-    status_rate,
     start_arguments,
     start_file,
     start_invalid,

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import bounds, exercise, exercise_job, needs, submission
+from course_kit.grading import bounds, exercise, exercise_folders, exercise_job, needs, submission
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader
@@ -155,6 +155,7 @@ def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadab
         passed=False,
         score=0.0,
         max_score=task.points,
+        practice=task.practice,
         duration_s=0.0,
         problem=problem,
     )
@@ -201,6 +202,7 @@ def _report(task: Exercise, shown: str, outcome: GradingOutcome, isolation: str,
         passed=status != "error" and score >= task.pass_mark,
         score=score,
         max_score=task.points,
+        practice=task.practice,
         duration_s=time.monotonic() - began,
         checks=checks,
         stdout=outcome["stdout"],
@@ -239,6 +241,11 @@ def _check(task: Exercise, result: Record) -> CheckReport:
 
 
 def _hints(task: Exercise, check: str, found: Diagnosis | None) -> tuple[str, ...]:
-    """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check."""
-    of_cause = (task.ladder(found.code) or (found.hint,)) if found else ()
-    return tuple(dict.fromkeys((*of_cause, *task.ladder(check))))
+    """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check.
+
+    Whoever writes an exercise of their own does not have the catalogue before them: there it comes last.
+    """
+    of_cause, of_check = task.ladder(found.code) if found else (), task.ladder(check)
+    of_kit = (found.hint,) if found and not of_cause else ()
+    added = exercise_folders.is_added(task.folder)
+    return tuple(dict.fromkeys((*of_cause, *(() if added else of_kit), *of_check, *of_kit)))

@@ -58,8 +58,7 @@ class Exercise:
         starter: the file name of the starter program.
         notebook: the file name of its notebook.
         solution: the file with its solution, which may be missing, as in a student edition.
-        grader: what checks it, see `workers.grader_module`: a module's name, or the path of a file in its folder; empty
-            when all checks are declared.
+        grader: the module or file with checks in Python, see `workers.grader_module`; empty when all are declared.
         class_name: the Node class a submission defines.
         variable: what a submission sets instead, in exercises without ROS.
         seed: what the checks draw from when nobody gives a seed; drawn itself when None.
@@ -68,6 +67,7 @@ class Exercise:
         diagnoses: by code, those that it words in its own way or links elsewhere.
         sentences: its task, sentence by sentence.
         declared: the checks that its exercise.toml declares.
+        check_order: the ids of checks in the order in which that names them; others come last.
         variables: environment variables that a submission is started with, for these.
         practice: whether it counts for nothing: a drill.
         symptom: of a drill, what somebody who uses its program sees.
@@ -91,6 +91,7 @@ class Exercise:
     diagnoses: Mapping[str, Diagnosis]
     sentences: tuple[Sentence, ...] = ()
     declared: tuple[Declaration, ...] = ()
+    check_order: tuple[str, ...] = ()
     variables: Mapping[str, str] = field(default_factory=dict)
     practice: bool = False
     symptom: str = ""
@@ -110,7 +111,7 @@ class Exercise:
         found = self.diagnoses.get(code or "") or catalogue.catalogue().get(code or "")
         if found is None or found.notebook:
             return found
-        return replace(found, notebook=f"exercises/{self.id}/{self.notebook}")
+        return replace(found, notebook=exercise_folders.in_course(self.folder, self.notebook))
 
 
 def exercises_folder() -> Path:
@@ -225,7 +226,6 @@ def _parse(table: Record, folder: Path) -> Exercise:
     if not 0 < pass_mark <= points:
         raise ValueError(f"the pass mark {pass_mark:g} is not between 0 and {points:g} points")
     hints = tuple(Hint(tuple(hint["for"]), str(hint["text"])) for hint in table.get("hints", []))
-    diagnoses = _diagnoses(table.get("diagnoses", {}))
     texts: dict[str, Any] = {name: table[name] for name in _TEXTS}
     goal: dict[str, Any] = {name: str(table.get(name, "")) for name in ("class_name", "variable")}
     if bool(goal["class_name"]) == bool(goal["variable"]):
@@ -233,7 +233,6 @@ def _parse(table: Record, folder: Path) -> Exercise:
     seed = table.get("seed")
     if seed is not None and not isinstance(seed, int):
         raise ValueError("'seed' is not a whole number")
-    limits = Limits.from_mapping(table.get("limits", {}))
     practice = table.get("practice", False)
     if not isinstance(practice, bool):
         raise ValueError("'practice' is neither true nor false")  # noqa: TRY004 - a file's mistakes are all of one kind
@@ -242,9 +241,9 @@ def _parse(table: Record, folder: Path) -> Exercise:
         order=int(table["order"]),
         points=points,
         pass_mark=pass_mark,
-        limits=limits,
+        limits=Limits.from_mapping(table.get("limits", {})),
         hints=hints,
-        diagnoses=diagnoses,
+        diagnoses=_diagnoses(table.get("diagnoses", {})),
         seed=seed,
         solution=_solution(table, folder),
         grader=_grader(table, folder),
@@ -290,8 +289,8 @@ def _with_declared(task: Exercise, text: str, table: Record) -> Exercise:
     """
     from course_kit.grading.checks.declared import loading  # only for exercises that declare checks
 
-    declared = loading.load(text, table, task.folder / exercise_folders.TOML)
-    return replace(task, declared=declared, variables=loading.variables(table))
+    declared, order = loading.load(text, table, task.folder / exercise_folders.TOML)
+    return replace(task, declared=declared, check_order=order, variables=loading.variables(table))
 
 
 def _diagnoses(tables: object) -> dict[str, Diagnosis]:

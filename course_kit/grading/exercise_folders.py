@@ -61,6 +61,14 @@ def is_added(folder: Path) -> bool:
     return own is None or folder.parent not in (own, own / DRILLS)
 
 
+def in_course(folder: Path, name: str) -> str:
+    """A file of an exercise's folder as a path below the course's folder; empty for an exercise that was added."""
+    own = course_folder()
+    if own is None or is_added(folder):
+        return ""
+    return (folder / name).relative_to(own.parent).as_posix()
+
+
 def within(folder: Path) -> dict[str, tuple[Path, ...]]:
     """The exercises in one folder, by their ids."""
     return {toml.parent.name: (toml.parent,) for toml in sorted(folder.glob(f"*/{TOML}"))}

@@ -56,12 +56,15 @@ def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
         "",
         seed,
         class_name=task.class_name,
+        own_start=task.practice,  # a drill's program runs: without its start it would be another one
         variable=task.variable,
         limits=task.limits,
         hidden=tuple(dict.fromkeys((str(task.folder.resolve()), *exercise_folders.hidden()))),
         interfaces=task.interfaces,
         points=task.points,
         declared=tuple(asdict(one) for one in task.declared),
+        check_order=task.check_order,
+        variables=dict(task.variables),
         solution=asking.text_for(task),
     )
     if command is None:

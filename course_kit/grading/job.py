@@ -25,6 +25,7 @@ class Job:
         facts: what the source's text gives away.
         literal: what the source sets the variable to, where its text tells that; see `Submission.literal`.
         class_name: the Node class the exercise names.
+        own_start: whether the program has to start its node itself; else the class that it only defines is started.
         variable: the variable it names instead, when it needs no ROS.
         command: the executable and its arguments, for "exec".
         folder: the working directory of a command.
@@ -40,6 +41,7 @@ class Job:
         interfaces: the folder with the interfaces that the exercise brings, which the submission sees; empty for none.
         points: the exercise's full marks, which its checks have to add up to; 0 when nobody asks.
         declared: the checks that the exercise declares in its exercise.toml; see `checks.declared.declaration`.
+        check_order: the ids of checks in the order in which they are run; others come last.
         variables: environment variables that the submission is started with.
         solution: the text of the exercise's solution, where it is asked as an oracle; no submission ever sees it.
     """
@@ -54,6 +56,7 @@ class Job:
     facts: Facts = field(default_factory=Facts)
     literal: Record | None = None
     class_name: str = ""
+    own_start: bool = False
     variable: str = ""
     command: tuple[str, ...] = ()
     folder: str = ""
@@ -67,6 +70,7 @@ class Job:
     scratch: str = ""
     first_failure: bool = False
     declared: tuple[Record, ...] = ()
+    check_order: tuple[str, ...] = ()
     variables: Record = field(default_factory=dict)
     solution: str = ""
 

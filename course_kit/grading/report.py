@@ -59,6 +59,7 @@ class Report:
         stderr: the same of its errors; ROS 2 logs go there.
         problem: why there is no grade, when the status is unreadable or error.
         isolation: what kept the submission apart from the machine, in one line.
+        practice: whether it counts for nothing: a drill is solved, or not yet, and nobody asks for points.
         timings: where the time went, in seconds: worker_s until a worker was ready, start_s for making the sandbox and
             the grader's node, discovery_s until the program was found on the graph, checks_s, teardown_s, total_s (but
             the worker's); checks has for each check when it was done.
@@ -77,7 +78,15 @@ class Report:
     stderr: str = ""
     problem: str = ""
     isolation: str = ""
+    practice: bool = False
     timings: Record = field(default_factory=dict)
+
+    @property
+    def verdict(self) -> str:
+        """What was reached, in words: `8 of 10 points: passed`; of a drill `solved`."""
+        if self.practice:
+            return "solved" if self.passed else "not solved yet"
+        return f"{self.score:g} of {self.max_score:g} points: {'passed' if self.passed else 'not passed yet'}"
 
     def to_mapping(self) -> Record:
         """The report as JSON has it: exactly these names."""

@@ -111,7 +111,8 @@ def _lines(row: Row, width: int, tick: str) -> list[str]:
     mark = tick if known.passed else " "
     head = f"[{mark}] {task.order:>2} {task.id:<{width}}  {task.points:>6g}  {task.pass_mark:>7g}  {best:>4}  "
     title = wrapped(task.title, " " * 7, " " * 7)
-    return [f"{head}{known.tries:>5}  {row.state}", *title]
+    where = [f"       {workspace.shown(task.folder / task.notebook)}"] if exercise_folders.is_added(task.folder) else []
+    return [f"{head}{known.tries:>5}  {row.state}", *title, *where]
 
 
 def tick(encoding: str | None) -> str:

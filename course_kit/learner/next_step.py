@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
+from course_kit.learner import course_list
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,10 +19,17 @@ if TYPE_CHECKING:
 def next_step(passed: str, root: Path | None = None) -> str:
     """One sentence or two: the next lesson and the next exercise. An exercise follows the lesson of its number.
 
+    After a drill it is the next drill that is not solved yet.
+
     Args:
         passed: the id of the exercise.
         root: the course's folder, or a copy of it; the one this package runs from when None.
     """
+    drills, _ = course_list.rows(practice=True)
+    if (drill := next((row.task for row in drills if row.task.id == passed), None)) is not None:
+        left = next((row.task.id for row in drills if not row.known.passed and row.task is not drill), None)
+        way = f"Next: {environment.command()} drills {left}." if left else "That was the last drill."
+        return f"{way}{_comparison(drill)}"
     root = root or environment.checkout()
     tasks = _in_order()
     number = next((task.order for task in tasks if task.id == passed), 0)

@@ -41,7 +41,7 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
         raise GradingError(f"{path} is a folder. Name the .py or .ipynb file in it.")
     if not path.is_file():
         raise GradingError(f"There is no file {path}.")
-    best = None
+    best: Report | None = None
     try:
         with _Grader(task.id, path) as grader:
             print(f"Watching {path}: it is graded each time you save it. Ctrl-C ends.", flush=True)
@@ -50,9 +50,9 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
                 report = grader.grade()
                 print(card(report, before), flush=True)
                 before = report
-                best = report.score if best is None else max(best, report.score)
+                best = report if best is None or report.score > best.score else best
     except KeyboardInterrupt:
-        print("\nNo longer watching." + ("" if best is None else f" Best score: {best:g} points."))
+        print("\nNo longer watching." + ("" if best is None else _best(best)))
     return 0
 
 
@@ -133,12 +133,22 @@ def card(report: Report, before: Report | None) -> str:
 def _verdict(report: Report) -> str:
     if report.status in _NOT_GRADED:
         return "Not graded."
-    outcome = "passed" if report.passed else "not passed yet"
-    return f"{report.score:g} of {report.max_score:g} points: {outcome} ({report.duration_s:.1f} s)"
+    return f"{report.verdict} ({report.duration_s:.1f} s)"
+
+
+def _best(report: Report) -> str:
+    if report.practice:
+        return f" {report.verdict.capitalize()}."
+    return f" Best score: {report.score:g} points."
 
 
 def _difference(report: Report, before: Report | None) -> str:
-    if before is None or report.score == before.score or {report.status, before.status} & _NOT_GRADED:
+    if (
+        report.practice
+        or before is None
+        or report.score == before.score
+        or {report.status, before.status} & _NOT_GRADED
+    ):
         return ""
     return f", {report.score - before.score:+g} since the last save"
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import exercise
+from course_kit.grading import exercise, exercise_folders
 from tests.course_copy import REPOSITORY, Course, copy_course
 
 if TYPE_CHECKING:
@@ -36,12 +36,13 @@ def clone(tmp_path: Path) -> Course:
 
 @pytest.fixture
 def one_exercise(clone: Course) -> Callable[[str], Course]:
-    """Leaves one exercise in that course, so that there is little to grade."""
+    """Leaves one exercise in that course, and no drill, so that there is little to grade."""
 
     def keep(name: str) -> Course:
         for other in exercise.ids(clone.root / "exercises"):
             if other != name:
                 git(clone.root, "rm", "-rq", f"exercises/{other}")
+        git(clone.root, "rm", "-rq", f"exercises/{exercise_folders.DRILLS}")
         git(clone.root, "commit", "-q", "-m", "One exercise")
         return clone
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-pytestmark = pytest.mark.answers
+pytestmark = [pytest.mark.answers, pytest.mark.timeout(300)]  # each release has its own deadline in `Course.run`
 GRADER = 'grader = "checks.py"'
 ASKS = """
 [[endpoints]]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.authoring import check_table, corpus, gradings, rules, styles
+from course_kit.authoring import check, check_table, corpus, gradings, rules, styles
 from course_kit.cli import main
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.diagnosis.catalogue import catalogue, complete
@@ -122,7 +122,20 @@ new = 'answer = {{'
     path.write_text(text.format(name="odd", says="").replace("answers = {'", "no such text'"))
     code, out, err = run(capsys, EXERCISE)
     assert (code, out) == (2, "")
-    assert "replaces a text that occurs 0 times in pattern_choice.py" in err
+    told = (
+        f"tests/slips/{EXERCISE}.toml: the slip odd replaces a text that occurs 0 times in {solution(course)}, not once"
+    )
+    assert told in err
+    path.write_text(path.read_text().replace("failed", "fails"))
+    assert f"{path} cannot be used: in the slip odd, 'failed' is missing." in run(capsys, EXERCISE)[2]
+
+
+def test_its_help_tells_an_author_where_exercises_of_their_own_come_from(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        check.main(["--help"])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "--exercises DIR" in said
+    assert "what lies in its folder proof/" in said
 
 
 def test_a_sentence_that_nothing_turns_red_is_named(course: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
-from course_kit.grading import exercise
+from course_kit.grading import engine, exercise
+from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.engine import Task
 from course_kit.grading.reading import Reader
 from course_kit.grading.submission import Copy
@@ -36,6 +37,32 @@ def test_its_solution_and_its_starter_get_their_points(tmp_path: Path, worker: g
     starter = grade(made, made / "add_three.py", worker)
     assert (starter.score, starter.passed) == (1.0, False)
     assert starter.checks[1].hint == "A sum has three parts here."
+
+
+def test_the_authors_hints_come_before_the_kits(tmp_path: Path) -> None:
+    """In the course's own exercises that of a diagnosis comes first: there it is more to the point."""
+    mine = exercise.read(outside_exercises.write(tmp_path))
+    own = exercise.load("temperature_service")
+    known = catalogue.catalogue()["service.blocks"]
+    assert engine._hints(mine, "adds", known) == ("A sum has three parts here.", known.hint)
+    assert engine._hints(own, "fifty_calls", known) == (known.hint, *own.ladder("fifty_calls"))
+    with (mine.folder / "exercise.toml").open("a") as file:
+        file.write('\n[[hints]]\nfor = ["service.blocks"]\ntext = "Who waits?"\n')
+    mine = exercise.read(mine.folder)
+    assert engine._hints(mine, "adds", known) == ("Who waits?", "A sum has three parts here.")
+
+
+def test_nothing_links_from_an_exercise_elsewhere_into_the_course_s_exercises(tmp_path: Path) -> None:
+    mine = exercise.read(outside_exercises.write(tmp_path))
+    for code in catalogue.catalogue():
+        found = mine.diagnosis(code)
+        assert found is not None
+        assert not found.notebook.startswith("exercises/")
+        if found.notebook:
+            assert "exercise" not in found.section or code.startswith("quiz.")
+    drill = exercise.load("long_queue").diagnosis("math.formula")
+    assert drill is not None
+    assert drill.notebook == "exercises/drills/long_queue/long_queue.ipynb"
 
 
 def test_two_exercises_may_define_one_interface_each_in_its_own_way(tmp_path: Path, worker: grading.Worker) -> None:

@@ -158,6 +158,19 @@ def test_text_fits_and_says_all(width: int) -> None:
     assert "\x1b" not in text
 
 
+def test_a_drill_is_solved_or_not_yet_and_nobody_speaks_of_points() -> None:
+    drill = replace(REPORT, practice=True)
+    for one, said in ((drill, "Not solved yet"), (replace(drill, passed=True), "Solved")):
+        text, html = render_text(one), render_html(one)
+        assert f"{said}. (" in text
+        assert "PASS  The service is there\n" in text
+        assert f"<strong>{said}</strong>" in html
+        assert "ck-bar" not in html.rpartition("</style>")[2]
+        for page in (text, html):
+            assert "points" not in page.rpartition("</style>")[2]
+            assert "1.5" not in page.rpartition("</style>")[2]
+
+
 def test_text_has_no_exchange_that_the_rows_already_tell() -> None:
     short = replace(FAILED, steps=FAILED.steps[:2])
     assert "1. grader" not in render_text(replace(REPORT, checks=(short,)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,11 @@ def test_the_next_lesson_and_exercise_are_named(passed: str, sentence: str) -> N
     said = next_step(passed, REPOSITORY)
     assert said.startswith(f"{sentence} Compare yours with ours: ")
     assert said.endswith(f"solution {passed}")
+
+
+def test_after_a_drill_comes_the_next_one_that_is_not_solved() -> None:
+    said = next_step("empty_dashboard", REPOSITORY)
+    assert re.match(r"Next: \S+ drills deaf_to_cancel\. Compare yours with ours: \S+ solution empty_dashboard$", said)
 
 
 def test_after_the_last_one_it_says_so(tmp_path: Path) -> None:

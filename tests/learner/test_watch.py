@@ -8,6 +8,7 @@ import signal
 import subprocess
 import threading
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import psutil
@@ -222,6 +223,13 @@ def test_the_card_explains_the_first_failure_and_names_the_others() -> None:
     assert "not shown" not in text
     assert max(map(len, lines)) <= 80
     assert text.isascii()
+
+
+def test_of_a_drill_the_card_says_no_points() -> None:
+    before, after = (replace(report(score, check("One", "passed")), practice=True) for score in (2.0, 9.0))
+    assert watch.card(before, None).splitlines()[1].endswith("not solved yet (1.2 s)")
+    assert watch.card(after, before).splitlines()[1].endswith("solved (1.2 s)")
+    assert watch._best(after) == " Solved."
 
 
 def test_the_card_is_not_steered_by_what_the_program_has_printed() -> None:

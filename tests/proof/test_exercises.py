@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from tests.proof.conftest import Proofs
 
 SENTENCES = ROOT / "artifacts" / "sentences.md"
-pytestmark = pytest.mark.timeout(600)  # the first test of an exercise grades all its submissions
+pytestmark = pytest.mark.timeout(1200)  # the first test grades all submissions of all exercises
 OF_PATTERNS = ("start.syntax", "start.import", "start.crash", "start.exit", "limit.", "quiz.")
 NOT_OF_SERVICES = ("action.", "parameter.", "topic.", "quiz.", "name.action")
 OF_ACTIONS = ("start.", "limit.", "action.", "name.action", "name.node", "type.", "field.", "validation.overzealous")

@@ -161,7 +161,7 @@ def prove(exercise: Exercise, places: ProofPlaces, how: HowToProve, watcher: Pro
     """
     began = time.monotonic()
     source = _text(places.solution)
-    made, right = mutants.of(source), variants.of(source)
+    made, right = mutants.of(source), variants.of(source, own_start=exercise.practice)
     entries = equivalent.read(places.declared)
     with ProgramGrader(exercise, Store(places.store, exercise, resume=how.resume), how.workers) as grader:
         run = _Proving(exercise, source, grader, how, watcher)

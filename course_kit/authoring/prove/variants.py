@@ -22,6 +22,9 @@ _AWAITED = ("create_service", "create_subscription", "create_timer", "ActionServ
 _MADE = ("create_service", "create_subscription", "create_publisher", "create_timer", "create_client", "ActionServer")
 
 
+_NO_MAIN = "only the class, without main"
+
+
 @dataclass(frozen=True)
 class RightVariant:
     """A program that does what the solution does.
@@ -35,8 +38,12 @@ class RightVariant:
     source: str
 
 
-def of(source: str) -> list[RightVariant]:
+def of(source: str, *, own_start: bool = False) -> list[RightVariant]:
     """The variants of a solution; those that come out as the solution itself are left out.
+
+    Args:
+        source: the solution's text.
+        own_start: whether a program has to start its node itself, so that `main` belongs to it.
 
     Raises:
         SyntaxError: it is not Python.
@@ -45,6 +52,8 @@ def of(source: str) -> list[RightVariant]:
     seen = {parsed(source)}
     found = []
     for name, edits in _all(program):
+        if name == _NO_MAIN and own_start:
+            continue
         text = program.apply(tuple(edits))
         meaning = parsed(text)
         if edits and meaning and meaning not in seen:
@@ -56,7 +65,7 @@ def of(source: str) -> list[RightVariant]:
 def _all(program: ParsedProgram) -> Iterator[tuple[str, Sequence[Edit]]]:
     yield from _executors(program)
     made: tuple[tuple[str, Callable[[ParsedProgram], Sequence[Edit]]], ...] = (
-        ("only the class, without main", _without_main),
+        (_NO_MAIN, _without_main),
         ("with a main", _with_main),
         ("reentrant callback groups", _reentrant),
         ("asynchronous callbacks", _asynchronous),

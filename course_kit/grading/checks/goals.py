@@ -200,6 +200,24 @@ class CheckedGoal:
         same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(self._stderr, process.stderr, strict=False))
         return replace(process, stderr=process.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
 
+    def require_status(self, ended: Ended, status: int, evidence: Evidence) -> None:
+        """See that it has ended with a status, and without an exception.
+
+        Args:
+            ended: how it has ended.
+            status: that it has to have, see action_msgs/msg/GoalStatus.
+            evidence: what was seen of it.
+
+        Raises:
+            Failed: it has not; with the reason.
+        """
+        process, job = self.process(), self._context.job
+        cause = goals.of_exception(process, job)
+        if ended.status != status:
+            cause = goals.of_status(ended.name, process, job)
+        if cause is not None:
+            raise Failed(evidence, cause[1], cause[0])
+
     def _has_come(self, result: SentRequest) -> bool:
         if result.sent == 1 and self.over_at is not None and self.clock.wall() > RESEND_AFTER_S:
             result.send_again()

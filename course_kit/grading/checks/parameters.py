@@ -124,6 +124,18 @@ def shown(values: Mapping[str, object]) -> str:
     return ", ".join(f"{name}={value!r}" for name, value in values.items())
 
 
+def yaml(value: object) -> str:
+    """A value as YAML, for files and for `-p name:=value`."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"'{value}'" if isinstance(value, str) else repr(value)
+
+
+def start_arguments(values: Mapping[str, object]) -> list[str]:
+    """The arguments that start a program with these values, `--ros-args -p name:=value`."""
+    return ["--ros-args", *(word for name, value in values.items() for word in ("-p", f"{name}:={yaml(value)}"))]
+
+
 def expect_served(context: CheckContext, node: str) -> Evidence:
     """A node of this full name is up, and answers when it is asked for its parameters.
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 _MARKS = {"passed": "PASS", "failed": "FAIL", "skipped": "skip", "error": "ERR "}
 _TAIL_LINES = 12
+_POINTS = 7  # columns, `0.5/0.5`
 _ONE_EXCHANGE = 2  # steps: a request and its response
 
 
@@ -24,7 +25,7 @@ def render_text(report: Report, width: int = 80) -> str:
         "",
     ]
     for check in report.checks:
-        lines += check_lines(check, width)
+        lines += check_lines(check, width, practice=report.practice)
     if report.problem:
         lines += _wrap(report.problem, width)
     if any(check.status != "passed" for check in report.checks):
@@ -40,18 +41,19 @@ def _verdict(report: Report) -> str:
         return "Not graded: the submission could not be read."
     if report.status == "error":
         return "Not graded, and that is not your fault. Grade again; if it happens again, please report it."
-    outcome = "passed" if report.passed else "not passed yet"
-    return f"{report.score:g} of {report.max_score:g} points: {outcome}. ({report.duration_s:.1f} s)"
+    verdict = report.verdict[:1].upper() + report.verdict[1:]
+    return f"{verdict}. ({report.duration_s:.1f} s)"
 
 
-def check_lines(check: CheckReport, width: int) -> list[str]:
-    """One check's part of `render_text`."""
-    points = f"{check.points:g}/{check.max_points:g}"
-    head = _wrap(f"{_MARKS[check.status]}  {points:>7}  {check.title}", width, hanging=15)
+def check_lines(check: CheckReport, width: int, *, practice: bool = False) -> list[str]:
+    """One check's part of `render_text`; that of a drill has no points."""
+    points = "" if practice else f"{check.points:g}/{check.max_points:g}".rjust(_POINTS)
+    begin = f"{_MARKS[check.status]}  {points}{'' if practice else '  '}"
+    head = _wrap(f"{begin}{check.title}", width, hanging=len(begin))
     if check.status == "passed":
         return head
     if check.status == "skipped":
-        return [*head, *_wrap(check.message, width, indent=15)]
+        return [*head, *_wrap(check.message, width, indent=len(begin))]
     rows = [("we sent", check.sent), ("expected", check.expected), ("we got", check.got), *_steps(check)]
     rows += [("why", check.message), ("diagnosis", check.diagnosis or ""), ("hint", check.hint or "")]
     body = [line for name, text in rows if text for line in _wrap(f"{name:<9} {text}", width, indent=6, hanging=10)]

@@ -57,6 +57,7 @@ def program(job: Job, arguments: tuple[str, ...], files: Mapping[str, str]) -> P
         name=job.name,
         source=job.source,
         class_name=job.class_name,
+        own_start=job.own_start,
         arguments=arguments,
         files=files,
         command=job.command,

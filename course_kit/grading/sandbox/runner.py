@@ -47,6 +47,7 @@ class Program:
         name: the file's name, as it is to appear in tracebacks.
         source: its text; unused with a command.
         class_name: the Node class the exercise names, for modules that only define classes.
+        own_start: whether it has to start its node itself.
         arguments: what follows the program's name on its command line; the name of one of `files` stands for its path.
         files: texts to lay into its scratch directory, by file name.
         command: an executable with its arguments to start instead of Python source.
@@ -57,6 +58,7 @@ class Program:
     name: str
     source: str = ""
     class_name: str = ""
+    own_start: bool = False
     arguments: tuple[str, ...] = ()
     files: Mapping[str, str] = field(default_factory=dict)
     command: tuple[str, ...] = ()
@@ -169,7 +171,7 @@ def _run(program: Program, evidence: int) -> None:
     if _has_made_nodes():
         return
     del default
-    node_class = _find_class(module, program.class_name, evidence)
+    node_class = _find_class(module, program, evidence)
     if node_class is not None:
         _spin(node_class)
 
@@ -195,7 +197,8 @@ def _has_made_nodes() -> bool:
     return False
 
 
-def _find_class(module: ModuleType, wanted: str, evidence: int) -> type | None:
+def _find_class(module: ModuleType, program: Program, evidence: int) -> type | None:
+    """The class to start; None where there is none, with notes on what there is."""
     from rclpy.node import Node
 
     own = {
@@ -203,8 +206,8 @@ def _find_class(module: ModuleType, wanted: str, evidence: int) -> type | None:
         for thing in vars(module).values()
         if isinstance(thing, type) and issubclass(thing, Node) and thing.__module__ == "__main__"
     }
-    named = [thing for thing in own if thing.__name__ == wanted]
-    if named or len(own) == 1:
+    named = [thing for thing in own if thing.__name__ == program.class_name]
+    if not program.own_start and (named or len(own) == 1):
         return (named or list(own))[0]
     functions = [name for name, thing in vars(module).items() if callable(thing) and not isinstance(thing, type)]
     classes = [

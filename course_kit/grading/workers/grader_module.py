@@ -91,7 +91,7 @@ def interfaces_of(grader: Grader | None, job: Job) -> list[Any]:
 
 
 def checks_of(grader: Grader | None, job: Job, context: CheckContext | None = None) -> list[Check]:
-    """The checks of an exercise: those it declares, then those of its grader.
+    """The checks of an exercise, those it declares and those of its grader, in the order of its exercise.toml.
 
     Args:
         grader: what `load_for` gave.
@@ -112,10 +112,19 @@ def checks_of(grader: Grader | None, job: Job, context: CheckContext | None = No
         made += building.checks_of(around)
     if grader is not None:
         made += grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS  # type: ignore[attr-defined]
+    made = _ordered(made, job.check_order)
     worth = sum(one.points for one in made)
     if job.points and abs(worth - job.points) > _TINY:
         raise GradingError(f"the checks are worth {worth:g} points together, but the exercise {job.points:g}")
     return made
+
+
+def _ordered(checks: list[Check], order: Sequence[str]) -> list[Check]:
+    """The checks in this order; those that it does not name come last, as they were."""
+    if missing := set(order) - {one.id for one in checks}:
+        raise GradingError(f"exercise.toml names the check '{min(missing)}', and the grader has none of this id")
+    places = {name: place for place, name in enumerate(order)}
+    return sorted(checks, key=lambda one: places.get(one.id, len(places)))
 
 
 def interfaces_beside(grader: str) -> str:

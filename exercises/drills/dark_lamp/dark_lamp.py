@@ -5,8 +5,8 @@ appears anywhere.
 
 The program runs. Repair what is wrong with it:
 
-- Topics. The program listens to the slider, which publishes `std_msgs/msg/Float64` on `/brightness`, and publishes
-  `/lamp` (`std_msgs/msg/Bool`).
+- Topics. The program, which its own `main` starts, listens to the slider, which publishes `std_msgs/msg/Float64` on
+  `/brightness`, and publishes `/lamp` (`std_msgs/msg/Bool`).
 - The lamp. For each brightness comes one message on `/lamp`: whether it is above 0.5.
 """
 

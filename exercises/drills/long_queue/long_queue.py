@@ -5,7 +5,7 @@ seconds.
 
 The program runs. Repair what is wrong with it:
 
-- Names. The program offers the service `/weigh` (`example_interfaces/srv/AddTwoInts`).
+- Names. The program, which its own `main` starts, offers the service `/weigh` (`example_interfaces/srv/AddTwoInts`).
 - The weight. It answers with `a + b`.
 - Half a second. The scale needs half a second: an answer comes 0.4 s after its request at the earliest, and 1.2 s at
   the latest.

@@ -4,7 +4,7 @@
 
 The program runs. Repair what is wrong with it:
 
-- Names. The program offers the services `/add` and `/add_doubled`, both of the type
+- Names. The program, which its own `main` starts, offers the services `/add` and `/add_doubled`, both of the type
   `example_interfaces/srv/AddTwoInts`.
 - The sum. `/add` answers with `a + b`.
 - Twice the sum. `/add_doubled` answers with twice that, each time, within 1 s.

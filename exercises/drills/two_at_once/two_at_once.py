@@ -4,7 +4,7 @@ The arm rejects a goal while it paints. Send two goals quickly, one after the ot
 
 The program runs. Repair what is wrong with it:
 
-- Names. The program offers the action `/paint` (`example_interfaces/action/Fibonacci`).
+- Names. The program, which its own `main` starts, offers the action `/paint` (`example_interfaces/action/Fibonacci`).
 - Painting. A goal plans for a second, makes `order` strokes, and succeeds with their numbers in `sequence`: 0, 1, 2,
   ...
 - One arm. From the moment one goal is accepted until it has ended, every other goal is rejected.

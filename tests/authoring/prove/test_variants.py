@@ -49,6 +49,8 @@ def test_without_main_and_with_one() -> None:
     assert names == ["Half"]
     assert "main()" in of(alone)["with a main"]
     assert "only the class, without main" not in of(alone)
+    must_start = [one.name for one in variants.of(NODE, own_start=True)]
+    assert must_start == [name for name in of(NODE) if name != "only the class, without main"]
 
 
 def test_one_thread_is_no_right_variant_of_several() -> None:

@@ -9,7 +9,6 @@ import subprocess
 import sys
 import zipfile
 from datetime import datetime, timezone
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 import pytest
@@ -19,7 +18,7 @@ from course_kit.classroom import autograder
 from course_kit.classroom.exports import classroom50
 from course_kit.classroom.exports.texts import json_text
 from course_kit.cli.main import main
-from course_kit.grading import GradingError
+from course_kit.grading import GradingError, exercise, exercise_job
 from tests.classroom.exports import rules
 from tests.classroom.exports.books import SERVICE, bad, check, good, record, unreadable
 from tests.course_copy import REPOSITORY
@@ -57,9 +56,9 @@ def test_half_points_are_kept_in_whole_numbers() -> None:
     assert of_classroom50(record("jane", halves))["score"] == 85
 
 
-@pytest.mark.parametrize("grader", ["temperature_service", "move_robot", "robot_parameters"])
-def test_every_check_of_the_course_is_worth_whole_numbers_there(grader: str) -> None:
-    checks = import_module(f"course_kit.graders.{grader}").CHECKS
+@pytest.mark.parametrize("name", ["temperature_service", "move_robot", "robot_parameters"])
+def test_every_check_of_the_course_is_worth_whole_numbers_there(name: str) -> None:
+    checks = exercise_job.checks_of(exercise.load(name), 1)
     assert checks
     assert all((classroom50.SCALE * one.points).is_integer() for one in checks)
 

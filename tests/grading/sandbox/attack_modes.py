@@ -13,11 +13,12 @@ import stat
 import subprocess
 import sys
 import tempfile
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from course_kit.grading.job import Job
+from course_kit.grading import exercise, exercise_job
+from course_kit.grading.checks.declared import oracle  # noqa: F401 - as the grader's process does
 from course_kit.grading.sandbox import isolation, launcher, mounts, namespaces, seccomp
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
@@ -58,8 +59,10 @@ def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
 
 def main() -> None:
     """Read programs, a JSON object by name, and print the outcome of each, and what isolated them."""
-    mode, exercise = sys.argv[1:]
+    mode, name = sys.argv[1:]
     grader_process.warm_up()
+    task = exercise.load(name)
+    exercise_job.checks_of(task, 0)
     os.environ.update(ROS_LOG_DIR=tempfile.gettempdir(), HOME="/nonexistent")
     if mode in OF_USER and os.getuid() == 0:
         open_the_way(sys.base_prefix)
@@ -78,22 +81,20 @@ def main() -> None:
     programs = json.load(sys.stdin)
     seed = programs.pop("seed")
     print(json.dumps({"isolation": asdict(found)}), flush=True)
-    for name, source in programs.items():
+    for program, source in programs.items():
         user = isolation.guest(os.getpid()) if found.user else 0
-        job = Job(
-            f"course_kit.graders.{exercise}",
-            "run",
-            "answer.py",
-            seed,
+        job = replace(
+            exercise_job.of_running(task, seed),
+            mode="run",
+            name="answer.py",
             source=source,
-            class_name="TemperatureService",
             isolation=found,
             user=user,
         )
         sys.stdout.flush()
         if os.fork() == 0:
             outcome = Supervisor(job, handle).run()
-            print(json.dumps({"name": name, **outcome}), flush=True)
+            print(json.dumps({"name": program, **outcome}), flush=True)
             os._exit(0)
         os.wait()
         tree.end_descendants((starter,))

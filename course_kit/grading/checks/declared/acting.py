@@ -17,7 +17,7 @@ from course_kit.grading.checks.declared.starting import ensure_up
 from course_kit.grading.checks.declared.topics import answering, exchanged
 from course_kit.grading.checks.declared.values import as_list
 from course_kit.grading.checks.declared.wanted import meet, service_of, topic_of
-from course_kit.grading.checks.parameters import expect_served
+from course_kit.grading.checks.parameters import expect_served, start_arguments
 from course_kit.grading.checks.parameters import shown as shown_values
 from course_kit.grading.checks.services import call
 from course_kit.grading.diagnosis.exceptions import explained as explained_end
@@ -25,11 +25,15 @@ from course_kit.grading.diagnosis.hangs import told
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from typing import TypeAlias
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.declared.around import Around
     from course_kit.grading.checks.declared.declaration import Declaration
     from course_kit.grading.checks.parameters import Remote
+
+    _Cases: TypeAlias = Sequence[tuple[InputCase, Mapping[str, Any]]]
+    """Inputs, each with what expressions may call the solution's answer."""
 
 _SILENT_S = 3.0  # how long the next message of a publisher is waited for
 _ON_ITS_WAY = 2  # messages of a publisher: the one after a change may have been sent before it
@@ -52,12 +56,7 @@ def parameter_acts(context: CheckContext, check: Declaration, around: Around) ->
     return evidence
 
 
-def _while_it_runs(
-    context: CheckContext,
-    check: Declaration,
-    values: Mapping[str, Any],
-    cases: Sequence[tuple[InputCase, Mapping[str, Any]]],
-) -> Evidence:
+def _while_it_runs(context: CheckContext, check: Declaration, values: Mapping[str, Any], cases: _Cases) -> Evidence:
     ensure_up(context, check.endpoints)
     remote = served(context, check.node)
     with put_back(context, remote, values):
@@ -91,13 +90,8 @@ def ask(context: CheckContext, check: Declaration, around: Around) -> list[Any]:
     return found
 
 
-def _at_start(
-    context: CheckContext,
-    check: Declaration,
-    values: Mapping[str, Any],
-    cases: Sequence[tuple[InputCase, Mapping[str, Any]]],
-) -> Evidence:
-    arguments = ["--ros-args", *(word for name, value in values.items() for word in ("-p", f"{name}:={_yaml(value)}"))]
+def _at_start(context: CheckContext, check: Declaration, values: Mapping[str, Any], cases: _Cases) -> Evidence:
+    arguments = start_arguments(values)
     sent = " ".join(arguments)
     with ExitStack() as afterwards:
         afterwards.callback(context.spoil)  # whatever comes next needs a start without arguments
@@ -124,7 +118,7 @@ def _look(
     check: Declaration,
     remote: Remote,
     values: Mapping[str, Any],
-    cases: Sequence[tuple[InputCase, Mapping[str, Any]]],
+    cases: _Cases,
 ) -> tuple[Evidence, tuple[list[Exchanged], int, Tolerance] | None]:
     """What comes with the present settings: evidence of the first wrong exchange with all of them, else of the last."""
     tolerance = Tolerance.of(check.keys.get("tolerance"))
@@ -206,9 +200,3 @@ def _sent(values: Mapping[str, Any], check: Declaration, case: InputCase) -> str
     where = next((check.endpoints[end].name for end in ("service", "subscription") if end in check.endpoints), "")
     told = [shown_values(values)] if values else []
     return "; ".join([*told, f"{where}: {shown(_plain_input(check, case))}"] if where else told)
-
-
-def _yaml(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f"'{value}'" if isinstance(value, str) else repr(value)

@@ -6,6 +6,7 @@ import math
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
+from course_kit.grading.checks.declared.kinds import PYTHON
 from course_kit.grading.checks.declared.reading import CHECKS, tables_of
 from course_kit.grading.diagnosis import catalogue
 from course_kit.ros.names import did_you_mean
@@ -31,6 +32,7 @@ def require(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes:
         mistakes: gets what is wrong.
         whole: whether these are all checks; else nothing is said about what others may have.
     """
+    _marks(checks, table, lines, mistakes, whole=whole)
     _points(checks, table, lines, mistakes, whole=whole)
     _ids(checks, mistakes, whole=whole)
     _sentences(checks, table, lines, mistakes, whole=whole)
@@ -50,6 +52,8 @@ def declared_facts(table: Record, lines: Lines, facts: type[CheckFacts]) -> list
     found = []
     for number, one in enumerate(tables_of(table, CHECKS)):
         name, points = one.get("id"), one.get("points")
+        if one.get("kind") == PYTHON:
+            continue
         if not isinstance(name, str) or isinstance(points, bool) or not isinstance(points, (int, float)):
             continue
         line = lines.of_table(CHECKS, number)
@@ -60,6 +64,27 @@ def declared_facts(table: Record, lines: Lines, facts: type[CheckFacts]) -> list
 def _names(table: Record, key: str) -> tuple[str, ...]:
     value = table.get(key)
     return tuple(map(str, value)) if isinstance(value, list) else ()
+
+
+def _marks(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes: MistakeList, *, whole: bool) -> None:
+    """What marks the place of a check in Python says which, and nothing that is said there."""
+    known = {one.id: one for one in checks if one.path is not None}
+    seen: set[str] = set()
+    for number, mark in enumerate(tables_of(table, CHECKS)):
+        if mark.get("kind") != PYTHON:
+            continue
+        name, more = str(mark.get("id", "")), sorted(set(mark) - {"id", "kind"})
+        if more:
+            text = f"'{more[0]}' of a check in Python stands beside its function, not here."
+            mistakes.add(lines.within(CHECKS, number, more[0]), text)
+        if not name:
+            mistakes.add(lines.of_table(CHECKS, number), "'id' is missing: the name of the check's function.")
+        elif "grader" not in table or (whole and name not in known):
+            told = did_you_mean(name, known) or ' Name the file or module with it: grader = "checks.py".'
+            mistakes.add(lines.within(CHECKS, number, "id"), f"No check in Python is called '{name}'.{told}")
+        elif name in seen:
+            mistakes.add(lines.within(CHECKS, number, "id"), f"The check '{name}' stands here twice.")
+        seen.add(name)
 
 
 def _points(checks: Sequence[CheckFacts], table: Record, lines: Lines, mistakes: MistakeList, *, whole: bool) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_kit.grading.checks.declared.messages import Tolerance, differences, plain
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
 _DENORMAL = 1e-300  # an integer written into a float field arrives as one of the smallest numbers there are
 _LOST = 1.0  # what is lost by //, int() or round() is less
+_DECIMALS = range(1, 13)  # places to which a value may have been rounded, or cut off
+_USUAL = Tolerance()  # within which a formula is the right one
 
 
 class Exchanged(NamedTuple):
@@ -57,14 +60,24 @@ def _of_numbers(  # noqa: PLR0913 - all that is known of them
         return "math.formula", f"{field} has the right size and the wrong sign."
     if _digits_are_lost(wanted, got, pairs, floors=floors):
         off = abs(got - wanted)
-        return "math.integer_division", f"{field} is off by {off:.2g}: digits were lost (//, int() or round())."
+        told = "digits were lost in the calculation (//, int() or round())."
+        return "math.integer_division", f"{field} is off by {off:.2g}: {told}"
     return "math.formula", f"{field} has to be {wanted:.10g} here, not {got:.10g}."
 
 
 def _digits_are_lost(wanted: float, got: float, pairs: list[tuple[Any, Any]], *, floors: bool) -> bool:
     near = all(abs(one - two) < _LOST for one, two in pairs)
     whole = all(float(two).is_integer() for _, two in pairs)
-    return near and (whole or floors) and not float(wanted).is_integer() and got != wanted
+    if near and (whole or floors) and not float(wanted).is_integer() and got != wanted:
+        return True
+    if all(isinstance(two, float) and _USUAL.allows(float(one), two) for one, two in pairs):
+        return True
+    return near and any(all(_is_rounded(one, two, places) for one, two in pairs) for places in _DECIMALS)
+
+
+def _is_rounded(wanted: float, got: float, places: int) -> bool:
+    """Whether a value is the wanted one, rounded or cut off after so many decimal places."""
+    return math.isfinite(got) and got == round(got, places) and abs(got - wanted) < 10.0**-places
 
 
 def _pairs(path: str, of_all: Sequence[Exchanged]) -> list[tuple[Any, Any]]:

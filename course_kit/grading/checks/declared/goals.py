@@ -8,12 +8,19 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.declared.around import made
 from course_kit.grading.checks.declared.explaining import Exchanged, explained
-from course_kit.grading.checks.declared.messages import Tolerance, differences, plain, shown, shown_part, worked_out
+from course_kit.grading.checks.declared.messages import (
+    Tolerance,
+    differences,
+    in_words,
+    plain,
+    shown,
+    shown_part,
+    worked_out,
+)
 from course_kit.grading.checks.declared.services import require_not_before
 from course_kit.grading.checks.declared.starting import ensure_up
 from course_kit.grading.checks.declared.wanted import action_of
 from course_kit.grading.checks.goals import SUCCEEDED, CheckedGoal, Ended
-from course_kit.grading.diagnosis import goals
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +30,7 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.declared.declaration import Declaration
     from course_kit.grading.plain_data import Record
 
+_TO_BE_REJECTED = "a goal that it has to reject"
 _ACCEPTED, _REJECTED = "the goal accepted", "the goal rejected"
 _END_S = 10.0  # within which a goal ends, unless the check says otherwise
 REACHED = "SUCCEEDED"
@@ -72,15 +80,16 @@ def goal_refused(context: CheckContext, check: Declaration, around: Around) -> E
         evidence = Evidence(sent, _REJECTED, _ACCEPTED if goal.accepted else _REJECTED)
         if goal.accepted:
             context.spoil()
-            raise _accepted(first, evidence)
+            what = in_words(check, _TO_BE_REJECTED, goal=plain(made(_goal_type(check), case.fields, "the goal")))
+            raise _accepted(first, evidence, what)
     if first is not None:
         succeed(context, check, first, {})
     return evidence
 
 
-def _accepted(first: CheckedGoal | None, evidence: Evidence) -> Failed:
+def _accepted(first: CheckedGoal | None, evidence: Evidence, what: str) -> Failed:
     if first is None:
-        return Failed(evidence, "Your server accepted a goal that it has to reject.", "action.accepts_impossible")
+        return Failed(evidence, f"Your server accepted {what}.", "action.accepts_impossible")
     if first.over_at is not None:
         message = "The first goal was over before the second arrived: it has to run while the second is sent."
         return Failed(evidence, message)
@@ -141,14 +150,12 @@ def succeed(context: CheckContext, check: Declaration, goal: CheckedGoal, wanted
     """
     expected = f"{REACHED}, {shown_part(wanted)}" if wanted else REACHED
     ended = goal.wait_for_end(float(check.keys.get("within_s", _END_S)), expected)
-    process = goal.process()
-    cause = goals.of_exception(process, context.job)
-    if ended.status != SUCCEEDED:
-        cause = goals.of_status(ended.name, process, context.job)
-    if cause is not None:
+    try:
+        evidence = Evidence(goal.shown, expected, f"{ended.name}, {shown(plain(ended.result))}")
+        goal.require_status(ended, SUCCEEDED, evidence)
+    except Failed:
         context.spoil()
-        diagnosis, message = cause
-        raise Failed(Evidence(goal.shown, expected, f"{ended.name}, {shown(plain(ended.result))}"), message, diagnosis)
+        raise
     return ended
 
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 import random
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from course_kit.grading.plain_data import Record
 
+T = TypeVar("T")
 DRAW, CHOICE, COUNT = "draw", "choice", "count"
 MOST = 50  # values of one draw
 _STEPS = 4  # digits of a drawn number, counted from the first of its range
@@ -65,6 +66,20 @@ def count_of(table: Record) -> int:
     """How many tables are made of one with drawn values; 1 for one whose counts are none."""
     counts = [one.get(COUNT, 1) for one in _draws(table)]
     return max([1, *(count for count in counts if isinstance(count, int))])
+
+
+def in_turns(made: Sequence[T], counts: Sequence[int]) -> list[T]:
+    """What was made of several tables, one of each in turn, then the next of each.
+
+    Args:
+        made: in the order of the tables.
+        counts: how many were made of each.
+    """
+    places, start = [], 0
+    for table, count in enumerate(counts):
+        places += [(number, table, start + number) for number in range(count)]
+        start += count
+    return [made[place] for _, _, place in sorted(places)]
 
 
 def _drawn(table: Record, source: random.Random) -> Iterator[Record]:

@@ -17,6 +17,9 @@ EXPECT = "expect"  # a table of fields whose texts are expressions, or one expre
 TOLERANCE = "tolerance"
 SETTINGS = "settings"  # tables of values by the names of parameters, or one
 VALUE = "value"  # of a parameter
+VALUES = "values"  # a table of values by the names of parameters
+TYPES = "types"  # a table of types by the names of parameters
+WORDS = "words"  # an expression that gives a text
 
 COMMON = {
     "id": TEXT,
@@ -27,6 +30,7 @@ COMMON = {
     "proves": TEXTS,
     "deadline_s": NUMBER,
 }
+PYTHON = "python"  # marks the place of a check that the grader has in Python
 REQUIRED = ("id", "kind", "title", "points")
 ORACLE = "oracle"  # the name, in expressions, of what the exercise's solution answers
 
@@ -95,6 +99,8 @@ _ACTS = {
     "expect": Key(EXPECT, "message", required=True),
     "tolerance": Key(TOLERANCE),
 }
+_SERVICE = Kind("", {}, ("service",), "request", deadline_s=10.0, names=("request",))
+_ACTION = Kind("", {}, ("action",), "goal", deadline_s=30.0, names=("goal",))
 KINDS: dict[str, Kind] = {
     "offered": Kind(
         "endpoints are there, each with its type",
@@ -102,32 +108,28 @@ KINDS: dict[str, Kind] = {
         deadline_s=12.0,
     ),
     "node_name": Kind("the node has its name", {"node": Key(TEXT, required=True)}),
-    "answers": Kind(
-        "a service answers these requests in this way",
-        _exchange("request", "response", within_s=Key(NUMBER), not_before_s=Key(NUMBER), clients=Key(COUNT)),
-        endpoints=("service",),
-        sends="request",
+    "answers": replace(
+        _SERVICE,
+        about="a service answers these requests in this way",
+        keys=_exchange("request", "response", within_s=Key(NUMBER), not_before_s=Key(NUMBER), clients=Key(COUNT)),
         receives="response",
-        deadline_s=10.0,
-        names=("request",),
         oracle=True,
     ),
-    "refuses": Kind(
-        "a service refuses these requests, gives a reason, and lives on",
-        {
+    "refuses": replace(
+        _SERVICE,
+        about="a service refuses these requests, gives a reason, and lives on",
+        keys={
             "requests": Key(INPUTS, "request", required=True),
             "refused": Key(FIELDS, "response"),
             "reason": Key(TEXT, "response"),
             "valid": Key(FIELDS, "request"),
+            "what": Key(WORDS),
         },
-        endpoints=("service",),
-        sends="request",
-        deadline_s=10.0,
     ),
     "topic_answers": Kind(
         "each message on one topic is answered by one on another",
         _exchange("message", "message", exactly_one=Key(TRUTH)),
-        endpoints=("subscription", "publisher"),
+        ("subscription", "publisher"),
         sends="message",
         receives="message",
         deadline_s=10.0,
@@ -137,18 +139,25 @@ KINDS: dict[str, Kind] = {
     "topic_rate": Kind(
         "messages come at this rate",
         {"hz": Key(NUMBER, required=True), "tolerance": Key(NUMBER)},
-        endpoints=("publisher",),
+        ("publisher",),
         deadline_s=12.0,
     ),
     "parameter_declared": Kind(
-        "the node has declared a parameter, with this type and default",
-        {"parameter": Key(TEXT, required=True), "type": Key(TEXT), "default": Key(VALUE)},
+        "the node has declared parameters, with these types and defaults",
+        {
+            "parameter": Key(TEXT),
+            "type": Key(TEXT),
+            "default": Key(VALUE),
+            "parameters": Key(TEXTS),
+            "types": Key(TYPES),
+            "defaults": Key(VALUES),
+        },
         node=True,
     ),
     "parameter_acts": Kind(
         "a parameter that is set changes what the node publishes",
         _ACTS,
-        endpoints=("publisher",),
+        ("publisher",),
         receives="message",
         deadline_s=12.0,
         node=True,
@@ -161,22 +170,20 @@ KINDS: dict[str, Kind] = {
         deadline_s=10.0,
         node=True,
     ),
-    "goal_succeeds": Kind(
-        "goals are accepted and end SUCCEEDED",
-        {
+    "goal_succeeds": replace(
+        _ACTION,
+        about="goals are accepted and end SUCCEEDED",
+        keys={
             **_exchange("goal", "result", within_s=Key(NUMBER), not_before_s=Key(NUMBER)),
             "expect": Key(EXPECT, "result"),
         },
-        endpoints=("action",),
-        sends="goal",
         receives="result",
-        deadline_s=30.0,
-        names=("goal",),
         oracle=True,
     ),
-    "goal_feedback": Kind(
-        "feedback comes while a goal runs",
-        {
+    "goal_feedback": replace(
+        _ACTION,
+        about="feedback comes while a goal runs",
+        keys={
             "goals": Key(INPUTS, "goal", required=True),
             "at_least": Key(COUNT),
             "spread": Key(TRUTH),
@@ -188,25 +195,22 @@ KINDS: dict[str, Kind] = {
             "tolerance": Key(TOLERANCE),
             "within_s": Key(NUMBER),
         },
-        endpoints=("action",),
-        sends="goal",
-        deadline_s=30.0,
         names=("goal", "feedback"),
     ),
-    "goal_refused": Kind(
-        "goals are rejected",
-        {
+    "goal_refused": replace(
+        _ACTION,
+        about="goals are rejected",
+        keys={
             "goals": Key(INPUTS, "goal", required=True),
             "while_running": Key(FIELDS, "goal"),
             "within_s": Key(NUMBER),
+            "what": Key(WORDS),
         },
-        endpoints=("action",),
-        sends="goal",
-        deadline_s=30.0,
     ),
-    "goal_cancelled": Kind(
-        "a goal that runs can be cancelled",
-        {
+    "goal_cancelled": replace(
+        _ACTION,
+        about="a goal that runs can be cancelled",
+        keys={
             "goals": Key(INPUTS, "goal", required=True),
             "after_s": Key(NUMBER),
             "within_s": Key(NUMBER),
@@ -214,11 +218,7 @@ KINDS: dict[str, Kind] = {
             "tolerance": Key(TOLERANCE),
             "then": Key(FIELDS, "goal"),
         },
-        endpoints=("action",),
-        sends="goal",
         receives="result",
-        deadline_s=30.0,
-        names=("goal",),
     ),
 }
 # What a parameter acts on, when that is an answer: by the key of what is sent.

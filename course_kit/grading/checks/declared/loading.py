@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 _PYTHON, _ENVIRONMENT = ".py", "environment"
 
 
-def load(text: str, table: Record, path: Path) -> tuple[Declaration, ...]:
-    """The declared checks of an exercise.
+def load(text: str, table: Record, path: Path) -> tuple[tuple[Declaration, ...], tuple[str, ...]]:
+    """The declared checks of an exercise, and the ids by which its checks are put in order.
 
     Args:
         text: of its exercise.toml.
@@ -40,7 +40,7 @@ def load(text: str, table: Record, path: Path) -> tuple[Declaration, ...]:
     if facts or not grader:
         agreement.require(facts, table, lines, mistakes, whole=python is not None)
     mistakes.require_none()
-    return found
+    return found, reading.order_of(table)
 
 
 def variables(table: Record) -> dict[str, str]:

@@ -40,6 +40,11 @@ class Tolerance:
             return cls(float(given.get("relative", 0.0)), float(given.get("absolute", 0.0)))
         return cls(0.0, 0.0 if given == "exact" else float(given))
 
+    @property
+    def wants_all_digits(self) -> bool:
+        """Whether it matters what stands behind the digits that are usually shown."""
+        return max(self.relative, self.absolute) < _ABSOLUTE
+
     def allows(self, wanted: Any, got: Any) -> bool:
         """Whether one value is the other."""
         if isinstance(wanted, float) or isinstance(got, float):
@@ -89,6 +94,17 @@ def worked_out(expected: Any, names: Mapping[str, Any]) -> Any:
     return expected
 
 
+def in_words(check: Declaration, otherwise: str, **names: Any) -> str:
+    """What the `what` of a check says in words of an input.
+
+    Args:
+        check: the check.
+        otherwise: what is said where it has none.
+        names: plain data by name.
+    """
+    return str(worked_out(check.keys["what"], names)) if "what" in check.keys else otherwise
+
+
 def parameters_in(expected: Any) -> list[str]:
     """The parameters that the expressions of what is expected look up."""
     if isinstance(expected, dict):
@@ -131,30 +147,36 @@ def differences(wanted: Any, got: Any, tolerance: Tolerance, path: str = "") -> 
         yield path, wanted, None if got is MISSING else got
 
 
-def shown(fields: Any) -> str:
-    """A message as plain data in one line, `value=21.5, from_unit='celsius'`, nested fields with a dot."""
+def shown(fields: Any, *, exact: bool = False) -> str:
+    """A message as plain data in one line, `value=21.5, from_unit='celsius'`, nested fields with a dot.
+
+    Args:
+        fields: the plain data.
+        exact: whether numbers are shown with all their digits.
+    """
     told = list(_flat(fields))
     few = told if len(told) <= _FEW else [(name, value) for name, value in told if value]
-    words = [_field(*one) for one in few]
+    words = [_field(*one, exact=exact) for one in few]
     if len(few) < len(told):
         words.append("the rest 0" if few else "all fields 0")
     return ", ".join(words) or "an empty message"
 
 
-def shown_part(fields: Any, only: Any = None) -> str:
+def shown_part(fields: Any, only: Any = None, *, exact: bool = False) -> str:
     """Some fields of a message in one line, those that are 0 included.
 
     Args:
         fields: plain data.
         only: the fields to show, as the keys of another such data; all when None.
+        exact: see `shown`.
     """
     told = list(_flat(fields, only))
-    words = [_field(*one) for one in told[:_MOST]]
+    words = [_field(*one, exact=exact) for one in told[:_MOST]]
     return ", ".join([*words, f"{len(told) - _MOST} more"] if len(told) > _MOST else words) or "an empty message"
 
 
-def _field(name: str, value: Any) -> str:
-    return f"{name}={_value(value)}" if name else _value(value)
+def _field(name: str, value: Any, *, exact: bool) -> str:
+    return f"{name}={_value(value, exact)}" if name else _value(value, exact)
 
 
 def _flat(fields: Any, only: Any = None, path: str = "") -> Iterator[tuple[str, Any]]:
@@ -167,12 +189,12 @@ def _flat(fields: Any, only: Any = None, path: str = "") -> Iterator[tuple[str, 
             yield from _flat(value, inner, f"{path}.{name}" if path else name)
 
 
-def _value(value: Any) -> str:
+def _value(value: Any, exact: bool) -> str:
     if isinstance(value, bool) or not isinstance(value, (float, str, list)):
         return repr(value)
     if isinstance(value, float):
-        return repr(value) if value.is_integer() else f"{value:.{_DIGITS}g}"
+        return repr(value) if exact or value.is_integer() else f"{value:.{_DIGITS}g}"
     if isinstance(value, str):
         return repr(value if len(value) <= _LONGEST else f"{value[:_LONGEST]}...")
-    text = f"[{', '.join(map(_value, value[:_LONGEST]))}]"
+    text = f"[{', '.join(_value(one, exact) for one in value[:_LONGEST])}]"
     return text if len(value) <= _LONGEST else f"{text[:-1]}, ...]"

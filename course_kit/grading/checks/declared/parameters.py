@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.declared.inputs import drawn
-from course_kit.grading.checks.declared.rules import type_of
+from course_kit.grading.checks.declared.rules import type_of, wanted_of
 from course_kit.grading.checks.declared.settings import put_back, served
 from course_kit.grading.checks.declared.values import as_list
 from course_kit.grading.checks.parameters import require_proper_answer, shown
 from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.declared.around import Around
@@ -25,34 +26,53 @@ _NEEDS_A_POINT = " A double needs a decimal point."
 
 
 def parameter_declared(context: CheckContext, check: Declaration, around: Around) -> Evidence:
-    """The parameter is there, with its type and its default.
+    """The parameters are there, with their types and their defaults.
 
     Raises:
-        Failed: it is not, or has others.
+        Failed: one is not, or has others.
     """
     del around
-    name, default = check.keys["parameter"], check.keys.get("default")
-    wanted = check.keys.get("type") or type_of(default)
-    expected = (
-        f"{name}{f' of type {wanted}' if wanted else ''}{'' if default is None else f', {default!r} at the start'}"
-    )
+    wanted = wanted_of(check.keys)
     remote = served(context, check.node)
-    found = remote.values([name])[name]
-    evidence = Evidence("get_parameters", expected, f"{name}={found.value!r}, of type {found.type}")
-    if found.type == NOT_SET:
-        names = remote.names()
-        evidence = replace(evidence, got=f"the node has {', '.join(names) or 'no parameters'}")
-        if name in names:
-            message = f"{name} is declared without a value, so there is nothing to read."
-            raise Failed(evidence, message, "parameter.default")
-        raise Failed(evidence, f"Your node has not declared {name}.", "parameter.undeclared")
-    if wanted and found.type != wanted:
-        hint = _NEEDS_A_POINT if (wanted, found.type) == ("double", "integer") else ""
-        raise Failed(evidence, f"{name} is a parameter of type {found.type}, not {wanted}.{hint}", "parameter.type")
-    if default is not None and found.value != default:
-        message = f"Started without settings, your node has {shown({name: found.value})}."
+    if not any(kind for kind, _ in wanted.values()):
+        return _require_names(remote, list(wanted), Evidence("list_parameters", ", ".join(wanted)))
+    found = remote.values(list(wanted))
+    told = ", ".join(f"{name}={one.value!r}, of type {one.type}" for name, one in found.items())
+    evidence = Evidence("get_parameters", ", ".join(itertools.starmap(_shown_wanted, wanted.items())), told)
+    if empty := [name for name, one in found.items() if one.type == NOT_SET]:
+        _require_names(remote, empty, evidence)
+        message = f"{_are(empty)} declared without a value, so there is nothing to read."
         raise Failed(evidence, message, "parameter.default")
+    if wrong := [name for name, (kind, _) in wanted.items() if kind and found[name].type != kind]:
+        told = " and ".join(f"{name} is {found[name].type}, expected {wanted[name][0]}" for name in wrong)
+        point = any((found[name].type, wanted[name][0]) == ("integer", "double") for name in wrong)
+        raise Failed(evidence, f"{told}.{_NEEDS_A_POINT if point else ''}", "parameter.type")
+    others = {
+        name: found[name].value
+        for name, (_, default) in wanted.items()
+        if default is not None and found[name].value != default
+    }
+    if others:
+        raise Failed(evidence, f"Started without settings, your node has {shown(others)}.", "parameter.default")
     return evidence
+
+
+def _require_names(remote: Remote, wanted: Sequence[str], evidence: Evidence) -> Evidence:
+    """These parameters are declared, with a value or without one."""
+    names = remote.names()
+    if missing := [name for name in wanted if name not in names]:
+        evidence = replace(evidence, got=f"the node has {', '.join(names) or 'no parameters'}")
+        raise Failed(evidence, f"Your node has not declared {', '.join(missing)}.", "parameter.undeclared")
+    return replace(evidence, got=evidence.got or ", ".join(names))
+
+
+def _shown_wanted(name: str, wanted: tuple[str, Any]) -> str:
+    kind, default = wanted
+    return f"{name}{f' of type {kind}' if kind else ''}{'' if default is None else f', {default!r} at the start'}"
+
+
+def _are(names: Sequence[str]) -> str:
+    return f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'}"
 
 
 def parameter_refuses(context: CheckContext, check: Declaration, around: Around) -> Evidence:
@@ -65,8 +85,7 @@ def parameter_refuses(context: CheckContext, check: Declaration, around: Around)
     evidence = Evidence()
     for values in drawn(as_list(check.keys["set"]), context.job.seed, check.id):
         remote = served(context, check.node)
-        with put_back(context, remote, values):
-            before = remote.values(list(values))
+        with put_back(context, remote, values) as before:
             evidence = _refused(check, remote, values, before)
             now = remote.values(list(values))
             if now != before:

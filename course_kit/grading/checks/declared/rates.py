@@ -51,7 +51,7 @@ def topic_rate(context: CheckContext, check: Declaration, around: Around) -> Evi
         got = f"{inbox.count} message{'s' * (inbox.count != 1)} within {seconds} s"
         message = f"{topic.name} has to be published {check.keys['hz']:g} times a second, by a timer."
         raise Failed(replace(evidence, got=got), message, "topic.silent")
-    raise Failed(evidence, f"Publish it from a timer with a period of {period_s:.3g} s.")
+    raise Failed(evidence, f"Publish {topic.name} from a timer with a period of {period_s:.3g} s.")
 
 
 def _looks(times: Sequence[float]) -> list[Sequence[float]]:

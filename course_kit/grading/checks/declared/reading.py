@@ -32,7 +32,13 @@ def read(table: Record, lines: Lines, mistakes: MistakeList) -> tuple[Declaratio
         mistakes: gets what is wrong.
     """
     reading = _Reading(table, lines, mistakes)
-    return tuple(one for number in range(len(tables_of(table, CHECKS))) if (one := reading.check(number)) is not None)
+    numbers = [number for number, one in enumerate(tables_of(table, CHECKS)) if one.get("kind") != kinds.PYTHON]
+    return tuple(one for number in numbers if (one := reading.check(number)) is not None)
+
+
+def order_of(table: Record) -> tuple[str, ...]:
+    """The ids of an exercise's `[[checks]]` in their order, those that mark the place of a check in Python included."""
+    return tuple(str(one.get("id", "")) for one in tables_of(table, CHECKS))
 
 
 def tables_of(table: Record, name: str) -> list[Record]:
@@ -143,7 +149,7 @@ class _OneCheck:
     def _kind(self) -> Kind | None:
         name = self._table.get("kind")
         if not isinstance(name, str):
-            self._tell(f"'kind' is missing. There are {', '.join(kinds.KINDS)}.")
+            self._tell(f"'kind' is missing. There are {', '.join((*kinds.KINDS, kinds.PYTHON))}.")
             return None
         if name not in kinds.KINDS:
             self._tell(f"There is no kind '{name}'.{choice(name, kinds.KINDS)}", "kind")
@@ -237,7 +243,7 @@ class _OneCheck:
             def tell(text: str, *words: str, of: str = key) -> None:
                 self._tell(text, of, *words)
 
-            if spec.form == kinds.EXPECT:
+            if spec.form in (kinds.EXPECT, kinds.WORDS):
                 values.look_over_expected(value, fields, names, tell)
             elif spec.form == kinds.CASES:
                 self._look_over_each(kind, endpoints, names, tell)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.declared import inputs
 from course_kit.grading.checks.declared.values import as_list
+from course_kit.ros.messages import with_article
 from course_kit.ros.names import did_you_mean
 from course_kit.ros.parameters import NOT_SET, TYPES
 
@@ -21,10 +22,23 @@ _KNOWN = tuple(name for name in TYPES if name != NOT_SET)
 
 def types_of(checks: Sequence[Record]) -> dict[str, str]:
     """The parameters that an exercise's checks declare, each with its type; that is empty where none is told."""
-    found = {}
+    found: dict[str, str] = {}
     for one in checks:
-        if one.get("kind") == _DECLARED and isinstance(one.get("parameter"), str):
-            found[one["parameter"]] = str(one.get("type") or type_of(one.get("default")))
+        if one.get("kind") == _DECLARED:
+            for name, (kind, _) in wanted_of(one).items():
+                found[name] = kind or found.get(name, "")
+    return found
+
+
+def wanted_of(table: Mapping[str, Any]) -> dict[str, tuple[str, Any]]:
+    """The parameters that a check wants declared, each with its type, empty for any, and its default, None for any."""
+    found: dict[str, tuple[str, Any]] = {}
+    if isinstance(table.get("parameter"), str):
+        found[table["parameter"]] = (str(table.get("type") or type_of(table.get("default"))), table.get("default"))
+    types, defaults = (one if isinstance(one := table.get(key), dict) else {} for key in ("types", "defaults"))
+    names = table.get("parameters")
+    for name in map(str, [*(names if isinstance(names, (list, tuple)) else ()), *types, *defaults]):
+        found[name] = (str(types.get(name) or type_of(defaults.get(name))), defaults.get(name))
     return found
 
 
@@ -53,15 +67,23 @@ def problems(table: Record, types: Mapping[str, str]) -> Iterator[tuple[str, str
 
 
 def _of_declared(table: Record) -> Iterator[tuple[str, str]]:
-    wanted = table.get("type")
-    if wanted is not None and wanted not in _KNOWN:
-        yield (
-            f"A parameter has no type '{wanted}'.{did_you_mean(wanted, _KNOWN)} There are {', '.join(_KNOWN)}.",
-            "type",
+    if "parameter" not in table:
+        yield from (
+            (f"'{key}' is of one 'parameter', which is missing.", key) for key in ("type", "default") if key in table
         )
-    elif wanted is not None and "default" in table and type_of(table["default"]) not in ("", wanted):
-        told = f"a {type_of(table['default'])}"
-        yield f"'type' is {wanted}, but the default {table['default']!r} is {told}.", "default"
+        if not wanted_of(table):
+            yield "'parameter' is missing, or several: 'parameters', 'types' or 'defaults'.", ""
+    for name, (wanted, default) in wanted_of(table).items():
+        key = "type" if name == table.get("parameter") else "types"
+        if wanted and wanted not in _KNOWN:
+            yield (
+                f"A parameter has no type '{wanted}'.{did_you_mean(wanted, _KNOWN)} There are {', '.join(_KNOWN)}.",
+                key,
+            )
+        elif wanted and default is not None and type_of(default) not in ("", wanted):
+            key = "default" if key == "type" else "defaults"
+            of = "'type' is" if key == "default" else f"The type of {name} is"
+            yield f"{of} {wanted}, but the default {default!r} is {with_article(type_of(default))}.", key
 
 
 def _of_acting(table: Record, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:

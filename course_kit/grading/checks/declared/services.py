@@ -6,10 +6,20 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.declared import inputs
 from course_kit.grading.checks.declared.around import interface_of, made
 from course_kit.grading.checks.declared.explaining import Exchanged, explained
-from course_kit.grading.checks.declared.messages import Tolerance, differences, plain, shown, shown_part, worked_out
+from course_kit.grading.checks.declared.messages import (
+    Tolerance,
+    differences,
+    in_words,
+    plain,
+    shown,
+    shown_part,
+    worked_out,
+)
 from course_kit.grading.checks.declared.starting import ensure_up
+from course_kit.grading.checks.declared.values import as_list
 from course_kit.grading.checks.declared.wanted import service_of
 from course_kit.grading.checks.load_test import Load, call_many
 from course_kit.grading.checks.services import call
@@ -27,6 +37,7 @@ if TYPE_CHECKING:
 _UNANSWERED = 10  # a service keeps so many requests by default
 _TOGETHER_S = 5.0  # within which many requests at a time are answered, unless the check says otherwise
 _EXACT = Tolerance(0.0, 0.0)
+_TO_BE_REFUSED = "a request that it has to refuse"
 
 
 def answers(context: CheckContext, check: Declaration, around: Around) -> Evidence:
@@ -37,6 +48,8 @@ def answers(context: CheckContext, check: Declaration, around: Around) -> Eviden
     """
     ensure_up(context, check.endpoints)
     asked = _asked(context, check, around)
+    if "clients" in check.keys:  # what differs is asked at the same time, too
+        asked = inputs.in_turns(asked, [inputs.count_of(one) for one in as_list(check.keys.get("requests", asked))])
     tolerance = Tolerance.of(check.keys.get("tolerance"))
     ask = _together if "clients" in check.keys else _one_by_one
     exchanges = [
@@ -47,14 +60,14 @@ def answers(context: CheckContext, check: Declaration, around: Around) -> Eviden
     for one in exchanges:
         if next(differences(one.wanted, plain(one.got), tolerance), None) is None:
             continue
-        evidence = _evidence(one)
+        evidence = _evidence(one, tolerance)
         _require_no_wrong_refusal(one, refusal, evidence)
         diagnosis, message = explained(one, exchanges, tolerance, floors=context.job.facts.floor_divides)
         if "clients" in check.keys and _belongs_to_another(one, exchanges, tolerance):
             diagnosis = None
             message = "This is the answer to another client's request: your callback mixes up values of two calls."
         raise Failed(evidence, message, diagnosis)
-    last = _evidence(exchanges[-1])
+    last = _evidence(exchanges[-1], tolerance)
     if "clients" not in check.keys:
         return last
     return Evidence(_sent_together(check, asked), _expected_together(check, asked), _expected_together(check, asked))
@@ -80,9 +93,11 @@ def refuses(context: CheckContext, check: Declaration, around: Around) -> Eviden
         response = plain(call(context, service, request, sent, expected).response)
         evidence = Evidence(sent, expected, shown(response))
         if next(differences(refusal, response, _EXACT), None) is not None:
-            raise Failed(evidence, "Your service accepted a request that it has to refuse.", "validation.missing")
+            what = in_words(check, _TO_BE_REFUSED, request=plain(request))
+            raise Failed(evidence, f"Your service accepted {what}.", "validation.missing")
         if reason and not str(response[reason]).strip():
-            message = f"Your service was right to refuse this, but its {reason} is empty: the client cannot tell why."
+            what = in_words(check, "this", request=plain(request))
+            message = f"Your service was right to refuse {what}, but its {reason} is empty: the client cannot tell why."
             raise Failed(evidence, message, "validation.no_reason")
     _require_alive(
         context, service, check.keys.get("valid") or around.valid_request(service.name, context.job.seed), refusal
@@ -169,8 +184,10 @@ def _expected_together(check: Declaration, asked: Sequence[object]) -> str:
     return f"{len(asked)} answers within {_load(check).seconds:g} s, each to its own request"
 
 
-def _evidence(one: Exchanged) -> Evidence:
-    return Evidence(shown(one.sent), shown_part(one.wanted), shown(plain(one.got)))
+def _evidence(one: Exchanged, tolerance: Tolerance) -> Evidence:
+    exact = tolerance.wants_all_digits
+    told = shown(plain(one.got), exact=exact)
+    return Evidence(shown(one.sent, exact=exact), shown_part(one.wanted, exact=exact), told)
 
 
 def _require_no_wrong_refusal(one: Exchanged, refusal: Record, evidence: Evidence) -> None:
@@ -182,7 +199,7 @@ def _require_no_wrong_refusal(one: Exchanged, refusal: Record, evidence: Evidenc
     if refused and not to_be_refused:
         raise Failed(evidence, _OVERZEALOUS, "validation.overzealous")
     if to_be_refused and not refused:
-        raise Failed(evidence, "Your service accepted a request that it has to refuse.", "validation.missing")
+        raise Failed(evidence, f"Your service accepted {_TO_BE_REFUSED}.", "validation.missing")
 
 
 def _belongs_to_another(wrong: Exchanged, of_all: Sequence[Exchanged], tolerance: Tolerance) -> bool:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.parameters import Value
 
 _MET = "declared parameters of "  # what is remembered of the running submission
 
@@ -33,11 +34,12 @@ def served(context: CheckContext, node: str) -> Remote:
 
 
 @contextmanager
-def put_back(context: CheckContext, remote: Remote, names: Iterable[str]) -> Iterator[dict[str, Any]]:
+def put_back(context: CheckContext, remote: Remote, names: Iterable[str]) -> Iterator[Mapping[str, Value]]:
     """The present values of some parameters, to which they are put back afterwards."""
-    before = {name: one.value for name, one in remote.values(list(names)).items() if one.type != NOT_SET}
+    found = remote.values(list(names))
+    before = {name: one.value for name, one in found.items() if one.type != NOT_SET}
     try:
-        yield before
+        yield found
     finally:
         if remote.changed and before and not context.spoiled:
             # What is wrong with it was or will be said by the checks themselves.

@@ -33,6 +33,8 @@ def offered(context: CheckContext, check: Declaration, around: Around) -> Eviden
     Raises:
         Failed: one is not.
     """
+    if context.spoiled:
+        ensure_up(context, check.endpoints)
     return _expect(context, check.endpoints, around, check.keys.get("request"))
 
 

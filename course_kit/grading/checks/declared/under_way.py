@@ -204,13 +204,7 @@ def _have_it_accepted(context: CheckContext, goal: CheckedGoal, prompt_s: float,
 
 
 def _require_canceled(context: CheckContext, goal: CheckedGoal, ended: Ended, evidence: Evidence) -> None:
-    process = goal.process()
-    cause = goals.of_exception(process, context.job)
-    if ended.status == SUCCEEDED and cause is None:
+    if ended.status == SUCCEEDED and goals.of_exception(goal.process(), context.job) is None:
         message = "Your server agreed to cancel the goal, but went on to its end."
         raise Failed(evidence, message, "action.cancel_ignored")
-    if ended.status != CANCELED:
-        cause = goals.of_status(ended.name, process, context.job)
-    if cause is not None:
-        diagnosis, message = cause
-        raise Failed(evidence, message, diagnosis)
+    goal.require_status(ended, CANCELED, evidence)

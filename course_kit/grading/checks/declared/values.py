@@ -30,6 +30,9 @@ _FORMS: dict[str, tuple[tuple[type, ...], str]] = {
     ),
     kinds.SETTINGS: ((list, dict), "a list of tables, such as [{max_velocity = 0.5}]"),
     kinds.VALUE: ((bool, int, float, str, list), "a value that a parameter can have"),
+    kinds.VALUES: ((dict,), "a table of values by the names of parameters, such as {max_velocity = 0.5}"),
+    kinds.TYPES: ((dict,), 'a table of types by the names of parameters, such as {max_velocity = "double"}'),
+    kinds.WORDS: ((str,), "an expression that gives a text, such as \"'a negative number'\""),
 }
 
 
@@ -40,9 +43,11 @@ def problem_of_form(form: str, value: Any) -> str:  # noqa: PLR0911 - a table of
         return wanted
     if form in (kinds.NUMBER, kinds.COUNT) and not 0 < value < float("inf"):
         return wanted
-    if form == kinds.TEXT and not value.strip():
+    if form in (kinds.TEXT, kinds.WORDS) and not value.strip():
         return "a text that is not empty"
     if form == kinds.TEXTS and not all(isinstance(one, str) for one in value):
+        return wanted
+    if form == kinds.TYPES and not all(isinstance(one, str) for one in value.values()):
         return wanted
     if form in (kinds.INPUTS, kinds.CASES, kinds.SETTINGS) and not _are_tables(value):
         return wanted

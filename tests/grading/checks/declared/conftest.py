@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -12,7 +16,8 @@ from course_kit.grading import exercise
 from tests.grading.conftest import worker
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Iterator
+    from concurrent.futures import Future
 
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.report import CheckReport, Report
@@ -62,17 +67,50 @@ def load(tmp_path: Path) -> Callable[..., Exercise]:
     return run
 
 
+@contextmanager
+def grading_side_by_side(folder: Path, at_a_time: int = 6) -> Iterator[Callable[..., Future[Report]]]:
+    """Begins gradings of the solution with changes, by some checks; each has an exercise of its own.
+
+    Args:
+        folder: where the exercises are made.
+        at_a_time: how many run side by side: most of their time they wait.
+    """
+    numbers, free = itertools.count(), SimpleQueue[grading.Worker]()
+
+    def run(checks: str, changes: tuple[tuple[str, str], ...], number: int) -> Report:
+        path = written(folder / str(number), checks)
+        program = folder / str(number) / "answer.py"
+        program.write_text(changed(SOLUTION, changes))
+        worker = free.get()
+        try:
+            return grading.grade("all_kinds", program, worker=worker, seed=3, exercises=path.parent.parent)
+        finally:
+            free.put(worker)
+
+    with ExitStack() as opened:
+        for _ in range(at_a_time):
+            free.put(opened.enter_context(grading.Worker()))
+        threads = opened.enter_context(ThreadPoolExecutor(at_a_time))
+        opened.callback(threads.shutdown, cancel_futures=True)
+        yield lambda checks, *changes: threads.submit(run, checks, changes, next(numbers))
+
+
+def changed(source: str, changes: Iterable[tuple[str, str]]) -> str:
+    """A program with some of its text replaced, each of which has to be there."""
+    for before, after in changes:
+        assert before in source, before
+        source = source.replace(before, after)
+    return source
+
+
 @pytest.fixture
 def grade(worker: grading.Worker, tmp_path: Path) -> Callable[..., Report]:
     """Grades a program by some checks; the solution with `changes` made in it, each a text and what stands instead."""
 
     def run(checks: str, *changes: tuple[str, str], source: str = SOLUTION, **options: Any) -> Report:
         path = written(tmp_path, checks)
-        for before, after in changes:
-            assert before in source, before
-            source = source.replace(before, after)
         program = tmp_path / "answer.py"
-        program.write_text(source)
+        program.write_text(changed(source, changes))
         return grading.grade("all_kinds", program, worker=worker, seed=3, exercises=path.parent.parent, **options)
 
     return run

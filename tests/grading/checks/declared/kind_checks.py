@@ -265,3 +265,22 @@ action = "/fib"
 goals = {order = 45}
 then = {order = 3}
 """
+ALL_DECLARED = """
+[[checks]]
+id = "all_declared"
+kind = "parameter_declared"
+title = "It works."
+points = 1.0
+node = "all_kinds"
+parameters = ["name", "limit"]
+"""
+DEFAULTS = """
+[[checks]]
+id = "defaults"
+kind = "parameter_declared"
+title = "It works."
+points = 1.0
+node = "all_kinds"
+types = { name = "string" }
+defaults = { name = "rover", limit = 1.0 }
+"""

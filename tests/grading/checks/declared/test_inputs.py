@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_kit.grading.checks.declared.inputs import drawn, problem_of
+from course_kit.grading.checks.declared.inputs import drawn, in_turns, problem_of
 
 seeds = st.integers(0, 2**31)
 counts = st.integers(1, 50)
@@ -60,3 +60,7 @@ def test_a_range_without_an_end_is_refused() -> None:
     assert "lowest and the highest" in problem_of({"draw": [float("nan"), 1.0]})
     assert "with something in it" in problem_of({"choice": []})
     assert "A drawn value is" in problem_of({"draw": [0, 1], "choice": [1]})
+
+
+def test_in_turns_one_of_each_table_comes_after_the_other() -> None:
+    assert in_turns(["a1", "a2", "a3", "b1", "c1", "c2"], [3, 1, 2]) == ["a1", "b1", "c1", "a2", "c2", "a3"]

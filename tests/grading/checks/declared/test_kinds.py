@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
 from course_kit.grading.checks.declared.kinds import KINDS
 from tests.grading.checks.declared import kind_checks as checks
+from tests.grading.checks.declared.conftest import grading_side_by_side
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Iterator
+    from concurrent.futures import Future
+    from typing import TypeAlias
 
     from course_kit.grading.report import Report
+
+    GradedTests: TypeAlias = dict[str, Future[Report]]
 
 Change = tuple[str, str]
 
@@ -93,6 +99,12 @@ CASES: dict[str, Wrong] = {
         "math.integer_division",
         "digits were lost",
     ),
+    "last digits": Wrong(
+        checks.CONVERTS + "tolerance = 1e-12\n",
+        (("q.value * 9 / 5 + 32 if", "(q.value * 9 / 5 + 32) * 1.00000001 if"),),
+        "math.integer_division",
+        "digits were lost",
+    ),
     "wrong sign": Wrong(
         checks.ADDS, (("r.sum = q.a + q.b", "r.sum = -q.a - q.b"),), "math.formula", "right size and the wrong sign"
     ),
@@ -165,6 +177,12 @@ CASES: dict[str, Wrong] = {
         "validation.missing",
         "accepted a request that it has to refuse",
     ),
+    "accepts what has a name": Wrong(
+        checks.REFUSES + "what = \"'the unit ' + request.from_unit\"\n",
+        (('if q.from_unit not in ("celsius", "fahrenheit") or', "if False and"),),
+        "validation.missing",
+        "Your service accepted the unit ",
+    ),
     "gives no reason": Wrong(
         checks.REFUSES,
         (('r.message = "unknown unit"', 'r.message = " "'),),
@@ -221,8 +239,12 @@ CASES: dict[str, Wrong] = {
         checks.LIMITS, (("self.pub.publish(m)", "self.pub.publish(m.linear)"),), None, "TypeError"
     ),
     # topic_rate
-    "too slow": Wrong(checks.RATE, (("create_timer(0.1", "create_timer(0.2"),), None, "a period of 0.1 s"),
-    "too fast": Wrong(checks.RATE, (("create_timer(0.1", "create_timer(0.05"),), None, "a period of 0.1 s"),
+    "too slow": Wrong(
+        checks.RATE, (("create_timer(0.1", "create_timer(0.2"),), None, "/beat from a timer with a period of 0.1 s"
+    ),
+    "too fast": Wrong(
+        checks.RATE, (("create_timer(0.1", "create_timer(0.05"),), None, "/beat from a timer with a period of 0.1 s"
+    ),
     "once alone": Wrong(
         checks.RATE,
         (
@@ -245,7 +267,16 @@ CASES: dict[str, Wrong] = {
         checks.DECLARED,
         (('"limit", 1.0', '"limit", 1'), ('data=self.get_parameter("limit").value', "data=1.0")),
         "parameter.type",
-        "of type integer, not double. A double needs a decimal point.",
+        "limit is integer, expected double. A double needs a decimal point.",
+    ),
+    "one of several not declared": Wrong(
+        checks.ALL_DECLARED,
+        (('"limit", 1.0', '"limits", 1.0'), ('get_parameter("limit")', 'get_parameter("limits")')),
+        "parameter.undeclared",
+        "Your node has not declared limit.",
+    ),
+    "one of several of another default": Wrong(
+        checks.DEFAULTS, (('"limit", 1.0', '"limit", 1.5'),), "parameter.default", "your node has limit=1.5."
     ),
     "another default": Wrong(
         checks.DECLARED, (('"limit", 1.0', '"limit", 1.5'),), "parameter.default", "your node has limit=1.5"
@@ -435,6 +466,12 @@ CASES: dict[str, Wrong] = {
     "accepts anything": Wrong(
         checks.REJECTS, (("or not 0 <= g.order <= 50", ""),), "action.accepts_impossible", "has to reject"
     ),
+    "accepts a goal that has a name": Wrong(
+        checks.REJECTS + "what = \"'this goal, which is too long'\"\n",
+        (("or not 0 <= g.order <= 50", ""),),
+        "action.accepts_impossible",
+        "Your server accepted this goal, which is too long.",
+    ),
     "accepts too large": Wrong(
         checks.REJECTS, (("g.order <= 50", "g.order <= 51"),), "action.accepts_impossible", "has to reject"
     ),
@@ -478,11 +515,43 @@ CASES: dict[str, Wrong] = {
 }
 
 
-@pytest.mark.parametrize("name", [name for name in vars(checks) if name.isupper()])
-def test_the_solution_passes(grade: Callable[..., Report], name: str) -> None:
-    report = grade(getattr(checks, name))
+RIGHT = [name for name in vars(checks) if name.isupper()]
+
+
+def ids_of(text: str) -> list[str]:
+    return re.findall(r'^id = "(\w+)"', text, re.MULTILINE)
+
+
+def without_doubles(names: list[str]) -> list[list[str]]:
+    """The names in as few lists as can be, in each of which no two of their checks have the same id."""
+    found: list[list[str]] = []
+    for name in names:
+        own = set(ids_of(getattr(checks, name)))
+        fitting = (some for some in found if not own & {one for each in some for one in ids_of(getattr(checks, each))})
+        next(fitting, found.append([]) or found[-1]).append(name)
+    return [some for some in found if some]
+
+
+@pytest.fixture(scope="module")
+def reports(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[GradedTests]:
+    """What the tests of this module that are run need, graded side by side; of the solution many checks at once."""
+    here = [item for item in request.session.items if item.path == request.path and isinstance(item, pytest.Function)]
+    names = [str(item.callspec.params["name"]) for item in here if hasattr(item, "callspec")]
+    with grading_side_by_side(tmp_path_factory.mktemp("kinds")) as begin:
+        found: GradedTests = {name: begin(CASES[name].check, *CASES[name].changes) for name in names if name in CASES}
+        for together in without_doubles([name for name in names if name in RIGHT]):
+            report = begin("".join(getattr(checks, name) for name in together))
+            found.update(dict.fromkeys(together, report))
+        yield found
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_the_solution_passes(reports: GradedTests, name: str) -> None:
+    report = reports[name].result()
     assert report.status == "graded", report.problem
-    for found in report.checks:
+    own = [found for found in report.checks if found.id in ids_of(getattr(checks, name))]
+    assert own
+    for found in own:
         assert (found.status, found.message) == ("passed", "")
         assert found.expected
         assert found.got
@@ -494,9 +563,8 @@ def test_every_kind_is_tried() -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_wrong_program_is_told_what_is_wrong(grade: Callable[..., Report], name: str) -> None:
-    wrong = CASES[name]
-    report = grade(wrong.check, *wrong.changes)
+def test_a_wrong_program_is_told_what_is_wrong(reports: GradedTests, name: str) -> None:
+    wrong, report = CASES[name], reports[name].result()
     assert report.problem == ""
     found = report.checks[-1]
     assert (found.status, found.known and found.known.code) == ("failed", wrong.diagnosis), (found.told, report.stderr)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import exercise
+from course_kit.grading import exercise, exercise_job
 from course_kit.grading.checks.declared.lines import Lines
 from course_kit.grading.errors import GradingError
 from tests.grading.checks.declared.conftest import HEAD, HINTS, written
@@ -273,6 +274,82 @@ def test_the_points_of_python_checks_count_as_well(tmp_path: Path, points: str, 
         return
     with pytest.raises(GradingError, match=r"'points' is 2, but the points of the checks are 1 \+ 2 = 3"):
         exercise.load("all_kinds", folder.parent)
+
+
+MARK = """
+[[checks]]
+id = "{id}"
+kind = "python"
+"""
+
+
+def mixed(tmp_path: Path, checks: str) -> Exercise:
+    """An exercise with these checks and the one in Python, `more`, which depends on `adds`."""
+    path = written(tmp_path, checks)
+    text = path.read_text().replace('class_name = "AllKinds"', 'class_name = "AllKinds"\ngrader = "checks.py"')
+    declared = checks.count("points =")
+    path.write_text(re.sub(r"^points = .*$", f"points = {declared + 1}.0", text, count=1, flags=re.MULTILINE))
+    (path.parent / "checks.py").write_text(PYTHON.replace("{points}", "1.0"))
+    return exercise.load("all_kinds", path.parent.parent)
+
+
+@pytest.mark.parametrize(
+    ("checks", "order"),
+    [
+        (ADDS + MARK.format(id="more") + ADDS.replace('"adds"', '"again"'), ["adds", "more", "again"]),
+        (ADDS + ADDS.replace('"adds"', '"again"'), ["adds", "again", "more"]),
+    ],
+)
+def test_checks_in_python_stand_where_they_are_marked_else_last(checks: str, order: list[str], tmp_path: Path) -> None:
+    assert [one.id for one in exercise_job.checks_of(mixed(tmp_path, checks), 1)] == order
+
+
+@pytest.mark.parametrize(
+    ("checks", "said"),
+    [
+        (ADDS + MARK.format(id="mroe"), "No check in Python is called 'mroe'. Did you mean more?"),
+        (ADDS + MARK.format(id="more") * 2, "The check 'more' stands here twice."),
+        (ADDS + MARK.format(id="more") + "points = 2.0\n", "'points' of a check in Python stands beside its function"),
+        (ADDS + '\n[[checks]]\nkind = "python"\n', "'id' is missing: the name of the check's function."),
+    ],
+)
+def test_a_mark_that_fits_no_check_in_python_is_told(checks: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(GradingError) as found:
+        mixed(tmp_path, checks)
+    assert said in str(found.value)
+
+
+def test_a_mark_without_any_check_in_python_is_told(load: Callable[..., Exercise]) -> None:
+    assert "No check in Python is called 'more'. Name the file or module" in told(load, ADDS + MARK.format(id="more"))
+
+
+def test_the_course_marks_a_check_that_its_module_lacks() -> None:
+    task = replace(exercise.load("temperature_service"), check_order=("offered", "no_such"))
+    with pytest.raises(GradingError, match="names the check 'no_such', and the grader has none of this id"):
+        exercise_job.checks_of(task, 1)
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ("type = 'double'", "'type' is of one 'parameter', which is missing."),
+        ("", "'parameter' is missing, or several: 'parameters', 'types' or 'defaults'."),
+        ("types = { limit = 'doubel' }", "A parameter has no type 'doubel'. Did you mean double?"),
+        (
+            "types = { limit = 'double' }\ndefaults = { limit = 1 }",
+            "The type of limit is double, but the default 1 is an integer.",
+        ),
+    ],
+)
+def test_mistakes_with_several_parameters_are_told(load: Callable[..., Exercise], keys: str, said: str) -> None:
+    check = f'\n[[checks]]\nid = "d"\nkind = "parameter_declared"\ntitle = "D"\npoints = 1.0\nnode = "n"\n{keys}\n'
+    assert said in told(load, check)
+
+
+def test_variables_of_the_environment_travel_with_the_job(tmp_path: Path) -> None:
+    path = written(tmp_path, ADDS, more='\n[[hints]]\nfor = ["*"]\ntext = "Think."\n\n[environment]\nSCALE = 0.1\n')
+    task = exercise.load("all_kinds", path.parent.parent)
+    assert exercise_job.of_running(task, 1).variables == {"SCALE": "0.1"}
 
 
 TEXT = '''\
