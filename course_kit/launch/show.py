@@ -1,41 +1,48 @@
-"""The arguments of a launch file, for `--show-args`."""
+"""The arguments of a launch file: for `--show-args`, and what was perhaps meant by others."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, TimerAction
+from course_kit.launch import package_index
+from course_kit.launch.action import Action
+from course_kit.launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
 from course_kit.launch.context import LaunchContext
 from course_kit.launch.description import LaunchDescription, load
-from course_kit.launch.substitutions import Substitution
+from course_kit.launch.errors import LaunchError
+from course_kit.launch.substitutions import as_text, described
+from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator
     from pathlib import Path
+
+_HEAD = "Arguments (pass arguments as '<name>:=<value>'):\n\n"
 
 
 def show_arguments(file: Path) -> str:
-    """The arguments of a file and of those it includes, as the real command shows them."""
-    declared = {argument.name: argument for argument in _declared(load(file).entities, LaunchContext({}, file))}
-    if not declared:
-        return "Arguments (pass arguments as '<name>:=<value>'):\n\n  No arguments."
-    return "Arguments (pass arguments as '<name>:=<value>'):\n\n" + "\n\n".join(map(_shown, declared.values()))
+    """The arguments of a file and of those it includes, as the real command shows them: of several, the first."""
+    package_index.make_known([file.parent])
+    declared: dict[str, DeclareLaunchArgument] = {}
+    context = LaunchContext({}, file)
+    for argument in _declared(load(file).entities, context):
+        declared.setdefault(argument.name, argument)
+    return _HEAD + ("\n\n".join(_shown(one, context) for one in declared.values()) or "  No arguments.")
 
 
-def _shown(argument: DeclareLaunchArgument) -> str:
+def doubts(given: Iterable[str], declared: Collection[str]) -> list[str]:
+    """Sentences about arguments that no launch file has declared, but one with nearly that name."""
+    names = [name for name in given if name not in declared]
+    hints = ((name, did_you_mean(name, sorted(declared))) for name in names)
+    return [f"No launch file declares the argument '{name}'.{hint}" for name, hint in hints if hint]
+
+
+def _shown(argument: DeclareLaunchArgument, context: LaunchContext) -> str:
     choices = f" Valid choices are: {argument.choices}" if argument.choices else ""
-    lines = [f"    '{argument.name}':", f"        {argument.description}{choices}"]
+    lines = [f"    '{argument.name}':", f"        {as_text(argument.description, context)}{choices}"]
     if argument.default_value is not None:
-        lines.append(f"        (default: {_default(argument.default_value)})")
+        lines.append(f"        (default: {described(argument.default_value)})")
     return "\n".join(lines)
-
-
-def _default(value: object) -> str:
-    if isinstance(value, Substitution):
-        return value.describe()
-    if isinstance(value, (list, tuple)):
-        return " + ".join(_default(part) for part in value)
-    return repr(str(value))
 
 
 def _declared(entities: Iterable[object], context: LaunchContext) -> Iterator[DeclareLaunchArgument]:
@@ -46,8 +53,18 @@ def _declared(entities: Iterable[object], context: LaunchContext) -> Iterator[De
                 context.launch_configurations.setdefault(entity.name, str(entity.default_value))
         elif isinstance(entity, LaunchDescription):
             yield from _declared(entity.entities, context)
-        elif isinstance(entity, TimerAction):
-            yield from _declared(entity.actions, context)
         elif isinstance(entity, IncludeLaunchDescription):
-            path = entity.source.path(context)
-            yield from _declared(load(path).entities, context.inside(path))
+            yield from _included(entity, context)
+        elif isinstance(entity, Action):
+            yield from _declared(entity.sub_entities(), context)
+
+
+def _included(entity: IncludeLaunchDescription, context: LaunchContext) -> Iterator[DeclareLaunchArgument]:
+    """The arguments of an included file; none where it depends on what only a running launch knows."""
+    try:
+        path = entity.source.path(context)
+        inner = entity.source.description(path).entities
+    except LaunchError:
+        return
+    if path != context.file:
+        yield from _declared(inner, context.inside(path))

@@ -54,7 +54,8 @@ def _run(file: Path, arguments: dict[str, str], *, show: bool) -> int:
 
         print(show_arguments(file))
         return 0
-    from course_kit.launch.service import LaunchService, log_file
+    from course_kit.launch.output import log_file
+    from course_kit.launch.service import LaunchService
 
     with log_file() as log:
         return LaunchService(log).run(file, arguments)
@@ -68,14 +69,20 @@ def _file_and_arguments(first: str, words: list[str]) -> tuple[Path, dict[str, s
     path = Path(first)
     if path.is_file():
         if names:
-            raise CommandError(f"{names[0]!r} is not a launch argument: write {names[0]}:=value.")
+            raise CommandError(_no_argument(names[0]))
         return path.resolve(), arguments
     if len(names) == 1:
         return _in_package(first, names[0]), arguments
     if names:
-        raise CommandError(f"{names[1]!r} is not a launch argument: write {names[1]}:=value.")
+        raise CommandError(_no_argument(names[1]))
     near = [str(found) for found in path.parent.glob("*launch.py")] if path.parent.is_dir() else []
     raise CommandError(f"There is no launch file {first}.{did_you_mean(first, near)}")
+
+
+def _no_argument(word: str) -> str:
+    """The sentence about a word that gives no value; `speed=3` misses a colon."""
+    name, separator, value = word.partition("=")
+    return f"{word!r} is not a launch argument: write {name}:={value if separator else 'value'}."
 
 
 def _in_package(package: str, name: str) -> Path:
