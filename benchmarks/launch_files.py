@@ -78,7 +78,7 @@ def one(file: Path) -> dict[str, object]:
 def in_a_process(file: Path) -> dict[str, object]:
     """The same in a fresh process, from the folder of the file, within a time."""
     command = [sys.executable, str(Path(__file__).resolve()), "--one", str(file)]
-    environ = {**os.environ, "ROS_DOMAIN_ID": "99"}
+    environ = {**os.environ, "ROS_DOMAIN_ID": "99", "USER": "learner"}
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, check=False, env=environ)
     except subprocess.TimeoutExpired:
@@ -125,7 +125,7 @@ def verdict(found: dict[str, object]) -> str:
         "before ROS 2 Foxy": "fails: arguments from before ROS 2 Foxy",
         "compiled programs need": "out of scope: components, lifecycle nodes",
         "is not part of the course kit": "fails: not part of the subset",
-        "No module named": "fails: imports a Python package that is not there",
+        "No module named": "needs a Python package that is not there",
         "not found": "needs a package that is not there",
         "Command(": "needs a program that is not there",
         "There is no": "needs a file that is not there",

@@ -12,14 +12,14 @@ if TYPE_CHECKING:
 
     from course_kit.launch.context import LaunchContext
     from course_kit.launch.event_handlers import EventHandler
-    from course_kit.launch.events import Event
+    from course_kit.launch.events import LaunchEvent
 
 
 class EventDispatcher:
     """The events that have happened, and the handlers that wait for one."""
 
     def __init__(self) -> None:
-        self._events: deque[Event] = deque()
+        self._events: deque[LaunchEvent] = deque()
         self._handlers: list[tuple[EventHandler, LaunchContext]] = []
 
     @property
@@ -40,11 +40,11 @@ class EventDispatcher:
         """Have an event handled no more."""
         self._handlers = [entry for entry in self._handlers if entry[0] is not handler]
 
-    def emit(self, event: Event) -> None:
+    def emit(self, event: LaunchEvent) -> None:
         """Have an event handled as soon as what is being done is done."""
         self._events.append(event)
 
-    def handled(self) -> Iterator[Event]:
+    def handled(self) -> Iterator[LaunchEvent]:
         """Handle the events there are, and those that come of it; each, when its handlers are through.
 
         Raises:

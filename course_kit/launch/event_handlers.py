@@ -9,7 +9,7 @@ from course_kit.launch.action import Action, as_entities
 from course_kit.launch.entity import LaunchEntity
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.events import (
-    Event,
+    LaunchEvent,
     Matcher,
     ProcessExited,
     ProcessIO,
@@ -38,11 +38,11 @@ class EventHandler(LaunchEntity):
     def __init__(self, *, matcher: Matcher, entities: Reaction = None, handle_once: bool = False) -> None:
         self._matcher, self.reaction, self.handle_once = matcher, entities, handle_once
 
-    def matches(self, event: Event) -> bool:
+    def matches(self, event: LaunchEvent) -> bool:
         """Whether an event is meant."""
         return self._matcher(event)
 
-    def handle(self, event: Event, context: LaunchContext) -> object:
+    def handle(self, event: LaunchEvent, context: LaunchContext) -> object:
         """The actions to be done."""
         return self.reaction(event, context) if callable(self.reaction) else self.reaction
 
@@ -56,7 +56,7 @@ class _OfAProcess(EventHandler):
         if target is not None and not isinstance(target, Action) and not callable(target):
             raise LaunchError(f"{type(self).__name__}(target_action={target!r}): a Node or ExecuteProcess is expected.")
 
-        def is_meant(event: Event) -> bool:
+        def is_meant(event: LaunchEvent) -> bool:
             if not isinstance(event, kind):
                 return False
             return target is None or event.action is target or (callable(target) and bool(target(event.action)))
@@ -174,7 +174,7 @@ class EmitEvent(Action):
         condition: it is only done if this holds then.
     """
 
-    def __init__(self, *, event: Event, condition: Condition | None = None) -> None:
+    def __init__(self, *, event: LaunchEvent, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
         self.event = event
 

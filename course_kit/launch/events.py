@@ -14,12 +14,12 @@ Matcher = Callable[[Any], bool]
 
 
 @dataclass
-class Event:
+class LaunchEvent:
     """Something that has happened."""
 
 
 @dataclass
-class Shutdown(Event):
+class Shutdown(LaunchEvent):
     """The launch ends, with all its processes.
 
     Attributes:
@@ -32,7 +32,7 @@ class Shutdown(Event):
 
 
 @dataclass
-class RunningProcessEvent(Event):
+class RunningProcessEvent(LaunchEvent):
     """Something about a process.
 
     Attributes:
@@ -84,7 +84,7 @@ class ProcessIO(RunningProcessEvent):
 
 
 @dataclass
-class ShutdownProcess(Event):
+class ShutdownProcess(LaunchEvent):
     """Those processes are to end.
 
     Attributes:
@@ -95,7 +95,7 @@ class ShutdownProcess(Event):
 
 
 @dataclass
-class SignalProcess(Event):
+class SignalProcess(LaunchEvent):
     """Those processes are to get a signal.
 
     Attributes:

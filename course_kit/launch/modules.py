@@ -34,7 +34,7 @@ CONTENTS: dict[str, dict[str, str]] = {
     "launch": {
         "Action": "action",
         "Condition": "conditions",
-        "Event": "events",
+        "Event": "events:LaunchEvent",
         "EventHandler": "event_handlers",
         "LaunchContext": "context",
         "LaunchDescription": "description",

@@ -1,8 +1,8 @@
 """Where packages lie, for `get_package_share_directory`: ROS's own index, and packages whose source lies nearby.
 
 `ament_index_python` looks below the folders of AMENT_PREFIX_PATH. A package that has not been built is in none of
-them, so a folder is made that looks as if they were installed there: with a link to each, under the name it has.
-What a package installs as `share/<package>/config/robot.yaml` lies at `config/robot.yaml` in its source, as a rule.
+them, so a folder is made that looks as if it were installed there, with links into its source. What a package
+installs as `share/<package>/config/robot.yaml` lies at `config/robot.yaml` there, as a rule; else its setup.py says.
 """
 
 from __future__ import annotations
@@ -13,10 +13,11 @@ import re
 import sys
 from contextlib import suppress
 from itertools import islice
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.launch.data_files import installed
 from course_kit.launch.errors import LaunchError
 from course_kit.ros.names import did_you_mean
 
@@ -106,9 +107,23 @@ def _linked(packages: dict[str, Path]) -> Path | None:
     try:
         (made / _INDEX).mkdir(parents=True, exist_ok=True)
         for name, folder in packages.items():
-            with suppress(FileExistsError):  # made by an earlier launch, or at the same time by another one
-                (made / "share" / name).symlink_to(folder.resolve(), target_is_directory=True)
+            _link(folder.resolve(), made / "share" / name, PurePosixPath("share", name))
             (made / _INDEX / name).touch()
     except OSError:
         return None
     return made
+
+
+def _link(source: Path, share: Path, target: PurePosixPath) -> None:
+    """Fill a share folder with what lies in a package's source, and with what its setup.py puts there."""
+    share.mkdir(exist_ok=True)
+    pairs = [(entry, share / entry.name) for entry in source.iterdir()]
+    for where, file in installed(source):
+        if where.is_relative_to(target) and not (share / where.relative_to(target)).is_symlink():
+            pairs.append((file, share / where.relative_to(target) / file.name))
+    for entry, link in pairs:
+        if link.parent.is_symlink():  # a folder of the source, where everything is already
+            continue
+        link.parent.mkdir(parents=True, exist_ok=True)
+        with suppress(FileExistsError):  # made by an earlier launch, or at the same time by another one
+            link.symlink_to(entry)

@@ -116,7 +116,7 @@ class LaunchService:
         """Have an event handled no more."""
         self._dispatcher.unregister(handler)
 
-    def emit(self, event: events.Event) -> None:
+    def emit(self, event: events.LaunchEvent) -> None:
         """Have an event handled as soon as what is being done is done."""
         self._dispatcher.emit(event)
 
