@@ -14,13 +14,13 @@ from typing import IO, TYPE_CHECKING
 from course_kit import environment
 from course_kit.launch import events, package_index
 from course_kit.launch.action import execute_all
+from course_kit.launch.arguments import doubts
 from course_kit.launch.context import LaunchContext
 from course_kit.launch.description import load
 from course_kit.launch.dispatcher import EventDispatcher
 from course_kit.launch.errors import ProgramError
 from course_kit.launch.output import signals_as_bytes
 from course_kit.launch.process import LaunchedProcess
-from course_kit.launch.show import doubts
 
 if TYPE_CHECKING:
     from collections.abc import Callable

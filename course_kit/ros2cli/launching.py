@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.launch.arguments import not_an_argument
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.event_handlers import OnProcessIO
 from course_kit.launch.process import LaunchedProcess
@@ -102,7 +103,7 @@ def main() -> int:
     for argument in arguments:
         key, separator, value = argument.partition(":=")
         if not separator:
-            sys.stderr.write(f"{argument!r} is not an argument for a launch file: write name:=value.\n")
+            sys.stderr.write(f"{not_an_argument(argument)}\n")
             return 1
         values[key] = value
     try:

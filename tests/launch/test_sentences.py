@@ -6,10 +6,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from .conftest import FIRST_LINE
+from course_kit.ros2cli import cli
+
+from .conftest import FIRST_LINE, HEAD
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     Run = Callable[..., str]
 
@@ -77,3 +80,55 @@ def test_a_misspelt_value_of_an_argument_is_told_and_one_that_is_spelt_right_is_
     assert "No launch file declares the argument 'sped'. Did you mean speed?" in run(declared, sped="2")
     assert "Did you mean" not in run(declared, speed="2", something_else="3")
     assert "]: 2\n" in run(declared, speed="2")
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["speed=3"], "'speed=3' is not a launch argument: write speed:=3."),
+        (["fast"], "'fast' is not a launch argument: write fast:=value."),
+    ],
+)
+def test_a_word_that_is_no_argument(
+    folder: Path, capsys: pytest.CaptureFixture[str], words: list[str], sentence: str
+) -> None:
+    (folder / "it.launch.py").write_text(HEAD.replace("{actions}", ""))
+    assert cli.run(["launch", "it.launch.py", *words]) == 1
+    assert capsys.readouterr().err == f"{sentence}\n"
+
+
+def test_the_arguments_are_shown_once_as_they_are_declared_first(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    argument = "DeclareLaunchArgument('{}', default_value='{}', description='{}')"
+    (folder / "in.launch.py").write_text(HEAD.replace("{actions}", argument.format("inner", "2", "of the inner one")))
+    actions = (
+        argument.format("speed", "1", "first"),
+        "IncludeLaunchDescription('in.launch.py'), IncludeLaunchDescription('in.launch.py')",
+        "IncludeLaunchDescription(LaunchConfiguration('not_yet_known'))",
+        f"GroupAction([{argument.format('speed', '2', 'second')}, {argument.format('deep', '3', 'in a group')}])",
+        f"RegisterEventHandler(OnShutdown(on_shutdown=[{argument.format('late', '4', 'for the end')}]))",
+    )
+    (folder / "it.launch.py").write_text(HEAD.replace("{actions}", ",\n".join(actions)))
+    assert cli.run(["launch", "--show-args", "it.launch.py"]) == 0
+    shown = capsys.readouterr().out
+    entries = ("speed", "first", "1"), ("inner", "of the inner one", "2"), ("deep", "in a group", "3")
+    told = [
+        f"    '{a}':\n        {b}\n        (default: '{c}')" for a, b, c in (*entries, ("late", "for the end", "4"))
+    ]
+    assert shown.partition("\n\n")[2] == "\n\n".join(told) + "\n"
+
+
+@pytest.mark.parametrize("words", [["robot.launch.xml"], ["arm", "robot.launch.xml"], ["arm", "robot.yaml"]])
+def test_a_launch_file_in_another_language_is_named_for_what_it_is(
+    folder: Path, capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    (folder / "arm" / "launch").mkdir(parents=True)
+    for place in ("robot.launch.xml", "arm/launch/robot.launch.xml", "arm/launch/robot.yaml"):
+        (folder / place).write_text("<launch/>")
+    assert cli.run(["launch", *words]) == 1
+    kind = "XML" if words[-1].endswith("xml") else "YAML"
+    assert (
+        f"{words[-1]} is a launch file in {kind}. The course reads launch files in Python only"
+        in capsys.readouterr().err
+    )

@@ -1,4 +1,4 @@
-"""The arguments of a launch file: for `--show-args`, and what was perhaps meant by others."""
+"""The arguments of a launch file: for `--show-args`, and what was meant by a word that is none."""
 
 from __future__ import annotations
 
@@ -35,6 +35,12 @@ def doubts(given: Iterable[str], declared: Collection[str]) -> list[str]:
     names = [name for name in given if name not in declared]
     hints = ((name, did_you_mean(name, sorted(declared))) for name in names)
     return [f"No launch file declares the argument '{name}'.{hint}" for name, hint in hints if hint]
+
+
+def not_an_argument(word: str) -> str:
+    """The sentence about a word that gives no value; `speed=3` misses a colon."""
+    name, separator, value = word.partition("=")
+    return f"{word!r} is not a launch argument: write {name}:={value if separator else 'value'}."
 
 
 def _shown(argument: DeclareLaunchArgument, context: LaunchContext) -> str:
