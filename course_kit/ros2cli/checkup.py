@@ -31,7 +31,7 @@ _DURATIONS = ("lifespan", "deadline", "liveliness_lease_duration")
 Items = list[tuple[str, str]]
 
 
-class Check(NamedTuple):
+class CheckupResult(NamedTuple):
     """One thing that was looked at.
 
     Attributes:
@@ -45,7 +45,7 @@ class Check(NamedTuple):
     warnings: list[str]
 
 
-class Report(NamedTuple):
+class CheckupSection(NamedTuple):
     """What was found.
 
     Attributes:
@@ -59,7 +59,7 @@ class Report(NamedTuple):
     items: Items
 
 
-def checks(graph: Graph, *, with_packages: bool = True) -> list[Check]:
+def checks(graph: Graph, *, with_packages: bool = True) -> list[CheckupResult]:
     """Look at everything.
 
     Args:
@@ -70,7 +70,7 @@ def checks(graph: Graph, *, with_packages: bool = True) -> list[Check]:
     return [_package_check(), *found] if with_packages else found
 
 
-def reports(graph: Graph, *, with_packages: bool = True) -> list[Report]:
+def reports(graph: Graph, *, with_packages: bool = True) -> list[CheckupSection]:
     """Say what there is.
 
     Args:
@@ -78,20 +78,20 @@ def reports(graph: Graph, *, with_packages: bool = True) -> list[Report]:
         with_packages: whether the versions of the packages are listed, too.
     """
     found = [
-        Report("network", "NETWORK CONFIGURATION", _network_items()),
-        Report("platform", "PLATFORM INFORMATION", _platform_items()),
-        Report("middleware", "QOS COMPATIBILITY LIST", _qos_items(graph)),
-        Report("middleware", "RMW MIDDLEWARE", [("middleware name", _middleware())]),
-        Report("platform", "ROS 2 INFORMATION", _ros_items()),
-        Report("topic", "TOPIC LIST", _topic_items(graph)),
+        CheckupSection("network", "NETWORK CONFIGURATION", _network_items()),
+        CheckupSection("platform", "PLATFORM INFORMATION", _platform_items()),
+        CheckupSection("middleware", "QOS COMPATIBILITY LIST", _qos_items(graph)),
+        CheckupSection("middleware", "RMW MIDDLEWARE", [("middleware name", _middleware())]),
+        CheckupSection("platform", "ROS 2 INFORMATION", _ros_items()),
+        CheckupSection("topic", "TOPIC LIST", _topic_items(graph)),
     ]
-    return [Report("package", "PACKAGE VERSIONS", _package_items()), *found] if with_packages else found
+    return [CheckupSection("package", "PACKAGE VERSIONS", _package_items()), *found] if with_packages else found
 
 
-def _package_check() -> Check:
+def _package_check() -> CheckupResult:
     broken = packages.damaged()
     said = [f"{name} has lost files, to {other}. Run: {packages.remedy(name)}" for name, other in broken.items()]
-    return Check("package", said, [])
+    return CheckupResult("package", said, [])
 
 
 def _package_items() -> Items:
@@ -105,12 +105,12 @@ def _package_items() -> Items:
     return sorted(found.items())
 
 
-def _platform_check() -> Check:
+def _platform_check() -> CheckupResult:
     distribution = os.environ.get("ROS_DISTRO", "jazzy")
     wrong = (
         [] if distribution == "jazzy" else [f"The course is made for ROS 2 Jazzy, and ROS_DISTRO is {distribution}."]
     )
-    return Check("platform", [], wrong)
+    return CheckupResult("platform", [], wrong)
 
 
 def _platform_items() -> Items:
@@ -137,7 +137,7 @@ def _middleware() -> str:
     return os.environ.get("RMW_IMPLEMENTATION") or "rmw_fastrtps_cpp"
 
 
-def _network_check() -> Check:
+def _network_check() -> CheckupResult:
     flags = [_flags(device) for device in _devices()]
     errors = [] if any("LOOPBACK" in of_one for of_one in flags) else ["No loopback IP address is found."]
     warnings = []
@@ -145,7 +145,7 @@ def _network_check() -> Check:
         warnings.append("Only loopback IP address is found.")
     if not any("MULTICAST" in of_one for of_one in flags):
         warnings.append("No multicast IP address is found.")
-    return Check("network", errors, warnings)
+    return CheckupResult("network", errors, warnings)
 
 
 def _network_items() -> Items:
@@ -181,14 +181,14 @@ def _addresses(device: str) -> Iterator[str]:
         yield socket.inet_ntoa(reply[20:24])
 
 
-def _topic_check(graph: Graph) -> Check:
+def _topic_check(graph: Graph) -> CheckupResult:
     warnings = []
     for topic, ends in sorted(graph.endpoints.items()):
         if topic in _OF_EVERY_NODE or bool(ends.publishers) == bool(ends.subscriptions):
             continue
         there, missing = ("Publisher", "subscriber") if ends.publishers else ("Subscriber", "publisher")
         warnings.append(f"{there} without {missing} detected on {topic}.")
-    return Check("topic", [], warnings)
+    return CheckupResult("topic", [], warnings)
 
 
 def _topic_items(graph: Graph) -> Items:
@@ -201,8 +201,8 @@ def _topic_items(graph: Graph) -> Items:
     return items or [("topic", "none"), ("publisher count", "0"), ("subscriber count", "0")]
 
 
-def _qos_check(graph: Graph) -> Check:
-    found = Check("middleware", [], [])
+def _qos_check(graph: Graph) -> CheckupResult:
+    found = CheckupResult("middleware", [], [])
     for topic, publisher, subscription in _pairs(graph):
         severity, reason = _compatibility(publisher, subscription)
         if severity != "OK":

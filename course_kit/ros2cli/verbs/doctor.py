@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
     from collections.abc import Iterable
 
-    from course_kit.ros2cli.checkup import Report
+    from course_kit.ros2cli.checkup import CheckupSection
     from course_kit.ros2cli.session import Session
 
 _NARROW, _GAP = 8, 4
@@ -54,7 +54,7 @@ def _doctor(options: Namespace, session: Session) -> None:
         _print(one for one in checkup.reports(graph, with_packages=with_packages) if one.category in failed)
 
 
-def _print(reports: Iterable[Report]) -> None:
+def _print(reports: Iterable[CheckupSection]) -> None:
     for report in reports:
         print(f"\n   {report.title}")
         longest = max((len(name) for name, _ in report.items), default=0)
