@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from course_kit.launch.description import LaunchDescription, PythonLaunchDescriptionSource, load
-from course_kit.launch.errors import LaunchError, refuse
+from course_kit.launch.action import Action, as_entities, execute_all
+from course_kit.launch.description import LaunchDescriptionSource
+from course_kit.launch.errors import LaunchError
 from course_kit.launch.substitutions import Text, as_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable, Mapping
 
+    from course_kit.launch.conditions import Condition
     from course_kit.launch.context import LaunchContext
-    from course_kit.launch.service import LaunchService
+    from course_kit.launch.description import LaunchDescription
 
-
-class Action:
-    """Something a launch file does."""
-
-    def execute(self, context: LaunchContext, service: LaunchService) -> None:
-        """Do it.
-
-        Raises:
-            NotImplementedError: the action has not said.
-        """
-        raise NotImplementedError(type(self).__name__)
+_DEEPEST = 50  # files that include one another
 
 
 class DeclareLaunchArgument(Action):
@@ -35,6 +27,7 @@ class DeclareLaunchArgument(Action):
         default_value: used when it is not given; without one it must be.
         description: what it is for, for --show-args.
         choices: the values it may have.
+        condition: it is only declared if this holds then.
     """
 
     def __init__(
@@ -42,28 +35,28 @@ class DeclareLaunchArgument(Action):
         name: str,
         *,
         default_value: Text | None = None,
-        description: str | None = None,
+        description: Text | None = None,
         choices: list[str] | None = None,
-        **more: object,
+        condition: Condition | None = None,
     ) -> None:
-        refuse("DeclareLaunchArgument", more)
+        super().__init__(condition=condition)
         self.name, self.default_value, self.choices = name, default_value, choices
         self.description = description or "no description given"
 
-    def execute(self, context: LaunchContext, service: LaunchService) -> None:
+    def execute(self, context: LaunchContext) -> None:
         """Give the argument its default, unless it has a value.
 
         Raises:
             LaunchError: it has no value, or one that is not among its choices.
         """
-        del service
         values = context.launch_configurations
+        context.declared.add(self.name)
         if self.name not in values:
             if self.default_value is None:
                 raise LaunchError(f"The launch argument '{self.name}' is required: add {self.name}:=value.")
             values[self.name] = as_text(self.default_value, context)
         if self.choices and values[self.name] not in self.choices:
-            raise LaunchError(f"{self.name}:={values[self.name]} is not one of {', '.join(self.choices)}.")
+            raise LaunchError(f"{self.name}:={values[self.name]} is not one of {', '.join(map(str, self.choices))}.")
 
 
 class IncludeLaunchDescription(Action):
@@ -72,26 +65,32 @@ class IncludeLaunchDescription(Action):
     Args:
         launch_description_source: the file, as a PythonLaunchDescriptionSource or as a path.
         launch_arguments: pairs of names and values, such as `{"name": "value"}.items()`.
+        condition: it is only included if this holds then.
     """
 
     def __init__(
         self,
-        launch_description_source: PythonLaunchDescriptionSource | Text,
+        launch_description_source: LaunchDescriptionSource | LaunchDescription | Text,
         *,
         launch_arguments: Iterable[tuple[Text, Text]] | None = None,
-        **more: object,
+        condition: Condition | None = None,
     ) -> None:
-        refuse("IncludeLaunchDescription", more)
-        if not isinstance(launch_description_source, PythonLaunchDescriptionSource):
-            launch_description_source = PythonLaunchDescriptionSource(launch_description_source)
-        self.source, self._arguments = launch_description_source, list(launch_arguments or [])
+        super().__init__(condition=condition)
+        self.source = LaunchDescriptionSource.of(launch_description_source)
+        self._arguments = list(launch_arguments or [])
 
-    def execute(self, context: LaunchContext, service: LaunchService) -> None:
-        """Run the other file's actions, with the arguments in force from here on."""
+    def execute(self, context: LaunchContext) -> None:
+        """Run the other file's actions, with the arguments in force from here on.
+
+        Raises:
+            LaunchError: it includes itself.
+        """
         for name, value in self._arguments:
             context.launch_configurations[as_text(name, context)] = as_text(value, context)
+        if context.depth > _DEEPEST:
+            raise LaunchError(f"{context.file.name} includes itself: {_DEEPEST} launch files are nested.")
         path = self.source.path(context)
-        execute_all(load(path).entities, context.inside(path), service)
+        execute_all(self.source.description(path), context.inside(path))
 
 
 class TimerAction(Action):
@@ -100,13 +99,27 @@ class TimerAction(Action):
     Args:
         period: seconds from the moment the timer is reached.
         actions: what is done then.
+        cancel_on_shutdown: taken for the file's sake; nothing is begun here once a launch ends.
+        condition: it is only started if this holds then.
     """
 
-    def __init__(self, *, period: Text | float, actions: Iterable[object], **more: object) -> None:
-        refuse("TimerAction", more)
-        self._period, self.actions = period, list(actions)
+    def __init__(
+        self,
+        *,
+        period: Text | float,
+        actions: Iterable[object],
+        cancel_on_shutdown: object = True,
+        condition: Condition | None = None,
+    ) -> None:
+        super().__init__(condition=condition)
+        del cancel_on_shutdown
+        self._period, self.actions, self._cancelled = period, list(actions), False
 
-    def execute(self, context: LaunchContext, service: LaunchService) -> None:
+    def cancel(self) -> None:
+        """Do nothing when it is over."""
+        self._cancelled = True
+
+    def execute(self, context: LaunchContext) -> None:
         """Start the timer.
 
         Raises:
@@ -117,7 +130,11 @@ class TimerAction(Action):
             seconds = float(text)
         except ValueError:
             raise LaunchError(f"TimerAction(period={text!r}): a period is a number of seconds.") from None
-        service.later(seconds, self.actions, context)
+        context.service.later(seconds, lambda: execute_all([] if self._cancelled else self.actions, context))
+
+    def sub_entities(self) -> Iterable[object]:
+        """The actions."""
+        return self.actions
 
 
 class LogInfo(Action):
@@ -125,32 +142,39 @@ class LogInfo(Action):
 
     Args:
         msg: the text, also as substitutions.
+        condition: it is only written if this holds then.
     """
 
-    def __init__(self, *, msg: Text, **more: object) -> None:
-        refuse("LogInfo", more)
+    def __init__(self, *, msg: Text, condition: Condition | None = None) -> None:
+        super().__init__(condition=condition)
         self._message = msg
 
-    def execute(self, context: LaunchContext, service: LaunchService) -> None:
+    def execute(self, context: LaunchContext) -> None:
         """Print the line."""
-        service.say(f"[INFO] [launch.user]: {as_text(self._message, context)}")
+        context.service.say(f"[INFO] [launch.user]: {as_text(self._message, context)}")
 
 
-def execute_all(entities: Iterable[object], context: LaunchContext, service: LaunchService) -> None:
-    """Run actions in order.
+class OpaqueFunction(Action):
+    """A Python function that is called when it is reached, when the values of launch arguments are known.
 
     Args:
-        entities: the actions; also whole launch descriptions.
-        context: of the file they stand in.
-        service: runs the processes.
-
-    Raises:
-        LaunchError: one of them is no action of the subset, or cannot be done.
+        function: called with the context; it returns actions, or nothing.
+        args: what it gets behind the context.
+        kwargs: the same by name.
+        condition: it is only called if this holds then.
     """
-    for entity in entities:
-        if isinstance(entity, LaunchDescription):
-            execute_all(entity.entities, context, service)
-        elif isinstance(entity, Action):
-            entity.execute(context, service)
-        else:
-            raise LaunchError(f"{entity!r} is not part of the course kit's subset of launch.")
+
+    def __init__(
+        self,
+        *,
+        function: Callable[..., object],
+        args: Iterable[Any] | None = None,
+        kwargs: Mapping[str, Any] | None = None,
+        condition: Condition | None = None,
+    ) -> None:
+        super().__init__(condition=condition)
+        self._function, self._args, self._kwargs = function, list(args or []), dict(kwargs or {})
+
+    def execute(self, context: LaunchContext) -> object:
+        """Call it."""
+        return as_entities(self._function(context, *self._args, **self._kwargs))

@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_kit.launch.errors import LaunchError
+
+if TYPE_CHECKING:
+    from course_kit.launch.service import LaunchService
+    from course_kit.launch.substitutions import Substitution
 
 
 @dataclass
@@ -13,11 +21,63 @@ class LaunchContext:
     Attributes:
         launch_configurations: argument names to values, shared with included files as in the real launch.
         file: the launch file being run.
+        environment: the variables that processes get.
+        namespace: what PushRosNamespace has made of it, in front of the namespaces of nodes.
+        parameters: of SetParameter, names to values, for each node.
+        remappings: of SetRemap, pairs of names, for each node.
+        depth: how many launch files include this one, each by the next.
+        declared: the names of the arguments that have been declared so far.
+        running: what runs the processes; None where a file is only read.
     """
 
     launch_configurations: dict[str, str] = field(default_factory=dict)
     file: Path = Path("launch.py")
+    environment: dict[str, str] = field(default_factory=lambda: dict(os.environ))
+    namespace: str = ""
+    parameters: dict[str, object] = field(default_factory=dict)
+    remappings: list[tuple[str, str]] = field(default_factory=list)
+    depth: int = 0
+    declared: set[str] = field(default_factory=set)
+    running: LaunchService | None = None
+
+    @property
+    def service(self) -> LaunchService:
+        """What runs the processes.
+
+        Raises:
+            LaunchError: nothing runs, the file is only read.
+        """
+        if self.running is None:
+            raise LaunchError("This can only be done while a launch file runs.")
+        return self.running
+
+    @property
+    def is_shutdown(self) -> bool:
+        """Whether the launch is about to end."""
+        return self.running is not None and self.running.stopping
 
     def inside(self, file: Path) -> LaunchContext:
         """The context for an included file; its values are the same ones."""
-        return replace(self, file=file)
+        return replace(self, file=file, depth=self.depth + 1)
+
+    def scoped(self, *, forwarding: bool = True) -> LaunchContext:
+        """The context within a group: what is set there is forgotten behind it.
+
+        Args:
+            forwarding: whether the values of launch arguments go in.
+        """
+        return replace(
+            self,
+            launch_configurations=dict(self.launch_configurations) if forwarding else {},
+            environment=dict(self.environment),
+            parameters=dict(self.parameters),
+            remappings=list(self.remappings),
+        )
+
+    def perform_substitution(self, substitution: Substitution) -> str:
+        """The text that a substitution becomes."""
+        return substitution.perform(self)
+
+    def emit_event_sync(self, event: Any) -> None:
+        """Tell those who wait for an event."""
+        self.service.emit(event)

@@ -6,16 +6,18 @@ import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from typing import TYPE_CHECKING
 
-from course_kit.launch.errors import LaunchError
+from course_kit.launch.entity import LaunchEntity
+from course_kit.launch.errors import LaunchError, in_a_sentence, place_in
 from course_kit.launch.substitutions import Text, as_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
     from pathlib import Path
 
     from course_kit.launch.context import LaunchContext
 
-_LAUNCH_FILE = "a launch file in Python, *.launch.py"
+_GENERATE = "generate_launch_description"
+_OTHER_KINDS = {".xml": "XML", ".launch": "XML, as ROS 1 has them,", ".yaml": "YAML", ".yml": "YAML"}
 
 
 class LaunchDescription:
@@ -35,19 +37,42 @@ class LaunchDescription:
     add_entity = add_action
 
 
-class PythonLaunchDescriptionSource:
+class LaunchDescriptionSource(LaunchEntity):
     """A launch file to include.
 
     Args:
         launch_file_path: its path, also as substitutions; relative to the including file's folder.
     """
 
-    def __init__(self, launch_file_path: Text) -> None:
+    def __init__(self, launch_file_path: Text | LaunchDescription) -> None:
         self._path = launch_file_path
 
+    @classmethod
+    def of(cls, source: LaunchDescriptionSource | LaunchDescription | Text) -> LaunchDescriptionSource:
+        """A source, whatever is given as one."""
+        return source if isinstance(source, LaunchDescriptionSource) else PythonLaunchDescriptionSource(source)
+
     def path(self, context: LaunchContext) -> Path:
-        """Where the file is."""
+        """Where the file is; the including one for a description that is there already."""
+        if isinstance(self._path, LaunchDescription):
+            return context.file
         return context.file.parent / as_text(self._path, context)
+
+    def description(self, path: Path) -> LaunchDescription:
+        """What it describes.
+
+        Raises:
+            LaunchError: see `load`.
+        """
+        return self._path if isinstance(self._path, LaunchDescription) else load(path)
+
+
+class PythonLaunchDescriptionSource(LaunchDescriptionSource):
+    """A launch file in Python."""
+
+
+class AnyLaunchDescriptionSource(LaunchDescriptionSource):
+    """A launch file in any language, of which the course kit reads Python."""
 
 
 def load(path: Path) -> LaunchDescription:
@@ -56,43 +81,30 @@ def load(path: Path) -> LaunchDescription:
     Raises:
         LaunchError: no launch file, or one with a mistake; the message names file and line.
     """
-    if path.suffix != ".py":
-        raise LaunchError(f"{path} is not {_LAUNCH_FILE}; XML and YAML are not part of the course kit's subset.")
+    if path.suffix in _OTHER_KINDS:
+        raise LaunchError(
+            f"{path.name} is a launch file in {_OTHER_KINDS[path.suffix]}. The course reads launch files in Python "
+            "only; a full ROS 2 installation reads this one, too."
+        )
     if not path.is_file():
         raise LaunchError(f"There is no launch file {path}.")
     spec = spec_from_file_location(f"launch_file_{path.name.partition('.')[0]}", path)
-    if spec is None or spec.loader is None:
-        raise LaunchError(f"{path} is not {_LAUNCH_FILE}.")
+    if path.suffix != ".py" or spec is None or spec.loader is None:
+        raise LaunchError(f"{path} is not a launch file in Python, *.launch.py.")
     module = module_from_spec(spec)
     writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # no __pycache__ beside the learner's file
     try:
         spec.loader.exec_module(module)
-        generate = getattr(module, "generate_launch_description", None)
+        generate = getattr(module, _GENERATE, None)
         description = generate() if callable(generate) else None
-    except LaunchError:
-        raise
+    except LaunchError as error:
+        raise error.at(place_in(path, error)) from None
+    except SystemExit as leaving:
+        raise LaunchError(f"The launch file ends itself, with sys.exit({leaving.code!r}).", path.name) from None
     except Exception as error:
-        raise LaunchError(_where(error, path)) from error
+        raise in_a_sentence(error, path) from error
     finally:
         sys.dont_write_bytecode = writes
     if not isinstance(description, LaunchDescription):
-        raise LaunchError(
-            f"{path.name} has no function generate_launch_description() that returns a LaunchDescription."
-        )
+        raise LaunchError(f"{path.name} has no function {_GENERATE}() that returns a LaunchDescription.")
     return description
-
-
-def _where(error: Exception, path: Path) -> str:
-    """The error and the line of the launch file it comes from."""
-    lines = [frame for frame in _line_numbers(error) if frame[0] == str(path)]
-    line = getattr(error, "lineno", None) if isinstance(error, SyntaxError) else (lines[-1][1] if lines else None)
-    place = f"{path.name}, line {line}" if line else path.name
-    message = error.msg if isinstance(error, SyntaxError) else str(error)
-    return f"{place}: {message}" if isinstance(error, ImportError) else f"{place}: {type(error).__name__}: {message}"
-
-
-def _line_numbers(error: Exception) -> Iterator[tuple[str, int]]:
-    trace = error.__traceback__
-    while trace is not None:
-        yield trace.tb_frame.f_code.co_filename, trace.tb_lineno
-        trace = trace.tb_next

@@ -8,20 +8,28 @@ beside the launch file, in the current folder, or comes from a `%%ros_script` ce
 from __future__ import annotations
 
 import os
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.launch import source_packages
-from course_kit.launch.errors import LaunchError
+from course_kit.launch.errors import ProgramError
+from course_kit.launch.package_index import PACKAGE_PATH, sources_near
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-_PATH_VARIABLE = "COURSE_KIT_PACKAGE_PATH"
 _ENDINGS = ("", ".py")
+# Packages of compiled programs, or of programs with a window, that many launch files start
+_OF_AN_INSTALLATION = re.compile(
+    r"(turtlesim|rviz2|rviz_.*|rqt.*|gazebo.*|ros_gz.*|ros_ign.*|webots.*|robot_state_publisher|joint_state_publisher.*|"
+    r"controller_manager|nav2_.*|slam_toolbox|cartographer.*|moveit_.*|demo_nodes_cpp|tf2_ros|xacro|teleop_.*|joy.*|"
+    r"rclcpp_components|robot_localization|image_.*|v4l2_camera|usb_cam)$"
+)
+_NO_SOURCES = ("launch", "test", "tests")
 _NO_PROGRAMS = (".launch.py", "setup.py", "conftest.py")
 
 
@@ -34,7 +42,7 @@ def find(package: str | None, executable: str, near: Sequence[Path] = ()) -> lis
         near: folders looked into first, such as the launch file's.
 
     Raises:
-        LaunchError: no such package or executable, with the nearest right name.
+        ProgramError: no such package or executable, with the nearest right name.
     """
     if package is None:
         return _program(executable, near)
@@ -86,7 +94,7 @@ def _folders(near: Sequence[Path]) -> Iterator[Path]:
         yield folder
         yield folder.parent
     yield Path.cwd()
-    yield from (Path(folder) for folder in os.environ.get(_PATH_VARIABLE, "").split(os.pathsep) if folder)
+    yield from (Path(folder) for folder in os.environ.get(PACKAGE_PATH, "").split(os.pathsep) if folder)
     yield environment.run_dir() / "scripts"
     if checkout := environment.checkout():
         yield checkout
@@ -109,6 +117,10 @@ def _package_places(package: str, folders: list[Path]) -> Iterator[Path]:
         yield folder / package / package
         yield folder / package / "scripts"
         yield folder / "src" / package
+    if source := sources_near(folders[:1]).get(package):
+        yield source
+        yield source / package
+        yield from sorted(entry for entry in source.iterdir() if entry.is_dir() and entry.name not in _NO_SOURCES)
 
 
 def _in(folder: Path, executable: str) -> list[str] | None:
@@ -144,7 +156,7 @@ def _program(executable: str, near: Sequence[Path]) -> list[str]:
             return _command(path)
     if found := which(executable):
         return [found]
-    raise LaunchError(f"There is no program {executable}.")
+    raise ProgramError(f"There is no program {executable}.")
 
 
 def _programs(folder: Path) -> list[str]:
@@ -175,14 +187,21 @@ def _entry_point(package: str, executable: str) -> list[str] | None:
     return _call(module, function, executable)
 
 
-def _not_found(package: str, executable: str, folders: list[Path]) -> LaunchError:
+def _not_found(package: str, executable: str, folders: list[Path]) -> ProgramError:
     known = executables(package, folders)
     if known:
         hint = did_you_mean(executable, known) or f" It has {', '.join(known)}."
-        return LaunchError(f"No executable found: package '{package}' has no '{executable}'.{hint}")
+        return ProgramError(f"No executable found: package '{package}' has no '{executable}'.{hint}")
+    if _OF_AN_INSTALLATION.match(package):
+        return ProgramError(f"Package '{package}' not found: it comes with a full ROS 2 installation, not the course.")
+    if source := sources_near(folders[:1]).get(package):
+        return ProgramError(
+            f"Package '{package}' has no Python program '{executable}' in {source}. A compiled one needs a full ROS 2 "
+            "installation."
+        )
     hint = did_you_mean(package, packages(folders))
     places = ", ".join(dict.fromkeys(str(folder) for folder in folders[:3]))
-    return LaunchError(
+    return ProgramError(
         f"Package '{package}' not found, nor a script {executable}.py in {places}. {hint.strip()}".rstrip()
     )
 

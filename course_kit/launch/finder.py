@@ -1,4 +1,4 @@
-"""Makes `launch` and `launch_ros` importable; last on `sys.meta_path`, so that the real ones win.
+"""Makes `launch`, `launch_ros` and what belongs to them importable; last on `sys.meta_path`, so that the real ones win.
 
 Put in place at the start of every interpreter, so everything else is left to the moment a launch file is read.
 """
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import ModuleType
 
-_ROOTS = ("launch", "launch_ros")
+_ROOTS = ("launch", "launch_ros", "launch_xml", "launch_yaml")
 
 
 class LaunchFinder:
@@ -38,7 +38,7 @@ class LaunchFinder:
             return None
         from course_kit.launch import modules
 
-        if fullname in modules.CONTENTS:
+        if modules.contents_of(fullname) is not None:
             return ModuleSpec(fullname, self, origin="course kit", is_package=True)  # type: ignore[arg-type]
         if fullname != root and is_ours(sys.modules.get(root)):
             raise ModuleNotFoundError(modules.outside(fullname), name=fullname)

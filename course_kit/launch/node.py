@@ -5,25 +5,23 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import yaml
 
-from course_kit.launch.actions import Action
-from course_kit.launch.errors import LaunchError, refuse
+from course_kit.launch.errors import LaunchError
 from course_kit.launch.executables import find
-from course_kit.launch.substitutions import Substitution, Text, as_text, has_substitution
+from course_kit.launch.execute_process import ExecuteProcess
+from course_kit.launch.parameters import Parameter, ParameterFile, value_of, values_of
+from course_kit.launch.substitutions import Substitution, Text, as_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from course_kit.launch.context import LaunchContext
-    from course_kit.launch.service import LaunchService
-
-_OUTPUTS = {"screen": True, "both": True, "log": False, "own_log": False}
 
 
-class Node(Action):
+class Node(ExecuteProcess):
     """A node, started as `ros2 run package executable` would.
 
     Args:
@@ -31,12 +29,20 @@ class Node(Action):
         package: see `course_kit.launch.executables.find`.
         name: the node's name instead of the program's own.
         namespace: the node's namespace.
+        exec_name: what its lines begin with; the program's name if None.
         parameters: dicts of values, and paths of parameter files; later ones win.
         remappings: pairs of names, old and new.
+        ros_arguments: arguments for ROS, such as "--log-level", "debug".
         arguments: the program's own arguments.
-        output: "screen" or "both" for everything, "log" (the default) for stderr only, the rest into the log file.
-        emulate_tty: taken for the programs' sake; their output is never held back here.
+        process: what ExecuteProcess takes.
     """
+
+    OUTSIDE: ClassVar[frozenset[str]] = ExecuteProcess.OUTSIDE | {"cmd"}
+    REPLACED: ClassVar[dict[str, str]] = {
+        "node_executable": "executable",
+        "node_name": "name",
+        "node_namespace": "namespace",
+    }
 
     def __init__(  # noqa: PLR0913 - launch_ros has them
         self,
@@ -45,76 +51,89 @@ class Node(Action):
         package: Text | None = None,
         name: Text | None = None,
         namespace: Text | None = None,
+        exec_name: Text | None = None,
         parameters: Iterable[object] | None = None,
         remappings: Iterable[tuple[Text, Text]] | None = None,
+        ros_arguments: Iterable[Text] | None = None,
         arguments: Iterable[Text] | None = None,
-        output: Text = "log",
-        emulate_tty: bool = False,
-        **more: object,
+        **process: Any,
     ) -> None:
-        refuse("Node", more)
-        del emulate_tty
+        super().__init__(cmd=(), name=exec_name, **process)
         self._executable, self._package = executable, package
-        self._name, self._namespace = name, namespace
+        self._node_name, self._namespace = name, namespace
+        if isinstance(parameters, (str, Mapping)):
+            raise LaunchError("Node(parameters=...) is a list: write [ and ] around the dict or the path.")
         self._parameters, self._remappings = list(parameters or []), list(remappings or [])
-        self._arguments, self._output = list(arguments or []), output
+        self._ros_arguments, self._arguments = list(ros_arguments or []), list(arguments or [])
 
-    def execute(self, context: LaunchContext, service: LaunchService) -> None:
-        """Start the process.
+    def command(self, context: LaunchContext, temporary: list[Path]) -> list[str]:
+        """The program, its arguments, and what ROS is told.
+
+        Args:
+            context: of the launch.
+            temporary: takes the files with parameters.
 
         Raises:
-            LaunchError: it has options that the course does not know, or its program is not found.
+            LaunchError: the program is not found, or one of its parameters cannot be given.
         """
-        output = as_text(self._output, context)
-        if output not in _OUTPUTS:
-            raise LaunchError(f"Node(output={output!r}): the course kit knows {', '.join(_OUTPUTS)}.")
-        command = self._program(context)
-        label = Path(as_text(self._executable, context)).name
-        temporary: list[Path] = []
-        command += [as_text(argument, context) for argument in self._arguments]
-        command += ["--ros-args", *self._ros_arguments(context, temporary)]
-        service.start(command, label, show_stdout=_OUTPUTS[output], temporary=temporary)
-
-    def _program(self, context: LaunchContext) -> list[str]:
         package = None if self._package is None else as_text(self._package, context)
-        return find(package, as_text(self._executable, context), [context.file.parent])
+        command = find(package, as_text(self._executable, context), [context.file.parent])
+        command += [as_text(argument, context) for argument in self._arguments]
+        if self._ros_arguments:
+            command += ["--ros-args", *(as_text(argument, context) for argument in self._ros_arguments)]
+        return [*command, "--ros-args", *self._told(context, temporary)]
 
-    def _ros_arguments(self, context: LaunchContext, temporary: list[Path]) -> list[str]:
-        arguments: list[str] = []
+    def label(self, context: LaunchContext, command: list[str]) -> str:
+        """What the lines of the process begin with."""
         if self._name is not None:
-            arguments += ["-r", f"__node:={as_text(self._name, context)}"]
-        if self._namespace:
-            namespace = as_text(self._namespace, context)
-            arguments += ["-r", f"__ns:={namespace if namespace.startswith('/') else f'/{namespace}'}"]
+            return super().label(context, command)
+        return Path(as_text(self._executable, context)).name
+
+    def _told(self, context: LaunchContext, temporary: list[Path]) -> list[str]:
+        name = None if self._node_name is None else as_text(self._node_name, context)
+        own = None if self._namespace is None else as_text(self._namespace, context)
+        namespace = joined_namespace(context.namespace, own or "")
+        arguments = [] if name is None else ["-r", f"__node:={name}"]
+        arguments += ["-r", f"__ns:={namespace}"] if namespace else []
+        for given, value in context.parameters.items():
+            arguments += ["-p", f"{given}:={_typed(value)}"]
+        whose = f"{namespace.rstrip('/')}/{name}" if name is not None and namespace else "/**"
         for parameters in self._parameters:
-            arguments += ["--params-file", self._parameter_file(parameters, context, temporary)]
-        for old, new in self._remappings:
-            arguments += ["-r", f"{as_text(old, context)}:={as_text(new, context)}"]
+            arguments += self._given(parameters, whose, context, temporary)
+        pairs = [(as_text(old, context), as_text(new, context)) for old, new in self._remappings]
+        for old, new in (*context.remappings, *pairs):  # of two for one name the first counts
+            arguments += ["-r", f"{old}:={new}"]
         return arguments
 
-    def _parameter_file(self, parameters: object, context: LaunchContext, temporary: list[Path]) -> str:
+    def _given(self, parameters: object, whose: str, context: LaunchContext, temporary: list[Path]) -> list[str]:
+        """The arguments for one entry of `parameters`."""
         if isinstance(parameters, Mapping):
-            values = {as_text(name, context): _value(value, context) for name, value in parameters.items()}
+            values = values_of(parameters, context)
             with tempfile.NamedTemporaryFile("w", prefix="launch_params_", encoding="utf-8", delete=False) as file:
-                yaml.safe_dump({"/**": {"ros__parameters": values}}, file, default_flow_style=False)
+                yaml.safe_dump({whose: {"ros__parameters": values}}, file, default_flow_style=False)
             temporary.append(Path(file.name))
-            return file.name
+            return ["--params-file", file.name]
+        if isinstance(parameters, Parameter):
+            name = as_text(parameters.name, context)
+            return ["-p", f"{name}:={_typed(value_of(name, parameters.value, context))}"]
+        if isinstance(parameters, ParameterFile):
+            parameters = parameters.path
         if isinstance(parameters, (str, PurePath, Substitution, list, tuple)):
             path = context.file.parent / as_text(parameters, context)
             if not path.is_file():
                 raise LaunchError(f"There is no parameter file {path}.")
-            return str(path)
+            return ["--params-file", str(path)]
         raise LaunchError(f"Node(parameters=[{parameters!r}]): a dict of values or the path of a file is expected.")
 
 
-def _value(value: object, context: LaunchContext) -> object:
-    """A parameter's value; what substitutions bring is read as YAML, as typed on a command line."""
-    if has_substitution(value):
-        return yaml.safe_load(as_text(value, context))
-    if isinstance(value, Mapping):
-        return {as_text(name, context): _value(part, context) for name, part in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_value(part, context) for part in value]
-    if isinstance(value, (bool, int, float, str)):
-        return value
-    raise LaunchError(f"{value!r} is not a parameter value: a bool, int, float, str or a list of those is expected.")
+def joined_namespace(outer: str, inner: str) -> str:
+    """A namespace within another one, absolute; empty where there is none."""
+    if inner.startswith("/"):
+        return inner
+    joined = "/".join(part for part in (outer.strip("/"), inner.strip("/")) if part)
+    return f"/{joined}" if joined else ""
+
+
+def _typed(value: object) -> str:
+    """A value as `-p name:=value` wants it."""
+    return yaml.safe_dump(value, default_flow_style=True).removesuffix("...\n").strip()

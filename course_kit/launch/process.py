@@ -10,7 +10,7 @@ from course_kit.process.output import LineReader
 from course_kit.process.signals import Ladder
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from course_kit.launch.process_description import ProcessDescription
 
 PATIENCE_S = (5.0, 5.0, 5.0)  # after SIGINT, SIGTERM and SIGKILL; the real launch's defaults
 
@@ -19,47 +19,56 @@ class LaunchedProcess:
     """A process of a launch file.
 
     Args:
-        command: what to run.
+        description: what was asked for.
         label: how its lines are marked, such as "parameter_node.py-1".
-        environ: its environment.
-        show_stdout: whether its stdout belongs on the screen; stderr always does.
-        temporary: files that are its own.
+        command: what to run, where that is not what was asked for.
+        environ: the same for its environment.
         inherits: file descriptors it gets, and with them our own stdout and stderr, which it writes to directly.
+        restarts: how often it has been started again.
 
     Attributes:
         process: the process.
         ladder: the signals it has got to end it.
-        streams: its pipes, with the lines that come through each, and whether these are shown.
+        streams: its pipes, with the lines that come through each, whether these are shown, and whether it is stdout.
     """
 
     def __init__(  # noqa: PLR0913 - a process is described by that much
         self,
-        command: list[str],
+        description: ProcessDescription,
         label: str,
-        environ: dict[str, str],
         *,
-        show_stdout: bool,
-        temporary: list[Path],
+        command: list[str] | None = None,
+        environ: dict[str, str] | None = None,
         inherits: tuple[int, ...] | None = None,
+        restarts: int = 0,
     ) -> None:
-        self.label, self._temporary = label, temporary
-        self.command = shlex.join(command)
-        self.ladder = Ladder(*PATIENCE_S)
+        self.description, self.label, self.restarts = description, label, restarts
+        self.command = shlex.join(description.command)
+        self.ladder = Ladder(*(description.patience_s or PATIENCE_S))
+        show_stdout, show_stderr = description.show
         self.process = Child(
-            command,
-            environ=environ,
+            command or description.command,
+            environ=environ or description.environ,
+            folder=description.folder,
             stdout=PIPE if inherits is None else None if show_stdout else NOWHERE,
-            stderr=PIPE if inherits is None else None,
+            stderr=PIPE if inherits is None else None if show_stderr else NOWHERE,
             descriptors=inherits or (),
             dies_with_us=True,  # launch has one thread
         )
-        self.streams: dict[IO[bytes], tuple[LineReader, bool]] = {}
-        for stream, shown in ((self.process.stdout, show_stdout), (self.process.stderr, True)):
+        self.streams: dict[IO[bytes], tuple[LineReader, bool, bool]] = {}
+        pipes = ((self.process.stdout, show_stdout, True), (self.process.stderr, show_stderr, False))
+        for stream, shown, is_stdout in pipes:
             if stream is not None:
-                self.streams[stream] = (LineReader(stream.fileno()), shown)
+                self.streams[stream] = (LineReader(stream.fileno()), shown, is_stdout)
+
+    def may_restart(self) -> bool:
+        """Whether it is to be started again when it has ended."""
+        most = self.description.respawn_max
+        return self.description.respawn and (most < 0 or self.restarts < most)
 
     def clean_up(self) -> None:
-        """End what is left of its group, close its streams and remove its files."""
+        """End what is left of its group, close its streams and remove its files, unless it starts once more."""
         self.process.kill()
-        for path in self._temporary:
-            path.unlink(missing_ok=True)
+        if not self.may_restart():
+            for path in self.description.temporary:
+                path.unlink(missing_ok=True)

@@ -4,25 +4,31 @@ from __future__ import annotations
 
 import contextlib
 import os
-import platform
 import selectors
 import signal
 import sys
 import time
+from functools import partial
 from typing import IO, TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.launch.actions import execute_all
+from course_kit.launch import events, package_index
+from course_kit.launch.action import execute_all
+from course_kit.launch.arguments import doubts
 from course_kit.launch.context import LaunchContext
 from course_kit.launch.description import load
-from course_kit.launch.errors import LaunchError
+from course_kit.launch.dispatcher import EventDispatcher
+from course_kit.launch.errors import ProgramError
+from course_kit.launch.output import signals_as_bytes
 from course_kit.launch.process import LaunchedProcess
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable
     from pathlib import Path
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGCHLD)
+    from course_kit.launch.event_handlers import EventHandler
+    from course_kit.launch.process_description import ProcessDescription
+
 _ALWAYS_CHECK = 1.0  # seconds; a signal wakes the loop, this is for what no signal tells
 
 
@@ -31,84 +37,96 @@ class LaunchService:
 
     Args:
         log: where everything is written down, also what is not shown.
+
+    Attributes:
+        stopping: whether the launch is about to end.
     """
 
     def __init__(self, log: IO[str]) -> None:
         self._log = log
         self._children: list[LaunchedProcess] = []
         self._started = 0
-        self._timers: list[tuple[float, list[object], LaunchContext]] = []
+        self._timers: list[tuple[float, Callable[[], object]]] = []
+        self._temporary: list[Path] = []
+        self._dispatcher = EventDispatcher()
         self._selector = selectors.DefaultSelector()
-        self._stopping = False
-        self._environ = environment.child_environment(PYTHONUNBUFFERED="1")
+        self._failed = False
+        self.stopping = False
 
     def run(self, file: Path, arguments: dict[str, str]) -> int:
         """Run until all processes have ended and no timer is left.
 
         Returns:
-            The exit code: 0, whatever became of the processes, as with the real launch.
+            The exit code: 0, whatever became of the processes, as with the real launch; 1 if one could not be started.
 
         Raises:
             LaunchError: the file cannot be run; everything it had started has ended.
         """
-        with self._signals() as woken:
+        package_index.make_known([file.parent])
+        environ = environment.child_environment(PYTHONUNBUFFERED="1")
+        context = LaunchContext(dict(arguments), file, environ, running=self)
+        with signals_as_bytes() as woken:
+            self._selector.register(woken, selectors.EVENT_READ)
             try:
-                execute_all(load(file).entities, LaunchContext(dict(arguments), file), self)
-                while self._children or (self._timers and not self._stopping):
+                execute_all(load(file), context)
+                for doubt in doubts(arguments, context.declared):
+                    self.say(f"[WARNING] [launch]: {doubt}")
+                self._handle_events()
+                while self._children or (self._timers and not self.stopping):
                     self._wait(woken)
                     self._fire_timers()
                     self._escalate()
                     self._reap()
+                    self._handle_events()
             finally:
                 self._end_all(woken)
-        return 0
+                self._selector.close()
+        return 1 if self._failed else 0
 
     # What actions ask
 
-    def start(self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]) -> None:
+    def start(self, description: ProcessDescription) -> None:
         """Start a process; its temporary files are removed when it has ended.
 
+        Raises:
+            ProgramError: it cannot be started.
+        """
+        self._temporary += description.temporary
+        if not self.stopping:
+            self._started += 1
+            self._begin(description, f"{description.label}-{self._started}")
+
+    def later(self, seconds: float, function: Callable[[], object]) -> None:
+        """Call a function after a while, unless the launch ends before."""
+        self._timers.append((time.monotonic() + seconds, function))
+
+    def register(self, handler: EventHandler, context: LaunchContext) -> None:
+        """Have an event handled from now on.
+
         Args:
-            command: the program and its arguments.
-            label: what its lines begin with.
-            show_stdout: whether these are shown or only logged.
-            temporary: files to remove when all is over.
+            handler: says which, and what is done then.
+            context: for what is done.
 
         Raises:
-            LaunchError: it cannot be started.
+            LaunchError: it cannot be handled here.
         """
-        self._started += 1
-        try:
-            child = self.make_child(command, f"{label}-{self._started}", show_stdout=show_stdout, temporary=temporary)
-        except OSError as error:
-            raise LaunchError(f"{command[0]} cannot be started: {error.strerror}.") from error
-        self._children.append(child)
-        for stream in child.streams:
-            self._selector.register(stream, selectors.EVENT_READ, (child, stream))
-        self.say(f"[INFO] [{child.label}]: process started with pid [{child.process.pid}]")
+        self._dispatcher.register(handler, context)
 
-    def make_child(
-        self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]
-    ) -> LaunchedProcess:
-        """Start a process whose output comes through us.
+    def unregister(self, handler: EventHandler) -> None:
+        """Have an event handled no more."""
+        self._dispatcher.unregister(handler)
 
-        Args:
-            command: see `start`.
-            label: what its lines begin with.
-            show_stdout: see `start`.
-            temporary: see `start`.
-        """
-        return LaunchedProcess(command, label, self._environ, show_stdout=show_stdout, temporary=temporary)
+    def emit(self, event: events.LaunchEvent) -> None:
+        """Have an event handled as soon as what is being done is done."""
+        self._dispatcher.emit(event)
 
-    def later(self, seconds: float, actions: list[object], context: LaunchContext) -> None:
-        """Run actions after a while.
-
-        Args:
-            seconds: when.
-            actions: what.
-            context: of the launch.
-        """
-        self._timers.append((time.monotonic() + seconds, actions, context))
+    def fail(self, error: ProgramError) -> None:
+        """Say that one program cannot be started, and go on without it."""
+        self._failed = True
+        self.say(f"[ERROR] [launch]: {error}", shown=False)
+        sys.stdout.flush()
+        sys.stderr.write(f"[ERROR] [launch]: {error}\n")
+        sys.stderr.flush()
 
     def say(self, text: str, *, shown: bool = True) -> None:
         """Write a line to the log, and to the screen if it is to be shown."""
@@ -118,10 +136,72 @@ class LaunchService:
             sys.stdout.write(f"{text}\n")
             sys.stdout.flush()
 
+    def make_child(self, description: ProcessDescription, label: str, restarts: int) -> LaunchedProcess:
+        """Start a process whose output comes through us.
+
+        Args:
+            description: what to start.
+            label: what its lines begin with.
+            restarts: how often it has been started again.
+
+        Raises:
+            OSError: it cannot be started.
+        """
+        return LaunchedProcess(description, label, restarts=restarts)
+
+    # Processes
+
+    def _begin(self, description: ProcessDescription, label: str, restarts: int = 0) -> None:
+        try:
+            child = self.make_child(description, label, restarts)
+        except (OSError, ValueError) as error:
+            why = error.strerror if isinstance(error, OSError) else error
+            raise ProgramError(f"{description.command[0]} cannot be started: {why}.") from error
+        self._children.append(child)
+        for stream in child.streams:
+            self._selector.register(stream, selectors.EVENT_READ, (child, stream))
+        self.say(f"[INFO] [{child.label}]: process started with pid [{child.process.pid}]")
+        self._tell(events.ProcessStarted, child)
+
+    def _tell(self, kind: type[events.RunningProcessEvent], child: LaunchedProcess, **more: object) -> None:
+        plan = child.description
+        about = (plan.action, child.label, plan.command, plan.folder, dict(plan.environ), child.process.pid)
+        self.emit(kind(*about, **more))  # type: ignore[arg-type]
+
+    def _reap(self) -> None:
+        for child in [child for child in self._children if child.process.exit_code() is not None]:
+            self._drain(child)
+            self._children.remove(child)
+            code = child.process.exit_code()
+            if code == 0:
+                self.say(f"[INFO] [{child.label}]: process has finished cleanly [pid {child.process.pid}]")
+            else:
+                self.say(
+                    f"[ERROR] [{child.label}]: process has died [pid {child.process.pid}, exit code {code}, "
+                    f"cmd '{child.command}']."
+                )
+            child.clean_up()
+            self._tell(events.ProcessExited, child, returncode=code)
+            if child.may_restart() and not self.stopping:
+                self.later(child.description.respawn_delay_s, partial(self._restart, child))
+
+    def _restart(self, child: LaunchedProcess) -> None:
+        try:
+            self._begin(child.description, child.label, child.restarts + 1)
+        except ProgramError as error:
+            self.fail(error.at(child.description.action.place))
+
+    def _drain(self, child: LaunchedProcess) -> None:
+        """Pass on what the process has left behind; a grandchild may hold its streams open for longer."""
+        for stream in child.streams:
+            with contextlib.suppress(KeyError):
+                self._take_output(child, stream)
+                self._selector.unregister(stream)
+
     # The loop
 
     def _wait(self, woken: int) -> None:
-        due = [max(0.0, at - time.monotonic()) for at, _, _ in self._timers]
+        due = [max(0.0, at - time.monotonic()) for at, _ in self._timers]
         left = min([*due, *(child.ladder.pause_s() for child in self._children), _ALWAYS_CHECK])
         for key, _ in self._selector.select(left):
             if key.fd == woken:
@@ -130,25 +210,48 @@ class LaunchService:
                 self._take_output(*key.data)
 
     def _take_output(self, child: LaunchedProcess, stream: IO[bytes]) -> None:
-        lines, shown = child.streams[stream]
+        lines, shown, is_stdout = child.streams[stream]
         for line in lines.read():
             text = line.rstrip("\r")
             self.say(f"[{child.label}] {text}", shown=shown)
+            if self._dispatcher.is_awaited:
+                said = f"{text}\n".encode()
+                self._tell(events.ProcessIO, child, text=said, from_stdout=is_stdout, from_stderr=not is_stdout)
         if lines.ended:
             self._selector.unregister(stream)
 
     def _take_signals(self, numbers: bytes) -> None:
         if signal.SIGINT in numbers:
-            again = " again, ignoring..." if self._stopping else ""
+            again = " again, ignoring..." if self.stopping else ""
             self.say(f"[WARNING] [launch]: user interrupted with ctrl-c (SIGINT){again}")
         elif signal.SIGTERM in numbers or signal.SIGHUP in numbers:
             self.say("[WARNING] [launch]: asked to end")
         if any(number in numbers for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)):
+            if not self.stopping:
+                self.emit(events.Shutdown("ctrl-c (SIGINT)", due_to_sigint=signal.SIGINT in numbers))
             self._stop()
+
+    def _handle_events(self) -> None:
+        for event in self._dispatcher.handled():
+            if isinstance(event, events.Shutdown) and not self.stopping:
+                self.say(f"[INFO] [launch]: shutting down: {event.reason}")
+                self._stop()
+            elif isinstance(event, (events.ShutdownProcess, events.SignalProcess)):
+                self._signal(event)
+
+    def _signal(self, event: events.ShutdownProcess | events.SignalProcess) -> None:
+        for child in self._children:
+            if not event.process_matcher(child.description.action):
+                continue
+            if isinstance(event, events.SignalProcess):
+                self.say(f"[INFO] [{child.label}]: sending signal '{event.signal.name}' to process[{child.label}]")
+                child.process.send(event.signal)
+            elif not child.ladder.climbed:
+                self._climb(child)
 
     def _stop(self) -> None:
         """Begin to end all processes; what has been begun goes on."""
-        self._stopping = True
+        self.stopping = True
         self._timers.clear()
         for child in self._children:
             if not child.ladder.climbed:
@@ -174,29 +277,8 @@ class LaunchService:
         now = time.monotonic()
         due = [timer for timer in self._timers if timer[0] <= now]
         self._timers = [timer for timer in self._timers if timer[0] > now]
-        for _, actions, context in due:
-            execute_all(actions, context, self)
-
-    def _reap(self) -> None:
-        for child in [child for child in self._children if child.process.exit_code() is not None]:
-            self._drain(child)
-            self._children.remove(child)
-            code = child.process.exit_code()
-            if code == 0:
-                self.say(f"[INFO] [{child.label}]: process has finished cleanly [pid {child.process.pid}]")
-            else:
-                self.say(
-                    f"[ERROR] [{child.label}]: process has died [pid {child.process.pid}, exit code {code}, "
-                    f"cmd '{child.command}']."
-                )
-            child.clean_up()
-
-    def _drain(self, child: LaunchedProcess) -> None:
-        """Pass on what the process has left behind; a grandchild may hold its streams open for longer."""
-        for stream in child.streams:
-            with contextlib.suppress(KeyError):
-                self._take_output(child, stream)
-                self._selector.unregister(stream)
+        for _, function in due:
+            function()
 
     def _end_all(self, woken: int) -> None:
         """Whatever has happened, no process stays behind."""
@@ -206,37 +288,5 @@ class LaunchService:
             self._wait(woken)
             self._escalate()
             self._reap()
-
-    @contextlib.contextmanager
-    def _signals(self) -> Iterator[int]:
-        """Signals as bytes to be read, so that they come between two steps and never inside one."""
-        woken, wake = os.pipe()
-        os.set_blocking(wake, False)
-        before = {number: signal.signal(number, lambda *_: None) for number in _SIGNALS}
-        wakeup = signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
-        self._selector.register(woken, selectors.EVENT_READ)
-        try:
-            yield woken
-        finally:
-            signal.set_wakeup_fd(wakeup)
-            for number, handler in before.items():
-                signal.signal(number, handler)
-            self._selector.close()
-            os.close(woken)
-            os.close(wake)
-
-
-@contextlib.contextmanager
-def log_file() -> Iterator[IO[str]]:
-    """The log of one launch among the logs of ROS; the first lines on the screen say where."""
-    environment.apply()
-    from pathlib import Path
-
-    folder = Path(os.environ.get("ROS_LOG_DIR") or f"{os.environ['ROS_HOME']}/log")  # one of them is set by now
-    folder.mkdir(parents=True, exist_ok=True)
-    stamp = time.strftime("%Y-%m-%d-%H-%M-%S")
-    with (folder / f"{stamp}-{platform.node()}-{os.getpid()}.launch.log").open("w", encoding="utf-8") as log:
-        sys.stdout.write(f"[INFO] [launch]: All log files can be found below {folder}\n")
-        sys.stdout.write("[INFO] [launch]: Default logging verbosity is set to INFO\n")
-        sys.stdout.flush()
-        yield log
+        for path in self._temporary:
+            path.unlink(missing_ok=True)

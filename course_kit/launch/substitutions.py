@@ -6,13 +6,15 @@ from collections.abc import Iterable
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Union
 
+from course_kit.launch.entity import LaunchEntity
 from course_kit.launch.errors import LaunchError
+from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
     from course_kit.launch.context import LaunchContext
 
 
-class Substitution:
+class Substitution(LaunchEntity):
     """Something that becomes text."""
 
     def perform(self, context: LaunchContext) -> str:
@@ -58,6 +60,11 @@ class LaunchConfiguration(Substitution):
     def __init__(self, variable_name: Text, *, default: Text | None = None) -> None:
         self._name, self._default = variable_name, default
 
+    @property
+    def variable_name(self) -> Text:
+        """The argument's name."""
+        return self._name
+
     def perform(self, context: LaunchContext) -> str:
         """The value; a LaunchError when there is none.
 
@@ -70,7 +77,7 @@ class LaunchConfiguration(Substitution):
         if self._default is None:
             raise LaunchError(
                 f"LaunchConfiguration('{name}') has no value: no DeclareLaunchArgument('{name}') stands before it, and "
-                f"the command line has no {name}:=value."
+                f"the command line has no {name}:=value.{did_you_mean(name, sorted(context.launch_configurations))}"
             )
         return as_text(self._default, context)
 
@@ -89,6 +96,10 @@ class PathJoinSubstitution(Substitution):
         """The path."""
         return str(PurePath(*(as_text(part, context) for part in self._parts)))
 
+    def describe(self) -> str:
+        """Its parts."""
+        return f"PathJoin({', '.join(map(described, self._parts))})"
+
 
 class ThisLaunchFileDir(Substitution):
     """The folder of the launch file."""
@@ -98,10 +109,25 @@ class ThisLaunchFileDir(Substitution):
         return str(context.file.parent)
 
 
+class ThisLaunchFile(Substitution):
+    """The path of the launch file."""
+
+    def perform(self, context: LaunchContext) -> str:
+        """The path."""
+        return str(context.file)
+
+
 def as_text(value: object, context: LaunchContext) -> str:
-    """Text, a substitution, or a list of both, as text."""
+    """Text, a substitution, or a list of both, as text.
+
+    Raises:
+        LaunchError: a substitution has no value.
+    """
     if isinstance(value, Substitution):
-        return value.perform(context)
+        try:
+            return value.perform(context)
+        except LaunchError as error:
+            raise error.at(value.place) from None
     if isinstance(value, (list, tuple)):
         return "".join(as_text(part, context) for part in value)
     if isinstance(value, bool):
@@ -114,3 +140,12 @@ def has_substitution(value: object) -> bool:
     return isinstance(value, Substitution) or (
         isinstance(value, (list, tuple)) and any(isinstance(part, Substitution) for part in value)
     )
+
+
+def described(value: object) -> str:
+    """How a text is written, for `--show-args`."""
+    if isinstance(value, Substitution):
+        return value.describe()
+    if isinstance(value, (list, tuple)):
+        return " + ".join(described(part) for part in value)
+    return repr(str(value))

@@ -41,6 +41,7 @@ ROLES = (SERVES, CALLS, RUNS, SENDS_GOALS, PUBLISHES, LISTENS)
 KINDS = ("service", "action", "topic")
 _MISSING = {"service": "No node serves", "action": "No node runs", "topic": "No node publishes"}
 _UNUSED = "No node listens to"
+_FEEDBACK, _FEEDBACK_TYPE = "/_action/feedback", "_FeedbackMessage"
 
 
 class Use(NamedTuple):
@@ -152,7 +153,6 @@ def uses_of(node: Node, full_name: str, *roles: Role) -> Iterator[Use]:
         full_name: of the node in question.
         roles: the ones of interest; all of them without any.
     """
-    from rclpy import action
     from rclpy.impl.implementation_singleton import rclpy_implementation
 
     namespace, _, name = full_name.rpartition("/")
@@ -160,8 +160,8 @@ def uses_of(node: Node, full_name: str, *roles: Role) -> Iterator[Use]:
     readers: dict[Role, Callable[[], Iterable[tuple[str, list[str]]]]] = {
         SERVES: lambda: node.get_service_names_and_types_by_node(*where),
         CALLS: lambda: node.get_client_names_and_types_by_node(*where),
-        RUNS: lambda: action.get_action_server_names_and_types_by_node(node, *where),
-        SENDS_GOALS: lambda: action.get_action_client_names_and_types_by_node(node, *where),
+        RUNS: lambda: _actions(node.get_publisher_names_and_types_by_node(*where)),
+        SENDS_GOALS: lambda: _actions(node.get_subscriber_names_and_types_by_node(*where)),
         PUBLISHES: lambda: node.get_publisher_names_and_types_by_node(*where),
         LISTENS: lambda: node.get_subscriber_names_and_types_by_node(*where),
     }
@@ -171,3 +171,12 @@ def uses_of(node: Node, full_name: str, *roles: Role) -> Iterator[Use]:
         except (rclpy_implementation.RCLError, ValueError):  # it has gone meanwhile, or has no proper name yet
             return
         yield from (Use(full_name, role, channel, tuple(sorted(types))) for channel, types in found)
+
+
+def _actions(topics: Iterable[tuple[str, list[str]]]) -> Iterator[tuple[str, list[str]]]:
+    """The actions whose feedback is among topics, as rcl_action knows them; `rclpy.action` would import numpy."""
+    for topic, types in topics:
+        if topic.endswith(_FEEDBACK):
+            ours = [one.removesuffix(_FEEDBACK_TYPE) for one in types if one.endswith(_FEEDBACK_TYPE)]
+            if ours:
+                yield topic.removesuffix(_FEEDBACK), ours

@@ -1,7 +1,5 @@
 """`python -m course_kit.ros2cli`: always the course kit's own command, never a real one."""
 
-import sys
+from course_kit.ros2cli.cli import leave, run_program
 
-from course_kit.ros2cli.cli import run_program
-
-sys.exit(run_program())
+leave(run_program())

@@ -11,12 +11,20 @@ import os
 import signal
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.launch.arguments import not_an_argument
 from course_kit.launch.errors import LaunchError
+from course_kit.launch.event_handlers import OnProcessIO
 from course_kit.launch.process import LaunchedProcess
 from course_kit.launch.service import LaunchService
 from course_kit.process.parent import die_with_parent
+
+if TYPE_CHECKING:
+    from course_kit.launch.context import LaunchContext
+    from course_kit.launch.event_handlers import EventHandler
+    from course_kit.launch.process_description import ProcessDescription
 
 MODULE = __name__
 _RUNNER = ("-m", "course_kit.lab.scripts.child_main")
@@ -34,35 +42,56 @@ class NotebookLaunch(LaunchService):
         super().__init__(Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - it lives as long as this
         self._script, self._descriptor = script, descriptor
 
-    def make_child(
-        self, command: list[str], label: str, *, show_stdout: bool, temporary: list[Path]
-    ) -> LaunchedProcess:
+    def make_child(self, description: ProcessDescription, label: str, restarts: int) -> LaunchedProcess:
         """Start a process that writes into the notebook; a Python program under the runner of scripts.
 
         Args:
-            command: the program and its arguments.
+            description: what to start.
             label: what its lines begin with.
-            show_stdout: whether what it prints is shown.
-            temporary: files that are removed when it has ended.
+            restarts: how often it has been started again.
+
+        Raises:
+            OSError: it cannot be started.
         """
+        command = description.command
         shown = list(command)
         if command[0] == sys.executable and command[1].endswith(".py"):
             shown[1] = Path(command[1]).name
             around = [sys.executable, *_RUNNER, self._script, str(os.getpid()), str(self._descriptor)]
             command = [*around, *command[1:]]
         log_format = f"[{label}] [{{severity}}] [{{name}}]: {{message}}"
-        environ = {**self._environ, "RCUTILS_CONSOLE_OUTPUT_FORMAT": log_format, "RCUTILS_COLORIZED_OUTPUT": "0"}
-        passed = (self._descriptor,)
-        child = LaunchedProcess(command, label, environ, show_stdout=show_stdout, temporary=temporary, inherits=passed)
+        look = {"RCUTILS_CONSOLE_OUTPUT_FORMAT": log_format, "RCUTILS_COLORIZED_OUTPUT": "0"}
+        child = LaunchedProcess(
+            description,
+            label,
+            command=command,
+            environ={**description.environ, **look},
+            inherits=(self._descriptor,),
+            restarts=restarts,
+        )
         child.command = " ".join(["python", *shown[1:2]])
         return child
 
+    def register(self, handler: EventHandler, context: LaunchContext) -> None:
+        """Have an event handled from now on.
+
+        Args:
+            handler: says which, and what is done then.
+            context: for what is done.
+
+        Raises:
+            LaunchError: it needs what processes write, which goes into the notebook and not through us.
+        """
+        if isinstance(handler, OnProcessIO):
+            raise LaunchError("OnProcessIO does not work in a %%ros_launch cell: save the file, and run !ros2 launch.")
+        super().register(handler, context)
+
     def say(self, text: str, *, shown: bool = True) -> None:
         """Write a line; how the processes are stopped, one after the other, is no news when the learner does it."""
-        super().say(text, shown=shown and not self._stopping)
+        super().say(text, shown=shown and not self.stopping)
 
     def _take_signals(self, numbers: bytes) -> None:
-        self._stopping |= any(number in numbers for number in (signal.SIGINT, signal.SIGTERM))
+        self.stopping |= any(number in numbers for number in (signal.SIGINT, signal.SIGTERM))
         super()._take_signals(numbers)
 
 
@@ -74,7 +103,7 @@ def main() -> int:
     for argument in arguments:
         key, separator, value = argument.partition(":=")
         if not separator:
-            sys.stderr.write(f"{argument!r} is not an argument for a launch file: write name:=value.\n")
+            sys.stderr.write(f"{not_an_argument(argument)}\n")
             return 1
         values[key] = value
     try:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 COMMANDS = {
     "action": "list actions, send goals",
     "daemon": "the process that knows the graph: start, stop, status",
+    "doctor": "check the machine, the packages and the graph",
     "interface": "show the text of messages, services and actions",
     "launch": "run a launch file",
     "node": "list nodes, see what they have",
@@ -31,28 +32,27 @@ COMMANDS = {
     "run": "run a node by package and executable",
     "service": "list services, call them",
     "topic": "list topics, listen, publish",
+    "wtf": "the same as doctor",
 }
+_MODULES = {"wtf": "doctor"}  # where a command has the verbs of another one
 # What the real command has besides; empty for the commands themselves.
 _ONLY_IN_ROS = {
     "": (
         "bag",
         "component",
         "control",
-        "doctor",
         "extensions",
         "lifecycle",
         "multicast",
         "plugin",
         "security",
         "test",
-        "wtf",
     ),
     "pkg": ("create", "xml"),
+    "doctor": ("hello",),
 }
 _INSTEAD = {
     "create": "a folder with your program in it is enough: `ros2 run` finds it",
-    "doctor": "see `./course doctor`",
-    "wtf": "see `./course doctor`",
 }
 DEFAULT_TIMEOUT = 10.0
 _HELP_WIDTH = 100
@@ -138,7 +138,7 @@ def build(commands: Sequence[str]) -> Parser:
 
 def verb_module(command: str) -> ModuleType:
     """The module with the verbs of a command."""
-    return import_module(f"course_kit.ros2cli.verbs.{command}")
+    return import_module(f"course_kit.ros2cli.verbs.{_MODULES.get(command, command)}")
 
 
 def add_verbs(place: argparse.ArgumentParser) -> Verbs:

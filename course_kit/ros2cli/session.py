@@ -8,6 +8,7 @@ import time
 from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.light_imports import leave_out_the_generator
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -147,6 +148,7 @@ class Session:
             from course_kit import environment
 
             environment.apply()  # before rclpy, also where the autoload is turned off
+            leave_out_the_generator()
             import rclpy
 
             self._context = rclpy.Context()

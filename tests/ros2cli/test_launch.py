@@ -140,7 +140,7 @@ def test_a_child_does_not_survive_a_launch_that_is_killed(ros2: Ros2) -> None:
     [
         ("Node(package='my_package', executable='tel')", "package 'my_package' has no 'tel'. Did you mean tell?"),
         ("Node(package='my_packge', executable='tall')", "'my_packge' not found"),
-        ("Node(package='my_package', executable='tell', respawn=True)", "Node(respawn=...) is not part of the course"),
+        ("Node(package='my_package', executable='tell', cached_output=True)", "Node(cached_output=...) is not part of"),
         ("Node(package='my_package', executable='tell', parameters=['no.yaml'])", "There is no parameter file"),
         ("Node(package='my_package', executable='tell', output='loud')", "the course kit knows screen"),
         ("LogInfo(msg=LaunchConfiguration('speed'))", "no DeclareLaunchArgument('speed') stands before it"),
@@ -161,8 +161,9 @@ def test_what_cannot_be_run_is_said_in_a_sentence(tell: Ros2, actions: str, want
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("from launch.actions import GroupAction", "launch.actions.GroupAction is not part of the course kit's"),
-        ("import launch.conditions", "launch.conditions is not part of the course kit's"),
+        ("from launch.actions import PopEnvironment", "launch.actions.PopEnvironment is not part of the course kit's"),
+        ("import launch.frontend", "launch.frontend is not part of the course kit's"),
+        ("from launch_ros.descriptions import ComposableNode", "components and lifecycle nodes are what systems of"),
         ("x = = 1", "bad.launch.py, line 1: SyntaxError"),
         ("x = 1", "no function generate_launch_description()"),
     ],

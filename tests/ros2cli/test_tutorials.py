@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import textwrap
 from typing import TYPE_CHECKING
@@ -10,6 +11,7 @@ import pytest
 
 from course_kit import environment
 from course_kit.ros2cli import text
+from tests.waiting import wait_until
 
 from .commands import OURS, Ros2, interrupt, lines_until
 
@@ -43,6 +45,7 @@ class Guide(Node):
         self.server.configure_introspection(
             self.get_clock(), qos_profile_services_default, ServiceIntrospectionState.CONTENTS)
         self.action = ActionServer(self, Fibonacci, "count", self.count)
+        self.hidden = self.create_publisher(Fibonacci.Impl.FeedbackMessage, "quick/_action/feedback", 10)
         self.sent = 0
         self.create_timer(0.05, self.tick)
 
@@ -60,6 +63,7 @@ class Guide(Node):
         self.sent += 1
         self.words.publish(String(data=["wait...", "go"][self.sent % 2]))
         self.numbers.publish(Int32MultiArray(data=[self.sent % 2, 7]))
+        self.hidden.publish(Fibonacci.Impl.FeedbackMessage())
         pose = PoseStamped()
         pose.header.stamp = self.get_clock().now().to_msg()
         self.poses.publish(pose)
@@ -246,6 +250,7 @@ def test_standard_input(guide: Ros2) -> None:
     ("words", "wanted"),
     [
         (("hz", "/tour/words", "--filter", "m.data == 'go'"), "average rate: "),
+        (("hz", "/tour/quick/_action/feedback"), "average rate: "),
         (("bw", "/tour/words"), "B/s from "),
         (("delay", "/tour/poses"), "average delay: "),
     ],
@@ -278,7 +283,6 @@ def test_interfaces_of_a_package_by_kind(guide: Ros2) -> None:
     ("words", "wanted"),
     [
         (("bag", "record"), "'bag' exists in ROS 2; this course does not have it"),
-        (("doctor",), "see `./course doctor`"),
         (("pkg", "create", "x"), "'create' exists in ROS 2; this course does not have it"),
         (("topc", "list"), "Did you mean topic?"),
     ],
@@ -287,6 +291,40 @@ def test_what_only_the_real_one_has_is_told_apart_from_a_typo(guide: Ros2, words
     done = guide(*words)
     assert done.returncode == 2
     assert wanted in done.stderr
+
+
+def test_the_doctor_says_who_is_alone_and_who_does_not_fit(guide: Ros2) -> None:
+    done = guide("doctor")
+    assert done.returncode == 0
+    assert "UserWarning: Publisher without subscriber detected on /tour/words.\n" in done.stderr
+    assert done.stdout.startswith("\nAll 5 checks passed\n")
+    strict = guide("wtf", "--include-warnings", "--exclude-packages", "--report-failed")
+    assert "/4 check(s) failed\n\nFailed modules: " in strict.stdout
+    assert "\n   TOPIC LIST\n" in strict.stdout
+    listener = guide.begin(*OURS, "topic", "echo", "/tour/words", "--qos-durability", "transient_local")
+    wait_until(lambda: "error found on topic '/tour/words': " in guide("doctor").stderr, "the subscription")
+    done = guide("doctor")
+    interrupt(listener)
+    assert "UserWarning: ERROR: QoS compatibility error found on topic '/tour/words': " in done.stderr
+    assert "1/5 check(s) failed\n\nFailed modules: middleware\n" in done.stdout
+
+
+def test_the_doctors_report_has_the_sections_of_the_real_one(guide: Ros2) -> None:
+    report = output(guide, "doctor", "--report")
+    titles = [line.strip() for line in report.splitlines() if line.startswith("   ")]
+    assert titles == [
+        "PACKAGE VERSIONS",
+        "NETWORK CONFIGURATION",
+        "PLATFORM INFORMATION",
+        "QOS COMPATIBILITY LIST",
+        "RMW MIDDLEWARE",
+        "ROS 2 INFORMATION",
+        "TOPIC LIST",
+    ]
+    assert "topic               : /tour/poses\npublisher count     : 1\nsubscriber count    : 0\n" in report
+    assert "middleware name    : rmw_fastrtps_cpp\n" in report
+    assert re.search(r"^device +: lo\n", report, re.MULTILINE)
+    assert re.search(r"^rclpy +: local=7\.", report, re.MULTILINE)
 
 
 SETUP = """

@@ -50,11 +50,12 @@ def _launch(options: Namespace, session: Session) -> int:
 
 def _run(file: Path, arguments: dict[str, str], *, show: bool) -> int:
     if show:
-        from course_kit.launch.show import show_arguments
+        from course_kit.launch.arguments import show_arguments
 
         print(show_arguments(file))
         return 0
-    from course_kit.launch.service import LaunchService, log_file
+    from course_kit.launch.output import log_file
+    from course_kit.launch.service import LaunchService
 
     with log_file() as log:
         return LaunchService(log).run(file, arguments)
@@ -62,18 +63,20 @@ def _run(file: Path, arguments: dict[str, str], *, show: bool) -> int:
 
 def _file_and_arguments(first: str, words: list[str]) -> tuple[Path, dict[str, str]]:
     """The launch file, and the values given as name:=value."""
+    from course_kit.launch.arguments import not_an_argument
+
     pairs = [word.partition(_SEPARATOR) for word in words if _SEPARATOR in word]
     names = [word for word in words if _SEPARATOR not in word]
     arguments = {name: value for name, _, value in pairs}
     path = Path(first)
     if path.is_file():
         if names:
-            raise CommandError(f"{names[0]!r} is not a launch argument: write {names[0]}:=value.")
+            raise CommandError(not_an_argument(names[0]))
         return path.resolve(), arguments
     if len(names) == 1:
         return _in_package(first, names[0]), arguments
     if names:
-        raise CommandError(f"{names[1]!r} is not a launch argument: write {names[1]}:=value.")
+        raise CommandError(not_an_argument(names[1]))
     near = [str(found) for found in path.parent.glob("*launch.py")] if path.parent.is_dir() else []
     raise CommandError(f"There is no launch file {first}.{did_you_mean(first, near)}")
 
@@ -85,7 +88,7 @@ def _in_package(package: str, name: str) -> Path:
     for folder in package_folders(package):
         files = [file for place in (folder, folder / "launch") if place.is_dir() for file in place.glob("*launch.py")]
         known += [file.name for file in files]
-        for file in files:
-            if file.name == name:
-                return file.resolve()
+        for place in (folder, folder / "launch"):
+            if (place / name).is_file():
+                return (place / name).resolve()
     raise CommandError(f"Package '{package}' has no launch file '{name}' here.{did_you_mean(name, known)}")

@@ -6,6 +6,7 @@ import argparse
 import os
 import shlex
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.parser import add_named
@@ -29,8 +30,10 @@ def _run(options: Namespace, session: Session) -> int:
     from course_kit import environment
     from course_kit.launch.errors import LaunchError
     from course_kit.launch.executables import find
+    from course_kit.launch.package_index import make_known
     from course_kit.ros2cli.errors import CommandError
 
+    make_known([Path.cwd()])
     try:
         program = find(options.package_name, options.executable_name)
     except LaunchError as error:

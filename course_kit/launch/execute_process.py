@@ -1,0 +1,187 @@
+"""`launch.actions.ExecuteProcess`: any program as a part of a launch."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from course_kit.environment.search_path import with_scripts_first
+from course_kit.launch.action import Action, as_entities
+from course_kit.launch.conditions import truth
+from course_kit.launch.errors import LaunchError, ProgramError
+from course_kit.launch.event_handlers import OnProcessExit, Reaction
+from course_kit.launch.process import PATIENCE_S
+from course_kit.launch.process_description import OUTPUTS, ProcessDescription
+from course_kit.launch.substitutions import Text, as_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from course_kit.launch.conditions import Condition
+    from course_kit.launch.context import LaunchContext
+    from course_kit.launch.events import ProcessExited, ProcessStarted
+
+_SHELL = ("/bin/sh", "-c")
+_PYTHONS = ("python", "python3")
+
+
+class ExecuteProcess(Action):
+    """A program.
+
+    Args:
+        cmd: the program and its arguments, each also as substitutions.
+        name: what its lines begin with; the program's name if None.
+        cwd: the folder it runs in.
+        env: its variables, instead of those of the launch.
+        additional_env: variables it gets besides.
+        prefix: what is written before the command, such as "nice -n 5".
+        shell: whether a shell reads the command, as one text.
+        output: "screen", "both" or "full" for everything, "log" (the default) for stderr only, "own_log" for nothing on
+            the screen; or a dict with "stdout", "stderr" and "both".
+        on_exit: actions for when it has ended, or a function that returns them.
+        respawn: whether it is started again when it has ended.
+        respawn_delay: seconds until then.
+        respawn_max_retries: how often; any number of times if negative.
+        sigterm_timeout: seconds to end in after SIGINT, before SIGTERM comes.
+        sigkill_timeout: the same after SIGTERM, before SIGKILL comes.
+        emulate_tty: taken for the file's sake; output is never held back here.
+        log_cmd: whether the command is written out.
+        condition: it is only started if this holds then.
+    """
+
+    OUTSIDE: ClassVar[frozenset[str]] = frozenset({"cached_output", "output_format"})
+
+    def __init__(  # noqa: PLR0913 - launch has them
+        self,
+        *,
+        cmd: Iterable[Text],
+        name: Text | None = None,
+        cwd: Text | None = None,
+        env: Mapping[Text, Text] | None = None,
+        additional_env: Mapping[Text, Text] | None = None,
+        prefix: Text | None = None,
+        shell: bool = False,
+        output: Text | Mapping[str, str] = "log",
+        on_exit: Reaction = None,
+        respawn: Text | bool = False,
+        respawn_delay: float | None = None,
+        respawn_max_retries: int = -1,
+        sigterm_timeout: Text | float = PATIENCE_S[0],
+        sigkill_timeout: Text | float = PATIENCE_S[1],
+        emulate_tty: object = False,
+        log_cmd: bool = False,
+        condition: Condition | None = None,
+    ) -> None:
+        super().__init__(condition=condition)
+        del emulate_tty
+        self._cmd, self._name, self._cwd, self._prefix, self._shell = list(cmd), name, cwd, prefix, shell
+        self._env, self._additional_env = env, additional_env
+        self._output, self._log_cmd = output, log_cmd
+        self._respawn, self._delay, self._retries = respawn, respawn_delay or 0.0, respawn_max_retries
+        self._timeouts = (sigterm_timeout, sigkill_timeout)
+        self._on_exit = on_exit
+        self.process_details: ProcessStarted | ProcessExited | None = None  # what launch has seen of it last
+
+    def execute(self, context: LaunchContext) -> None:
+        """Start the process; a program that is missing ends nothing but its own part of the launch.
+
+        Raises:
+            LaunchError: it is described in a way that nobody can start.
+        """
+        if self._on_exit is not None:
+            context.service.register(OnProcessExit(target_action=self, on_exit=self._on_exit), context)
+        temporary: list[Path] = []
+        try:
+            command = self.command(context, temporary)
+            description = self._described(context, command, temporary)
+            if self._log_cmd:
+                context.service.say(f"[INFO] [{description.label}]: process details: cmd='{shlex.join(command)}'")
+            context.service.start(description)
+        except ProgramError as error:
+            context.service.fail(error.at(self.place))
+
+    def command(self, context: LaunchContext, temporary: list[Path]) -> list[str]:
+        """The words of the command.
+
+        Args:
+            context: of the launch.
+            temporary: takes the files that are made for it.
+        """
+        del temporary
+        words = [as_text(word, context) for word in self._cmd]
+        if self._shell:
+            return [*_SHELL, " ".join(words)]
+        if words and words[0] in _PYTHONS:
+            words[0] = sys.executable  # the one with rclpy
+        return words
+
+    def label(self, context: LaunchContext, command: list[str]) -> str:
+        """What the lines of the process begin with."""
+        if self._name is not None:
+            return as_text(self._name, context)
+        words = command[-1].split() if self._shell else command
+        return Path(words[0] if words else "process").name
+
+    def sub_entities(self) -> list[object]:
+        """The actions for its end."""
+        return [] if callable(self._on_exit) else as_entities(self._on_exit)
+
+    def _described(self, context: LaunchContext, command: list[str], temporary: list[Path]) -> ProcessDescription:
+        if not command:
+            raise LaunchError(f"{type(self).__name__}: the command is empty.")
+        label = self.label(context, command)
+        if self._prefix is not None:
+            command = [*shlex.split(as_text(self._prefix, context)), *command]
+        interrupt_s, terminate_s = (_seconds(value, context) for value in self._timeouts)
+        patience = (interrupt_s, terminate_s, PATIENCE_S[2])
+        return ProcessDescription(
+            self,
+            context,
+            command,
+            label,
+            self._environ(context),
+            None if self._cwd is None else as_text(self._cwd, context),
+            _shown(self._output, context),
+            temporary,
+            None if patience == self._usual() else patience,
+            truth(str(self._respawn) if isinstance(self._respawn, bool) else self._respawn, context),
+            self._delay,
+            self._retries,
+        )
+
+    @staticmethod
+    def _usual() -> tuple[float, float, float]:
+        return PATIENCE_S
+
+    def _environ(self, context: LaunchContext) -> dict[str, str]:
+        environ = dict(context.environment) if self._env is None else _texts(self._env, context)
+        environ |= _texts(self._additional_env or {}, context)
+        environ["PATH"] = with_scripts_first(environ.get("PATH"))
+        return environ
+
+
+def _texts(values: Mapping[Any, Any], context: LaunchContext) -> dict[str, str]:
+    return {as_text(name, context): as_text(value, context) for name, value in values.items()}
+
+
+def _seconds(value: Text | float, context: LaunchContext) -> float:
+    text = as_text(value, context)
+    try:
+        return float(text)
+    except ValueError:
+        raise LaunchError(f"{text!r} is no number of seconds.") from None
+
+
+def _shown(output: Text | Mapping[str, str], context: LaunchContext) -> tuple[bool, bool]:
+    """Whether stdout, and stderr, are shown."""
+    if isinstance(output, Mapping):
+        both = output.get("both", "log")
+        first, second = (output.get(stream, both) for stream in ("stdout", "stderr"))
+        return "screen" in first, "screen" in second
+    word = as_text(output, context)
+    if word not in OUTPUTS:
+        raise LaunchError(f"output={word!r}: the course kit knows {', '.join(OUTPUTS)}.")
+    return OUTPUTS[word]

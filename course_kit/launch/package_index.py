@@ -1,0 +1,129 @@
+"""Where packages lie, for `get_package_share_directory`: ROS's own index, and packages whose source lies nearby.
+
+`ament_index_python` looks below the folders of AMENT_PREFIX_PATH. A package that has not been built is in none of
+them, so a folder is made that looks as if it were installed there, with links into its source. What a package
+installs as `share/<package>/config/robot.yaml` lies at `config/robot.yaml` there, as a rule; else its setup.py says.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import sys
+from contextlib import suppress
+from itertools import islice
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.launch.data_files import installed
+from course_kit.launch.errors import LaunchError
+from course_kit.ros.names import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+VARIABLE = "AMENT_PREFIX_PATH"
+PACKAGE_PATH = "COURSE_KIT_PACKAGE_PATH"
+_INDEX = Path("share", "ament_index", "resource_index", "packages")
+_MOST = 300  # packages; a workspace has fewer
+_LEVELS = ("package.xml", "*/package.xml", "*/*/package.xml", "*/*/*/package.xml")
+_NAME = re.compile(r"<name>\s*([A-Za-z0-9][\w-]*)\s*</name>")
+
+
+def make_known(near: Iterable[Path]) -> None:
+    """Have this process, and those it starts, find the packages there are.
+
+    Args:
+        near: folders in whose workspace packages are looked for, such as the launch file's.
+    """
+    known = [folder for folder in os.environ.get(VARIABLE, "").split(os.pathsep) if folder]
+    if sys.prefix not in known:
+        known.append(sys.prefix)
+    made = _linked(sources_near(near))
+    if made is not None and str(made) not in known:
+        known.insert(0, str(made))
+    os.environ[VARIABLE] = os.pathsep.join(known)
+
+
+def prefix_of(package: str) -> str:
+    """The folder that a package is installed in.
+
+    Raises:
+        LaunchError: there is no such package.
+    """
+    places = [Path(folder) for folder in os.environ.get(VARIABLE, sys.prefix).split(os.pathsep) if folder]
+    for folder in places:
+        if (folder / _INDEX / package).is_file():
+            return str(folder)
+    known = {entry.name for folder in places if (folder / _INDEX).is_dir() for entry in (folder / _INDEX).iterdir()}
+    raise LaunchError(f"Package '{package}' not found.{did_you_mean(package, sorted(known))}")
+
+
+def sources_near(near: Iterable[Path]) -> dict[str, Path]:
+    """The packages whose source lies in the workspace around folders, and in the current folder's: names to folders."""
+    found: dict[str, Path] = {}
+    for root, levels in _roots(near):
+        descriptions = (path for level in _LEVELS[:levels] for path in root.glob(level))
+        with suppress(OSError):
+            for description in islice(descriptions, _MOST):
+                found.setdefault(_name_in(description), description.parent)
+    return found
+
+
+def _roots(near: Iterable[Path]) -> Iterator[tuple[Path, int]]:
+    """Folders to look into, each with how many levels deep."""
+    here = Path.cwd()
+    for folder in (*near, here):
+        own = next((place for place in (folder, *folder.parents) if (place / "package.xml").is_file()), None)
+        if own is None:
+            continue
+        yield own, 1
+        source = next((place for place in own.parents if place.name == "src"), None)
+        yield (own.parent, 3) if source is None else (source, 4)
+    yield here, 2
+    yield here / "src", 3
+    for named in os.environ.get(PACKAGE_PATH, "").split(os.pathsep):
+        if named:
+            yield Path(named), 3
+
+
+def _name_in(description: Path) -> str:
+    """The name that a package.xml gives, else its folder's."""
+    with suppress(OSError):
+        match = _NAME.search(description.read_text(encoding="utf-8", errors="replace"))
+        if match is not None:
+            return match[1]
+    return description.parent.name
+
+
+def _linked(packages: dict[str, Path]) -> Path | None:
+    """A folder in which packages look installed; None without any, or where none can be made."""
+    if not packages:
+        return None
+    whose = "\n".join(f"{name}\t{folder.resolve()}" for name, folder in sorted(packages.items()))
+    made = environment.run_dir() / "packages" / hashlib.sha256(whose.encode()).hexdigest()[:16]
+    try:
+        (made / _INDEX).mkdir(parents=True, exist_ok=True)
+        for name, folder in packages.items():
+            _link(folder.resolve(), made / "share" / name, PurePosixPath("share", name))
+            (made / _INDEX / name).touch()
+    except OSError:
+        return None
+    return made
+
+
+def _link(source: Path, share: Path, target: PurePosixPath) -> None:
+    """Fill a share folder with what lies in a package's source, and with what its setup.py puts there."""
+    share.mkdir(exist_ok=True)
+    pairs = [(entry, share / entry.name) for entry in source.iterdir()]
+    for where, file in installed(source):
+        if where.is_relative_to(target) and not (share / where.relative_to(target)).is_symlink():
+            pairs.append((file, share / where.relative_to(target) / file.name))
+    for entry, link in pairs:
+        if link.parent.is_symlink():  # a folder of the source, where everything is already
+            continue
+        link.parent.mkdir(parents=True, exist_ok=True)
+        with suppress(FileExistsError):  # made by an earlier launch, or at the same time by another one
+            link.symlink_to(entry)

@@ -1,0 +1,63 @@
+"""`ros2 doctor`, also called `ros2 wtf`."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.ros2cli.parser import add_graph_options
+from course_kit.ros2cli.verbs._listing import graph_of
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Iterable
+
+    from course_kit.ros2cli.checkup import CheckupSection
+    from course_kit.ros2cli.session import Session
+
+_NARROW, _GAP = 8, 4
+
+
+def add_to(place: ArgumentParser) -> None:
+    """The command has no verbs."""
+    group = place.add_mutually_exclusive_group()
+    group.add_argument("-r", "--report", action="store_true", help="print all that was found")
+    group.add_argument("-rf", "--report-failed", action="store_true", help="the same of failed checks only")
+    place.add_argument("-ep", "--exclude-packages", action="store_true", help="leave the packages out")
+    place.add_argument("-iw", "--include-warnings", action="store_true", help="a warning is a failure, too")
+    add_graph_options(place)
+    place.set_defaults(run=_doctor)
+
+
+def _doctor(options: Namespace, session: Session) -> None:
+    from course_kit.ros2cli import checkup
+
+    graph = graph_of(options, session)
+    with_packages = not options.exclude_packages
+    if options.report:
+        _print(checkup.reports(graph, with_packages=with_packages))
+        return
+    failed, found = [], checkup.checks(graph, with_packages=with_packages)
+    for check in found:
+        for said in (*(f"ERROR: {error}" for error in check.errors), *check.warnings):
+            sys.stderr.write(f"UserWarning: {said}\n")
+        if check.errors or (options.include_warnings and check.warnings):
+            failed.append(check.category)
+    sys.stderr.flush()
+    if failed:
+        print(f"\n{len(failed)}/{len(found)} check(s) failed\n\nFailed modules: {' '.join(failed)}")
+    else:
+        print(f"\nAll {len(found)} checks passed\n")
+    print(f"Whether the course itself works on this machine: {environment.command()} doctor")
+    if options.report_failed and failed:
+        _print(one for one in checkup.reports(graph, with_packages=with_packages) if one.category in failed)
+
+
+def _print(reports: Iterable[CheckupSection]) -> None:
+    for report in reports:
+        print(f"\n   {report.title}")
+        longest = max((len(name) for name, _ in report.items), default=0)
+        width = _NARROW if longest < _NARROW else longest + _GAP
+        for name, value in report.items:
+            print(f"{name:{width}}: {value}")

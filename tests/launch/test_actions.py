@@ -1,0 +1,174 @@
+"""What a launch file does: conditions, groups, events, programs of any kind."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    Run = Callable[..., str]
+
+ECHO = "ExecuteProcess(cmd=['echo', {what}], output='screen')"
+
+
+@pytest.mark.parametrize(
+    ("actions", "shown", "never"),
+    [
+        ("say('a', condition=None) if 0 else LogInfo(msg='yes', condition=IfCondition('True'))", "yes", ""),
+        ("LogInfo(msg='no', condition=IfCondition('0')), say('end')", "end", "no\n"),
+        ("LogInfo(msg='no', condition=UnlessCondition('true')), say('end')", "end", "no\n"),
+        (
+            "SetLaunchConfiguration('a', 'b'), LogInfo(msg='is b', condition=LaunchConfigurationEquals('a', 'b'))",
+            "is b",
+            "",
+        ),
+        ("LogInfo(msg='unset', condition=LaunchConfigurationNotEquals('a', 'b'))", "unset", ""),
+        ("SetEnvironmentVariable('COLOUR', 'red'), say(EnvironmentVariable('COLOUR'))", "red", ""),
+        ("say(EnvironmentVariable('NO_SUCH', default_value='plain'))", "plain", ""),
+        ("say(PythonExpression(['1 + ', '2 * floor(2.5)']))", "]: 5\n", ""),
+        ("say(PathJoinSubstitution(['a', 'b']))", "a/b", ""),
+        ("say(Command(['echo ', 'from a program']))", "from a program", ""),
+        ("say(IfElseSubstitution('true', 'first', 'second'))", "first", ""),
+        ("say(NotSubstitution(AndSubstitution('true', OrSubstitution('false', '0'))))", "]: true", ""),
+        ("say(EqualsSubstitution('1', '1'), NotEqualsSubstitution('1', '1'))", "truefalse", ""),
+        ("say(FindExecutable(name='sh'))", "/sh\n", ""),
+        ("say(ThisLaunchFile())", "it.launch.py\n", ""),
+        (
+            "OpaqueFunction(function=lambda context, word: [say(word)], args=['given '])",
+            "given ",
+            "",
+        ),
+        ("TimerAction(period='0.0', actions=[say('later')]), say('now')", "now\n[INFO] [launch.user]: later", ""),
+    ],
+)
+def test_what_is_done_and_what_not(run: Run, actions: str, shown: str, never: str) -> None:
+    done = run(actions)
+    assert shown in done
+    assert done.endswith("ended with 0")
+    assert not never or never not in done
+
+
+def test_a_group_ends_what_is_set_in_it(run: Run) -> None:
+    done = run(
+        "SetLaunchConfiguration('v', 'outer'), SetEnvironmentVariable('E', 'outer'),"
+        "GroupAction([SetLaunchConfiguration('v', 'inner'), SetEnvironmentVariable('E', 'inner'),"
+        " PushRosNamespace('fleet'), PushRosNamespace('one'), SetParameter('speed', 2.5), SetRemap('in', 'out'),"
+        " say('1 ', LaunchConfiguration('v'), ' ', EnvironmentVariable('E')),"
+        " Node(executable='tell.py', namespace='arm', name='n', output='screen'),"
+        " Node(executable='tell.py', namespace='/else', output='screen')]),"
+        "say('2 ', LaunchConfiguration('v'), ' ', EnvironmentVariable('E')),"
+        "Node(executable='tell.py', output='screen')"
+    )
+    assert "1 inner inner" in done
+    assert "2 outer outer" in done
+    told = sorted(line.partition("told ")[2] for line in done.splitlines() if "told" in line)
+    assert told == [
+        "['--ros-args', '-r', '__node:=n', '-r', '__ns:=/fleet/one/arm', '-p', 'speed:=2.5', '-r', 'in:=out']",
+        "['--ros-args', '-r', '__ns:=/else', '-p', 'speed:=2.5', '-r', 'in:=out']",
+        "['--ros-args']",
+    ]
+
+
+def test_one_program_after_the_other(run: Run) -> None:
+    """The chain that courses write: what starts when another has started, or has ended; a function decides."""
+    done = run(
+        "(first := ExecuteProcess(cmd=['sh', '-c', 'exit 3'])),"
+        "RegisterEventHandler(OnProcessStart(target_action=first, on_start=[say('started')])),"
+        "RegisterEventHandler(OnProcessExit(target_action=first, on_exit="
+        "lambda event, context: [say('ended with ', str(event.returncode)), (second)])),"
+        "*[(second := ExecuteProcess(cmd=['echo', 'second'], output='screen'))][:0],"
+        "RegisterEventHandler(OnProcessExit(target_action=second, on_exit=say('second is over')))"
+    )
+    order = [done.index(word) for word in ("started\n", "ended with 3", "-2] second", "second is over")]
+    assert order == sorted(order)
+    assert done.endswith("ended with 0")
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        "ExecuteProcess(cmd=['true'], on_exit=Shutdown(reason='enough'))",
+        (
+            "(p := ExecuteProcess(cmd=['true'])), RegisterEventHandler(OnProcessExit(target_action=p, "
+            "on_exit=[EmitEvent(event=launch.events.Shutdown(reason='enough'))]))"
+        ),
+    ],
+)
+def test_one_program_ends_all(run: Run, how: str) -> None:
+    done = run(
+        f"ExecuteProcess(cmd=['sleep', '60']), RegisterEventHandler(OnShutdown(on_shutdown=[say('so long')])), {how}"
+    )
+    assert "shutting down: enough" in done
+    assert "so long" in done
+    assert "[sleep-1]: sending signal 'SIGINT' to process[sleep-1]" in done
+    assert done.endswith("ended with 0")
+
+
+def test_a_program_that_has_died_starts_again(run: Run) -> None:
+    done = run(
+        "ExecuteProcess(cmd=['sh', '-c', 'exit 1'], name='again', respawn=True, respawn_delay=0.01,"
+        " respawn_max_retries=2)"
+    )
+    assert done.count("[again-1]: process started") == 3
+    assert done.count("[again-1]: process has died") == 3
+    assert done.endswith("ended with 0")
+
+
+def test_what_a_program_says_is_an_event(run: Run) -> None:
+    done = run(
+        "(p := ExecuteProcess(cmd=['sh', '-c', 'echo here; echo there >&2'])),"
+        "RegisterEventHandler(OnProcessIO(target_action=p,"
+        " on_stdout=lambda event: say('out: ', event.text.decode().strip()),"
+        " on_stderr=lambda event: say('err: ', event.text.decode().strip())))"
+    )
+    assert "out: here" in done
+    assert "err: there" in done
+
+
+def test_any_program_with_its_folder_variables_shell_and_prefix(run: Run, folder: Path) -> None:
+    (folder / "sub").mkdir()
+    done = run(
+        "ExecuteProcess(cmd=['pwd'], cwd='sub', output='screen'),"
+        "ExecuteProcess(cmd=[['echo $', 'A ', '\"b c\"']], shell=True, additional_env={'A': 'x'}, output='both'),"
+        "ExecuteProcess(cmd=['echo', 'hidden'], output={'stdout': 'log', 'stderr': 'screen'}),"
+        "ExecuteProcess(cmd=['python3', '-c', 'import sys; print(sys.executable)'], output='screen'),"
+        "ExecuteProcess(cmd=['--version'], prefix='sh -c \"echo $0\"', name='p', output='screen')"
+    )
+    import sys
+
+    assert f"{folder / 'sub'}\n" in done
+    assert "] x b c\n" in done
+    assert "hidden" not in done
+    assert f"] {sys.executable}\n" in done
+    assert "[p-5] --version" in done
+
+
+def test_the_real_names_of_modules(run: Run) -> None:
+    """`import launch; launch.actions.X`, and the modules in which launch has its classes."""
+    done = run(
+        text="import launch, launch_ros\n"
+        "import launch_ros.actions.node\n"
+        "from launch.substitutions.path_join_substitution import PathJoinSubstitution\n"
+        "from launch.launch_description_sources import AnyLaunchDescriptionSource\n"
+        "from launch.some_substitutions_type import SomeSubstitutionsType\n"
+        "from launch.events.process import ProcessExited\n"
+        "def generate_launch_description():\n"
+        "    assert launch_ros.actions.node.Node is launch_ros.actions.Node\n"
+        "    return launch.LaunchDescription([launch.actions.LogInfo(msg=PathJoinSubstitution(['a', 'b']))])\n"
+    )
+    assert "a/b" in done
+
+
+def test_an_included_file_gets_its_arguments_or_is_left_out(run: Run) -> None:
+    run("DeclareLaunchArgument('who', default_value='nobody'), say('hello ', LaunchConfiguration('who'))", file="in.py")
+    done = run(
+        "IncludeLaunchDescription(PythonLaunchDescriptionSource(['in', '.py']), condition=IfCondition('false')),"
+        "IncludeLaunchDescription(AnyLaunchDescriptionSource('in.py'), launch_arguments=[('who', 'you')])"
+    )
+    assert done.count("hello") == 1
+    assert "hello you" in done
+    assert "includes itself" in run("IncludeLaunchDescription('it.launch.py')")

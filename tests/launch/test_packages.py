@@ -1,0 +1,142 @@
+"""Packages that have not been built: what lies in their source is found as if it were installed."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sysconfig
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import environment, launch
+from course_kit.launch import data_files, package_index
+from course_kit.launch.errors import LaunchError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Run = Callable[..., str]
+
+PAGE = Path(launch.__file__).with_name("OWN_PACKAGE.md")
+SETUP = """
+import os
+from glob import glob
+package_name = 'arm'
+setup(name=package_name, data_files=[
+    ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
+    (os.path.join('share', package_name), glob('urdf/*')),
+    (f'share/{package_name}/files', ['data/one.txt'] + glob(os.path.join('data', 'two*'))),
+    ('share/' + package_name + '/never', what_nobody_knows()),
+    ('/etc', ['data/one.txt']),
+])
+data_files.append(('share/' + package_name + '/more', ['data/one.txt']))
+"""
+
+
+def make_package(folder: Path, name: str) -> Path:
+    package = folder / name
+    for inner in ("launch", "config", "urdf", "data", name):
+        (package / inner).mkdir(parents=True)
+    (package / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    (package / "setup.py").write_text(SETUP)
+    (package / "config" / "arm.yaml").write_text("{}")
+    for file in ("urdf/arm.urdf", "data/one.txt", "data/two.txt"):
+        (package / file).write_text(file)
+    return package
+
+
+def test_what_a_setup_py_installs_is_read(tmp_path: Path) -> None:
+    package = make_package(tmp_path, "arm")
+    assert sorted(data_files.installed(package)) == [
+        (PurePosixPath("share/arm"), package / "urdf" / "arm.urdf"),
+        (PurePosixPath("share/arm/files"), package / "data" / "one.txt"),
+        (PurePosixPath("share/arm/files"), package / "data" / "two.txt"),
+        (PurePosixPath("share/arm/more"), package / "data" / "one.txt"),
+    ]
+    (package / "setup.py").write_text("setup(data_files=[")
+    assert list(data_files.installed(package)) == []
+
+
+def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
+    run: Run, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = folder / "ws" / "src"
+    make_package(source / "robots", "arm")
+    (make_package(source, "bringup") / "launch" / "tell.py").write_text((folder / "tell.py").read_text())
+    (source / "robots" / "arm" / "scripts").mkdir()
+    (source / "robots" / "arm" / "scripts" / "wave.py").write_text("print('waving')")
+    monkeypatch.chdir("/")
+    done = run(
+        "say(FindPackageShare('arm')), say(FindPackagePrefix('arm')),"
+        "say(FileContent(PathJoinSubstitution([FindPackageShare('arm'), 'arm.urdf']))),"
+        "say(FileContent([FindPackageShare('arm'), '/files/two.txt'])),"
+        "Node(package='arm', executable='wave.py', output='screen'),"
+        "ExecuteProcess(cmd=['python3', '-c', 'from ament_index_python.packages import *; "
+        "print(get_package_share_directory(\"arm\"))'], output='screen')",
+        file="ws/src/bringup/launch/it.launch.py",
+    )
+    share = Path(re.findall(r"launch.user\]: (.*share/arm)\n", done)[0])
+    assert (share / "config" / "arm.yaml").resolve() == source / "robots" / "arm" / "config" / "arm.yaml"
+    assert f"]: {share.parent.parent}\n" in done
+    assert "urdf/arm.urdf" in done
+    assert "data/two.txt" in done
+    assert "[wave.py-1] waving" in done
+    assert f"[python3-2] {share}" in done or f"[python-2] {share}" in done
+    assert done.endswith("ended with 0")
+
+
+def test_a_compiled_program_of_a_package_is_named_as_one(run: Run, folder: Path) -> None:
+    make_package(folder, "arm")
+    done = run("Node(package='arm', executable='driver')", file="arm/launch/it.launch.py")
+    assert f"Package 'arm' has no Python program 'driver' in {folder / 'arm'}. A compiled one needs a full" in done
+
+
+def test_an_unknown_package_has_a_suggestion(folder: Path) -> None:
+    package_index.make_known([make_package(folder, "arm_driver")])
+    with pytest.raises(LaunchError, match=r"Package 'arm_diver' not found\. Did you mean arm_driver\?"):
+        package_index.prefix_of("arm_diver")
+    before = os.environ["AMENT_PREFIX_PATH"]
+    package_index.make_known([folder / "arm_driver"])
+    assert os.environ["AMENT_PREFIX_PATH"] == before
+
+
+def test_the_page_about_a_package_of_ones_own_does_what_it_says(folder: Path) -> None:
+    """Its files are written and its commands are run; pip installs into a folder of the test, without the network."""
+    page = PAGE.read_text()
+    for name, text in re.findall(r"^`([\w./]+)`[^\n]*\n```\w+\n(.*?)```$", page, flags=re.MULTILINE | re.DOTALL):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    commands = re.findall(r"^```sh\n(.*?)```$", page, flags=re.MULTILINE | re.DOTALL)
+    script = "".join(commands).replace("ros2 pkg executables", "rm -r my_pkg\nros2 pkg executables")
+    done = subprocess.run(
+        ["bash", "-ec", script],
+        cwd=folder,
+        env=installing_into(folder / "installed"),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    said = done.stdout + done.stderr
+    assert "int32 times 3\n" in said
+    assert "hello you, 3 times" in said
+    assert said.count("hello world, 3 times") == 2
+    assert "my_pkg greeter\n" in said
+
+
+def installing_into(prefix: Path) -> dict[str, str]:
+    """An environment in which pip installs into a folder, and Python and ROS find what is there."""
+    packages = sysconfig.get_path("purelib", vars={"base": str(prefix), "platbase": str(prefix)})
+    return environment.child_environment(
+        PIP_PREFIX=str(prefix),
+        PIP_NO_BUILD_ISOLATION="0",
+        PIP_NO_DEPS="1",
+        PIP_DISABLE_PIP_VERSION_CHECK="1",
+        PYTHONPATH=packages,
+        AMENT_PREFIX_PATH=str(prefix),
+        ROS_DOMAIN_ID=os.environ["ROS_DOMAIN_ID"],
+    )
