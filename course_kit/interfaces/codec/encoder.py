@@ -1,4 +1,4 @@
-"""Generates `encode(message) -> bytes` for a message class."""
+"""Generates `encode(message) -> payload` for a message class."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from course_kit.interfaces.field_types import FieldType, Primitive
     from course_kit.interfaces.message_fields import Message, MessageField
 
-    Encode = Callable[[Message], bytes]
+    Encode = Callable[[Message], bytes | bytearray]
 
 # The header announces little-endian XCDR1: two bytes 0 and 1, two of options.
 _HEADER_FORMAT, _HEADER_VALUE = "I", "256"
@@ -40,7 +40,7 @@ class Encoder(CodeWriter):
         self._message(cls, "message")
         if self._started:
             self.flush()
-            self.emit("return bytes(b)")
+            self.emit("return b")
         else:  # every value is of fixed size: one struct call makes the whole payload
             pack = self.constant("pack", struct.Struct("<" + "".join(self.formats)).pack)
             self.emit(f"return {pack}({', '.join(self.arguments)})")

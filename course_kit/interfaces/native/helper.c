@@ -22,17 +22,30 @@
 
 /* ---------------------------------------------------------------- what the rest of the process provides */
 
+struct py_buffer {                               /* Py_buffer, of which only the beginning is looked at */
+  void *data, *owner;
+  ptrdiff_t size;
+  void *rest[16];
+};
+
 struct imports {
   char *(*cdr_position)(void *cdr);              /* eprosima::fastcdr::Cdr::get_current_position() */
   bool (*cdr_jump)(void *cdr, size_t bytes);     /* eprosima::fastcdr::Cdr::jump(): false when there is no room */
   size_t buffer_in_cdr;                          /* where Cdr keeps its FastBuffer& */
   size_t data_in_buffer, size_in_buffer;         /* where FastBuffer keeps its memory and its length */
+  void (*set_error)(const char *text, const char *file, size_t line); /* rcutils_set_error_state */
   void *none;                                    /* the object None */
+  void *release;                                 /* the name of a method */
   void *(*call)(void *function, ...);            /* PyObject_CallFunctionObjArgs */
   void *(*bytes_new)(const char *, ptrdiff_t);   /* PyBytes_FromStringAndSize */
-  int (*bytes_get)(void *, char **, ptrdiff_t *);/* PyBytes_AsStringAndSize */
+  void *(*view_new)(const char *, ptrdiff_t, int flags); /* PyMemoryView_FromMemory */
+  void *(*call_method)(void *object, void *name, ...);   /* PyObject_CallMethodObjArgs */
+  int (*buffer_get)(void *, struct py_buffer *, int flags); /* PyObject_GetBuffer */
+  void (*buffer_release)(struct py_buffer *);    /* PyBuffer_Release */
   void (*decref)(void *);                        /* Py_DecRef */
   void *(*no_memory)(void);                      /* PyErr_NoMemory */
+  void (*error_fetch)(void **, void **, void **);/* PyErr_Fetch */
+  void (*error_restore)(void *, void *, void *); /* PyErr_Restore */
   void (*unraisable)(void *);                    /* PyErr_WriteUnraisable */
   int (*gil_ensure)(void);                       /* PyGILState_Ensure */
   void (*gil_release)(int);                      /* PyGILState_Release */
@@ -250,6 +263,9 @@ static bool live_deserialize(void *cdr, struct live_message *message)
   memcpy(&size, buffer + host.size_in_buffer, sizeof size);
   if (live_valid(message->type, payload, size)) return assign(message, payload, size);
   complain(message->type);
+  char text[300];                                /* without it ROS would say "error not set" */
+  snprintf(text, sizeof text, "the bytes are not a %s as this program knows it", message->type->name);
+  host.set_error(text, "course_kit.interfaces", __LINE__);
   return false;
 }
 
@@ -268,12 +284,12 @@ static size_t live_max_serialized_size(char *bounds)
 
 static bool assign_bytes(struct live_message *message, void *bytes)
 {
-  char *data;
-  ptrdiff_t size;
-  if (host.bytes_get(bytes, &data, &size) != 0) return false;
-  if (assign(message, data, (size_t)size)) return true;
-  host.no_memory();
-  return false;
+  struct py_buffer buffer;
+  if (host.buffer_get(bytes, &buffer, 0) != 0) return false;
+  bool done = assign(message, buffer.data, (size_t)buffer.size);
+  host.buffer_release(&buffer);
+  if (!done) host.no_memory();
+  return done;
 }
 
 bool live_from_python(void *object, struct live_message *message)
@@ -285,8 +301,30 @@ bool live_from_python(void *object, struct live_message *message)
   return done;
 }
 
+/* A large payload is not copied for Python but shown to it, and taken back before it is gone. */
+enum { LARGE = 4096, READ_ONLY = 0x100 };        /* PyBUF_READ */
+
+static void *decoded_in_place(const struct live_message *message)
+{
+  void *view = host.view_new(message->data, (ptrdiff_t)message->size, READ_ONLY);
+  if (!view) return NULL;
+  void *object = host.call(message->type->decode, view, NULL);
+  void *error[3] = {NULL, NULL, NULL};
+  if (!object) host.error_fetch(&error[0], &error[1], &error[2]);
+  void *none = host.call_method(view, host.release, NULL);
+  if (none) host.decref(none);
+  if (!none && object) {
+    host.decref(object);
+    object = NULL;
+  }
+  if (error[0]) host.error_restore(error[0], error[1], error[2]);
+  host.decref(view);
+  return object;
+}
+
 void *live_to_python(const struct live_message *message)
 {
+  if (message->size >= LARGE) return decoded_in_place(message);
   void *bytes = host.bytes_new(message->data, (ptrdiff_t)message->size);
   if (!bytes) return NULL;
   void *object = host.call(message->type->decode, bytes, NULL);

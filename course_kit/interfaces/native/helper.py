@@ -130,18 +130,18 @@ class LazyCodec:
     def __init__(self, cls: type[Message]) -> None:
         self.live_type: LiveType | None = None
         self._cls = cls
-        self._encoder: Callable[[Message], bytes] | None = None
-        self._decoder: Callable[[bytes], Message] | None = None
+        self._encoder: Callable[[Message], bytes | bytearray] | None = None
+        self._decoder: Callable[[bytes | memoryview], Message] | None = None
         self.encode, self.decode = self._first_encode, self._first_decode
         keep_object(self.encode)
         keep_object(self.decode)
 
-    def _first_encode(self, message: Message) -> bytes:
+    def _first_encode(self, message: Message) -> bytes | bytearray:
         self._encoder = self._encoder or make_encoder(self._cls)
         self._tell_helper()
         return self._encoder(message)
 
-    def _first_decode(self, payload: bytes) -> Message:
+    def _first_decode(self, payload: bytes | memoryview) -> Message:
         self._decoder = self._decoder or make_decoder(self._cls)
         self._tell_helper()
         return self._decoder(payload)

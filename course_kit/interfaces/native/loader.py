@@ -9,11 +9,13 @@ from __future__ import annotations
 import ctypes
 import os
 import struct
+import sys
 import zlib
 from pathlib import Path
 from typing import Any
 
 from course_kit.interfaces.errors import NativeHelperError
+from course_kit.interfaces.native.memory import keep_object
 
 LIBRARY = Path(__file__).with_name("_helper.so")
 SOURCE = LIBRARY.with_name("helper.c")
@@ -31,9 +33,14 @@ _address, _text, _size, _object = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_siz
 _PYTHON_FUNCTIONS = (
     "PyObject_CallFunctionObjArgs",
     "PyBytes_FromStringAndSize",
-    "PyBytes_AsStringAndSize",
+    "PyMemoryView_FromMemory",
+    "PyObject_CallMethodObjArgs",
+    "PyObject_GetBuffer",
+    "PyBuffer_Release",
     "Py_DecRef",
     "PyErr_NoMemory",
+    "PyErr_Fetch",
+    "PyErr_Restore",
     "PyErr_WriteUnraisable",
     "PyGILState_Ensure",
     "PyGILState_Release",
@@ -49,7 +56,9 @@ class Imports(ctypes.Structure):
         ("buffer_in_cdr", ctypes.c_size_t),
         ("data_in_buffer", ctypes.c_size_t),
         ("size_in_buffer", ctypes.c_size_t),
+        ("set_error", ctypes.c_void_p),
         ("none", ctypes.c_void_p),
+        ("release", ctypes.c_void_p),
         *((name, ctypes.c_void_p) for name in _PYTHON_FUNCTIONS),
     )
 
@@ -163,7 +172,10 @@ def _imports() -> Imports:
     except AttributeError as error:
         raise NativeHelperError(_unknown_fastcdr(str(error))) from error
     python = [function_address(getattr(ctypes.pythonapi, name)) for name in _PYTHON_FUNCTIONS]
-    return Imports(*functions, *offsets, id(None), *python)
+    set_error = function_address(ros_library("librcutils.so").rcutils_set_error_state)
+    release = sys.intern("release")  # a method's name
+    keep_object(release)
+    return Imports(*functions, *offsets, set_error, id(None), id(release), *python)
 
 
 def _probe_layout(fastcdr: ctypes.CDLL) -> tuple[int, int, int]:
