@@ -42,6 +42,9 @@ struct imports {
   void *(*call_method)(void *object, void *name, ...);   /* PyObject_CallMethodObjArgs */
   int (*buffer_get)(void *, struct py_buffer *, int flags); /* PyObject_GetBuffer */
   void (*buffer_release)(struct py_buffer *);    /* PyBuffer_Release */
+  int (*is_buffer)(void *);                      /* PyObject_CheckBuffer */
+  ptrdiff_t (*tuple_size)(void *);               /* PyTuple_Size */
+  void *(*tuple_item)(void *, ptrdiff_t);        /* PyTuple_GetItem */
   void (*decref)(void *);                        /* Py_DecRef */
   void *(*no_memory)(void);                      /* PyErr_NoMemory */
   void (*error_fetch)(void **, void **, void **);/* PyErr_Fetch */
@@ -91,7 +94,7 @@ void live_destroy(struct live_message *message)
   free(message);
 }
 
-static bool assign(struct live_message *message, const char *data, size_t size)
+static bool reserve(struct live_message *message, size_t size)
 {
   if (size > message->capacity) {
     char *grown = realloc(message->data, size);
@@ -99,8 +102,14 @@ static bool assign(struct live_message *message, const char *data, size_t size)
     message->data = grown;
     message->capacity = size;
   }
-  memcpy(message->data, data, size);
   message->size = size;
+  return true;
+}
+
+static bool assign(struct live_message *message, const char *data, size_t size)
+{
+  if (!reserve(message, size)) return false;
+  memcpy(message->data, data, size);
   return true;
 }
 
@@ -292,12 +301,40 @@ static bool assign_bytes(struct live_message *message, void *bytes)
   return done;
 }
 
+static bool assign_parts(struct live_message *message, void *tuple)
+{
+  ptrdiff_t count = host.tuple_size(tuple), held = 0;
+  if (count < 0) return false;
+  struct py_buffer *parts = calloc((size_t)count + 1, sizeof *parts);
+  size_t size = 0;
+  while (parts && held < count && host.buffer_get(host.tuple_item(tuple, held), &parts[held], 0) == 0)
+    size += (size_t)parts[held++].size;
+  bool complete = parts && held == count, done = complete && reserve(message, size);
+  char *end = message->data;
+  for (ptrdiff_t i = 0; i < held; i++) {
+    if (done) {
+      memcpy(end, parts[i].data, (size_t)parts[i].size);
+      end += parts[i].size;
+    }
+    host.buffer_release(&parts[i]);
+  }
+  if (!parts || (complete && !done)) host.no_memory();
+  free(parts);
+  return done;
+}
+
+/* What an encoder makes: bytes, or a tuple of parts where that saves copying much. */
+static bool assign_payload(struct live_message *message, void *payload)
+{
+  return host.is_buffer(payload) ? assign_bytes(message, payload) : assign_parts(message, payload);
+}
+
 bool live_from_python(void *object, struct live_message *message)
 {
-  void *bytes = host.call(message->type->encode, object, NULL);
-  if (!bytes) return false;
-  bool done = assign_bytes(message, bytes);
-  host.decref(bytes);
+  void *payload = host.call(message->type->encode, object, NULL);
+  if (!payload) return false;
+  bool done = assign_payload(message, payload);
+  host.decref(payload);
   return done;
 }
 
@@ -348,7 +385,7 @@ static bool fill_event(struct live_message *event, const char *info, const struc
   void *bytes = NULL;
   if (arguments[0] && arguments[1] && arguments[2])
     bytes = host.call(event->type->make_event, arguments[0], arguments[1], arguments[2], NULL);
-  bool done = bytes && assign_bytes(event, bytes);
+  bool done = bytes && assign_payload(event, bytes);
   if (!done) host.unraisable(event->type->make_event);  /* rcl reports that the event could not be made */
   if (bytes) host.decref(bytes);
   for (int i = 0; i < 3; i++)
