@@ -122,7 +122,7 @@ class Decoder(CodeWriter):
             native = self.constant("dtype", numpy_dtype(primitive.numpy))
             self._after.append(f"{values} = from_buffer({values}, {wire}).astype({native})")
         else:
-            self._after.append(f"{values} = {_elements(primitive, values, f'range({count})', values)}")
+            self._after.append(f"{values} = {_elements(primitive, values)}")
         return values
 
     def _sequence(self, field: MessageField) -> str:
@@ -147,8 +147,7 @@ class Decoder(CodeWriter):
             if self._order == ">" and primitive.size > 1:
                 self.emit(f"{values}.byteswap()")
         else:
-            self.emit(f"{values} = bytes(u[o:e])")
-            self.emit(f"{values} = {_elements(primitive, values, f'range(len({values}))', values)}")
+            self.emit(f"{values} = {_elements(primitive, 'u[o:e]')}")
         self.emit("o = e")
         self.settle(min(primitive.size, 4))
 
@@ -165,11 +164,11 @@ class Decoder(CodeWriter):
         self.repeat(body)
 
 
-def _elements(primitive: Primitive, data: str, positions: str, slice_: str) -> str:
+def _elements(primitive: Primitive, data: str) -> str:
     """Code for a list of bytes objects of length 1, or of booleans."""
     if primitive.idl == "octet":
-        return f"[{data}[i:i + 1] for i in {positions}]"
-    return f"[i != 0 for i in {slice_}]"
+        return f"[octets[i] for i in {data}]"
+    return f"[i != 0 for i in {data}]"
 
 
 def make_decoder(cls: type[Message]) -> Decode:
@@ -203,6 +202,7 @@ def _compile(writer: Decoder, cls: type[Message], **extra: object) -> Decode:
         "NUL": "\0",
         "from_buffer": frombuffer,
         "new": object.__new__,
+        "octets": runtime.OCTETS,
         "checks": checks_by_default(),
         "too_long": runtime.too_long,
         "truncated": runtime.truncated,

@@ -15,6 +15,7 @@ from course_kit.interfaces.field_checks import field_check
 from course_kit.interfaces.message_fields import message_fields
 
 if TYPE_CHECKING:
+    import ctypes
     from collections.abc import Callable
 
     from course_kit.interfaces.field_types import FieldType, Primitive
@@ -138,16 +139,16 @@ class Encoder(CodeWriter):
             self._primitives(field.type.primitive, values)
         elif field.type.base == "string":
             self.flush()
-            self.emit(f"b += encode_strings({values})")
+            self.emit(f"if len({values}): b += encode_strings({values})")
             self.settle(1)
         else:
             self._each(field, values)
 
     def _primitives(self, primitive: Primitive, values: str) -> None:
         if primitive.idl == "octet":
-            self.emit(f"b += encode_octets({values}, len({values}))")
+            self.emit(f"if len({values}): b += list_octets({values}) or encode_octets({values}, len({values}))")
         elif primitive.idl == "boolean":
-            self.emit(f"b += encode_booleans({values})")
+            self.emit(f"if len({values}): b += list_booleans({values}) or encode_booleans({values})")
         else:
             if primitive.size > HEADER_SIZE:  # an empty sequence is not padded
                 self.emit(f"if len({values}): b += PADDING[(4 - len(b)) & 7]")
@@ -169,8 +170,12 @@ class Encoder(CodeWriter):
         self.repeat(lambda: self._field(field._replace(type=field.type.element), value))
 
 
-def make_encoder(cls: type[Message]) -> Encode:
+def make_encoder(cls: type[Message], native: ctypes.PyDLL | None = None) -> Encode:
     """Make the function that turns a message of `cls` into its CDR payload, header included.
+
+    Args:
+        cls: the class.
+        native: the native helper, which is faster with long lists.
 
     The function raises TypeError naming the field whose value does not fit, however it got there.
     """
@@ -186,6 +191,8 @@ def make_encoder(cls: type[Message]) -> Encode:
         "encode_strings": runtime.encode_strings,
         "encode_booleans": runtime.encode_booleans,
         "encode_octets": runtime.encode_octets,
+        "list_booleans": native.live_booleans if native else runtime.not_packed,
+        "list_octets": native.live_octets if native else runtime.not_packed,
         "encode_fixed": runtime.encode_fixed,
         "exactly": runtime.exactly,
         "explained": explained,

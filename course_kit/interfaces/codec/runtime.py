@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 _Values = TypeVar("_Values", bound="Sequence[object]")
 PADDING = [bytes(count) for count in range(8)]
+OCTETS = [bytes([value]) for value in range(256)]
 _LENGTH = struct.Struct("<I").pack
 _SHORT = [struct.Struct(f"<I{size + 4 - size % 4}s").pack for size in range(64)]  # of strings by their length
 
@@ -49,15 +50,19 @@ def encode_strings(values: Sequence[str]) -> bytes:
     except TypeError:  # not of str itself; with the checks off
         plain = False
     encoded = [*map(str.encode, values)] if plain else [encode_string(value) for value in values]
-    packed = [
-        _SHORT[size](size + 1, data)
-        if (size := len(data)) < len(_SHORT)
-        else _LENGTH(size + 1) + data + PADDING[4 - size % 4]
-        for data in encoded
-    ]
+    short = _SHORT
+    try:
+        packed = [short[len(data)](len(data) + 1, data) for data in encoded]
+    except IndexError:
+        packed = [_LENGTH(len(data) + 1) + data + PADDING[4 - len(data) % 4] for data in encoded]
     if packed:
         packed[-1] = packed[-1][: 4 + len(encoded[-1]) + 1]  # what follows knows its own alignment
     return b"".join(packed)
+
+
+def not_packed(values: object) -> None:
+    """Stands where there is no native helper to pack a list."""
+    del values
 
 
 def encode_booleans(values: Sequence[bool]) -> bytes:

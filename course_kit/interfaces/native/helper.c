@@ -36,6 +36,8 @@ struct imports {
   void (*set_error)(const char *text, const char *file, size_t line); /* rcutils_set_error_state */
   void *none;                                    /* the object None */
   void *release;                                 /* the name of a method */
+  void *list, *bytes, *yes, *no;                 /* the classes, and the two objects */
+  size_t items_in_list, data_in_bytes;           /* where a list has its items, and bytes have theirs; 0: not known */
   void *(*call)(void *function, ...);            /* PyObject_CallFunctionObjArgs */
   void *(*bytes_new)(const char *, ptrdiff_t);   /* PyBytes_FromStringAndSize */
   void *(*view_new)(const char *, ptrdiff_t, int flags); /* PyMemoryView_FromMemory */
@@ -45,6 +47,8 @@ struct imports {
   int (*is_buffer)(void *);                      /* PyObject_CheckBuffer */
   ptrdiff_t (*tuple_size)(void *);               /* PyTuple_Size */
   void *(*tuple_item)(void *, ptrdiff_t);        /* PyTuple_GetItem */
+  char *(*bytes_data)(void *);                   /* PyBytes_AsString */
+  void (*incref)(void *);                        /* Py_IncRef */
   void (*decref)(void *);                        /* Py_DecRef */
   void *(*no_memory)(void);                      /* PyErr_NoMemory */
   void (*error_fetch)(void **, void **, void **);/* PyErr_Fetch */
@@ -368,6 +372,60 @@ void *live_to_python(const struct live_message *message)
   host.decref(bytes);
   return object;
 }
+
+/* ---------------------------------------------------------------- called by encoders, for lists of many elements */
+
+/* Every Python object begins with these; the offsets that follow from it are looked at before they are used. */
+struct object {
+  ptrdiff_t references;
+  void *class;
+  ptrdiff_t size;                                /* of those that have one, such as lists and bytes */
+};
+
+static inline bool as_octet(const void *item, char *octet, const struct imports *known)
+{
+  const struct object *object = item;
+  if (object->class != known->bytes || object->size != 1) return false;
+  *octet = ((const char *)item)[known->data_in_bytes];
+  return true;
+}
+
+static inline bool as_boolean(const void *item, char *octet, const struct imports *known)
+{
+  *octet = item == known->yes;
+  return (item == known->yes) | (item == known->no);
+}
+
+/* One byte for each element of a list; None for what is no list of such elements, which is then looked at in Python. */
+typedef bool as_byte_function(const void *item, char *octet, const struct imports *known);
+
+static inline __attribute__((always_inline)) void *packed(void *values, as_byte_function *as_byte)
+{
+  const struct object *list = values;
+  void *bytes = NULL;
+  if (host.items_in_list && host.data_in_bytes && list->class == host.list) {
+    bytes = host.bytes_new(NULL, list->size);
+    if (!bytes) return NULL;
+    void *const *items;
+    memcpy(&items, (const char *)values + host.items_in_list, sizeof items);
+    char *data = host.bytes_data(bytes);
+    const struct imports known = host;           /* a copy: what is written to `data` cannot change it */
+    const ptrdiff_t size = list->size;
+    bool fit = true;
+    for (ptrdiff_t i = 0; i < size; i++) fit &= as_byte(items[i], data + i, &known);
+    if (!fit) {
+      host.decref(bytes);
+      bytes = NULL;
+    }
+  }
+  if (bytes) return bytes;
+  host.incref(host.none);
+  return host.none;
+}
+
+void *live_booleans(void *values) { return packed(values, as_boolean); }
+
+void *live_octets(void *values) { return packed(values, as_octet); }
 
 /* ---------------------------------------------------------------- service introspection */
 

@@ -138,7 +138,8 @@ class LazyCodec:
         keep_object(self.decode)
 
     def _first_encode(self, message: Message) -> Payload:
-        self._encoder = self._encoder or make_encoder(self._cls)
+        assert self.live_type is not None  # noqa: S101 - the helper calls only for types it has
+        self._encoder = self._encoder or make_encoder(self._cls, self.live_type.helper)
         self._tell_helper()
         return self._encoder(message)
 
