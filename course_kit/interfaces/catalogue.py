@@ -10,7 +10,7 @@ import os
 import sys
 from contextlib import suppress
 
-from course_kit.interfaces.sources import KINDS, first_text
+from course_kit.interfaces.sources import KINDS, first_text, folders
 
 _INDEX = os.path.join("share", "ament_index", "resource_index", "rosidl_interfaces")  # noqa: PTH118 - light at start
 
@@ -46,3 +46,15 @@ def installed_text(package: str, kind: str, name: str) -> str | None:
         name: its name.
     """
     return first_text(prefixes(), "share", package, kind, f"{name}.{kind}")
+
+
+def idl_file(package: str, name: str) -> str | None:
+    """The file of a message that is written in IDL; None when there is no such.
+
+    Args:
+        package: its package.
+        name: its name.
+    """
+    shares = (os.path.join(prefix, "share") for prefix in prefixes())  # noqa: PTH118
+    files = (os.path.join(place, package, "msg", f"{name}.idl") for place in (*folders(), *shares))  # noqa: PTH118
+    return next((file for file in files if os.path.isfile(file)), None)  # noqa: PTH113

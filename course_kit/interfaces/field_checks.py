@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from course_kit.interfaces.field_types import FieldType, Primitive
     from course_kit.interfaces.message_fields import MessageField
 
+_LARGEST_BYTE = 255
 _LARGEST = {"float": 3.402823466e38, "double": 1.7976931348623157e308}
 
 Check = Callable[[object], None]
@@ -26,6 +27,11 @@ def checks_by_default() -> bool:
     a program may import its interfaces before rclpy, which is when the course's settings are made.
     """
     return os.environ.get("ROS_PYTHON_CHECK_FIELDS", "1") == "1"
+
+
+def largest_float(primitive: Primitive) -> float:
+    """The largest finite number that a field of a floating point type takes."""
+    return _LARGEST[primitive.idl]
 
 
 def field_check(field: MessageField) -> Check:
@@ -108,17 +114,62 @@ def _container_check(field: MessageField) -> Check:
     name, kind = field.name, field.type
     value_type = field.nested or (kind.primitive.python if kind.primitive else str)
     expected = _container_words(kind, value_type)
+    fit = _elements_check(kind, value_type)
 
     def check(value: object) -> None:
         if _is_accepted_as_is(name, kind, value):
             return
         if not isinstance(value, (Sequence, AbstractSet, UserList)) or isinstance(value, (str, UserString)):
             _refuse(name, expected)
-        fit = (isinstance(item, value_type) and _fits_value(kind, item) for item in value)
-        if not _fits_size(kind, len(value)) or not all(fit):
+        if not _fits_size(kind, len(value)) or (len(value) and not fit(value)):
+            if kind.base == "octet" and isinstance(value, (bytes, bytearray)) and value:
+                _refuse(name, f"{expected}: write {_one_by_one(value)}, or make it uint8[]")
             _refuse(name, expected)
 
     return check
+
+
+def _one_by_one(value: bytes | bytearray) -> str:
+    """How some bytes are written as the elements of a byte[]; the first two tell it."""
+    shown = ", ".join(repr(bytes([one])) for one in value[:2])
+    return f"[{shown}{', ...' if len(value) > 2 else ''}]"  # noqa: PLR2004
+
+
+def _elements_check(kind: FieldType, value_type: type) -> Callable[[Any], bool]:
+    """Make the function that tells whether all elements, one at least, are of the type and in its range.
+
+    It looks at an image's every pixel: nothing is done for each element but what Python does in C.
+    """
+
+    def of_type(values: Any) -> bool:
+        return all(issubclass(one, value_type) for one in set(map(type, values)))
+
+    primitive = kind.primitive
+    if primitive and primitive.integer_range:
+        smallest, largest = primitive.integer_range
+
+        def integers(values: Any) -> bool:
+            if isinstance(values, (bytes, bytearray)):
+                return largest >= _LARGEST_BYTE or max(values) <= largest
+            return of_type(values) and bool(smallest <= min(values) and max(values) <= largest)
+
+        return integers
+    if kind.base == "float":
+        most = _LARGEST["float"]
+
+        def floats(values: Any) -> bool:
+            if not of_type(values):
+                return False
+            if (
+                -most <= min(values) and max(values) <= most
+            ):  # never true for a NaN at the beginning, which hides others
+                return True
+            return not any(abs(one) > most and not math.isinf(one) for one in values)
+
+        return floats
+    if kind.string_bound:
+        return lambda values: of_type(values) and max(map(len, values)) <= kind.string_bound
+    return of_type
 
 
 def _is_accepted_as_is(name: str, kind: FieldType, value: object) -> bool:
@@ -153,18 +204,6 @@ def _fits_size(kind: FieldType, length: int) -> bool:
     if kind.container == "array":
         return length == kind.size
     return not kind.size or length <= kind.size
-
-
-def _fits_value(kind: FieldType, value: Any) -> bool:
-    if kind.is_string:
-        return not kind.string_bound or len(value) <= kind.string_bound
-    if kind.primitive is None:
-        return True
-    if kind.primitive.integer_range:
-        smallest, largest = kind.primitive.integer_range
-        return bool(smallest <= value <= largest)
-    largest_float = _LARGEST.get(kind.base)
-    return largest_float is None or not abs(value) > largest_float or math.isinf(value)
 
 
 def _container_words(kind: FieldType, value_type: type) -> str:

@@ -110,19 +110,33 @@ class Library:
         try:
             return message_class(field.type.base)
         except (ImportError, AttributeError):
-            from course_kit.interfaces.known_types import types
-
-            known = [full.replace("/msg/", "/") for full in types(kind="msg")]
-            wanted = f"{package}/{name}"
-            similar = next((full for full in known if full.endswith(f"/{name}")), None) or hints.nearest(wanted, known)
-            hint = f" Did you mean {similar}?" if similar else f" E{hints.TYPE_EXAMPLES[1:]}"
-            expected = f"There is no message {wanted}.{hint}"
+            expected = _no_message(package, name)
             raise InterfaceDefinitionError(str(owner), field.line.number, field.line.text, expected) from None
 
     def _contains(self, full_name: str, wanted: TypeName) -> bool:
         """Whether a message that has been made is, or contains, the wanted one."""
         built = self._built.get(TypeName(*full_name.split("/")))
         return full_name == str(wanted) or (built is not None and any(self._contains(n, wanted) for n in built.nested))
+
+
+def _no_message(package: str, name: str) -> str:
+    """What to say of a message that cannot be found."""
+    from course_kit.interfaces import catalogue
+    from course_kit.interfaces.known_types import types
+
+    wanted = f"{package}/{name}"
+    idl = catalogue.idl_file(package, name)
+    if idl is not None:
+        return (
+            f"{wanted} exists only as IDL, which the course does not read: {idl}. Expected {name}.msg beside it: write "
+            "its fields there, a line each."
+        )
+    known = [full.replace("/msg/", "/") for full in types(kind="msg")]
+    if name in hints.OTHER_NAMES:
+        return f"There is no message {wanted}: did you mean {hints.OTHER_NAMES[name]}?"
+    similar = next((full for full in known if full.endswith(f"/{name}")), None) or hints.nearest(wanted, known)
+    hint = f" Did you mean {similar}?" if similar else f" E{hints.TYPE_EXAMPLES[1:]}"
+    return f"There is no message {wanted}.{hint}"
 
 
 def _parts(definition: Definition) -> tuple[MessageDefinition, ...]:

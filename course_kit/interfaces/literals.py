@@ -8,6 +8,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from course_kit.interfaces.field_types import FieldType
 
+_IDL_ESCAPE = re.compile(r"\\[ntvbrfa\\?'\"]|\\[0-7]{1,3}|\\x[0-9a-fA-F]{1,2}")
+_PYTHON_ESCAPE = re.compile(
+    r"\\(?:[abfnrtv\\'\"]|[0-3]?[0-7]{1,2}|x[0-9a-fA-F]{0,2}|u[0-9a-fA-F]{0,4}|U[0-9a-fA-F]{0,8}|N(?:\{[^}]*\})?|$)"
+)
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 _QUOTED = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'((?:[^'\\]|\\.)*)'|([^,"'\s][^,]*))\s*(?:,|$)""")
 
@@ -41,14 +45,14 @@ def parse_value(kind: FieldType, text: str) -> Any:
 
 def _element(kind: FieldType, text: str) -> bool | int | float | str:
     if kind.is_string:
-        return _bounded(kind, text)
+        return _python_decoded(_bounded(kind, text))
     return _single(kind.element, text)
 
 
 def _single(kind: FieldType, text: str) -> bool | int | float | str:
     primitive = kind.primitive
     if primitive is None:
-        return _bounded(kind, _unquoted(text))
+        return _decoded(_bounded(kind, _unquoted(text)))
     if primitive.python is bool:
         if text.lower() not in _BOOLEANS:
             raise LiteralError(f"Expected true or false, not {text!r}.")
@@ -94,6 +98,25 @@ def _bounded(kind: FieldType, text: str) -> str:
     if kind.string_bound and len(text) > kind.string_bound:
         raise LiteralError(f"Expected at most {kind.string_bound} characters, not the {len(text)} of {text!r}.")
     return text
+
+
+def _decoded(text: str) -> str:
+    r"""The text that `\t`, `\x41` and the like stand for, as it comes out of the two steps of rosidl.
+
+    rosidl_adapter decodes Python's escapes when it writes IDL, and rosidl_parser those of IDL when it reads that.
+    """
+    idl = _python_decoded(text)
+    return re.sub(r'\\(["\\])', r"\1", _IDL_ESCAPE.sub(lambda part: _python_decoded(part[0]), idl))
+
+
+def _python_decoded(text: str) -> str:
+    try:
+        return _PYTHON_ESCAPE.sub(lambda part: part[0].encode().decode("unicode_escape"), text)
+    except UnicodeDecodeError as error:
+        begun = error.object[error.start : error.end].decode()
+        raise LiteralError(
+            f"Expected an escape such as \\t or \\x41, not {begun}. A backslash itself is written \\\\\\\\."
+        ) from None
 
 
 def _string_elements(text: str) -> list[str]:

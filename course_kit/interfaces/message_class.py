@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import array
+import reprlib
 from copy import copy
 from typing import TYPE_CHECKING, Any, cast
 
-from course_kit.interfaces.field_checks import checks_by_default, field_check
+from course_kit.interfaces.field_checks import checks_by_default
+from course_kit.interfaces.field_properties import field_property
 from course_kit.interfaces.field_types import FieldType, to_slot_type
 from course_kit.interfaces.live_record import LiveRecord, source_of
 from course_kit.interfaces.message_fields import MessageField, default_text, message_fields
@@ -69,7 +71,7 @@ def make_message_class(
             for field in definition.fields
             if field.name in defaults
         },
-        **{field.name: _property(field) for field in fields},
+        **{field.name: field_property(field) for field in fields},
     }
     cls = cast("type[Message]", metaclass(name, (), body))
     LiveRecord(source_of(definition.name.kind, text), fields).attach(cls)
@@ -108,7 +110,9 @@ def _initialiser(fields: Sequence[MessageField], defaults: Mapping[str, Any]) ->
     known = {*(name for name, _, _ in slots), _CHECK_SLOT[1:]}
     checked = checks_by_default()
 
-    def __init__(self: Any, **kwargs: Any) -> None:  # noqa: N807
+    def __init__(self: Any, *values: Any, **kwargs: Any) -> None:  # noqa: N807
+        if values:
+            raise TypeError(_takes_names(type(self).__name__, [name for name, _, _ in slots], values))
         self._check_fields = kwargs.get("check_fields", checked)
         if self._check_fields and not kwargs.keys() <= known:
             unknown = ", ".join(sorted(kwargs.keys() - known))
@@ -122,6 +126,14 @@ def _initialiser(fields: Sequence[MessageField], defaults: Mapping[str, Any]) ->
                 setattr(self, name, kwargs[name])
 
     return __init__
+
+
+def _takes_names(cls: str, names: Sequence[str], values: Sequence[object]) -> str:
+    """What to say of values without names; what they are meant for is told by their order."""
+    if not names:
+        return f"{cls} has no fields, so it takes no values: write {cls}()."
+    meant = ", ".join(f"{name}={reprlib.repr(value)}" for name, value in zip(names, values, strict=False))
+    return f"{cls} takes its fields by name: write {cls}({meant})."
 
 
 def _initial_value(field: MessageField, default: Any) -> Callable[[], object]:
@@ -163,39 +175,6 @@ def _python_value(kind: FieldType, value: Any) -> object:
     return np.array(elements, dtype=kind.primitive.numpy)
 
 
-def _property(field: MessageField) -> property:
-    slot, check, kind = f"_{field.name}", field_check(field), field.type
-
-    def getter(self: Message) -> object:
-        return getattr(self, slot)
-
-    def setter(self: Any, value: object) -> None:
-        if self._check_fields:
-            check(value)
-        setattr(self, slot, value)
-
-    def number_setter(self: Any, value: object) -> None:
-        if self._check_fields:
-            check(value)
-        setattr(self, slot, _own_container(kind, value, keep=self._check_fields))
-
-    return property(
-        getter, number_setter if kind.is_numeric_container else setter, doc=f"Message field '{field.name}'."
-    )
-
-
-def _own_container(kind: FieldType, value: Any, *, keep: bool) -> object:
-    """A list of numbers in the container the field uses; `keep` takes a fitting container as it is."""
-    code = kind.primitive.array_code if kind.primitive else ""
-    if kind.container == "sequence":
-        return value if keep and isinstance(value, array.array) else array.array(code, value)
-    import numpy as np
-
-    if keep and isinstance(value, np.ndarray):
-        return value
-    return np.array(value, dtype=kind.primitive.numpy if kind.primitive else None)
-
-
 def _equality(fields: Sequence[MessageField]) -> Callable[[Message, object], bool]:
     plain = [f"_{field.name}" for field in fields if not _is_numpy(field)]
     arrays = [f"_{field.name}" for field in fields if _is_numpy(field)]
@@ -215,11 +194,14 @@ def _is_numpy(field: MessageField) -> bool:
 
 
 def _repr(self: Message) -> str:
-    package, folder, _ = self.__class__.__module__.split(".")
+    typename = [
+        *self.__class__.__module__.split(".")[:-1],
+        self.__class__.__name__,
+    ]  # also that of a learner's subclass
     fields = []
     for field in message_fields(type(self)):
         text = repr(getattr(self, field.name))
         if field.type.is_numeric_container and field.type.container == "sequence":
             text = text[len("array('x', ") : -1] or "[]"
         fields.append(f"{field.name}={text}")
-    return f"{package}.{folder}.{self.__class__.__name__}({', '.join(fields)})"
+    return f"{'.'.join(typename)}({', '.join(fields)})"

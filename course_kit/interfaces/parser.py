@@ -101,7 +101,10 @@ def _split(name: TypeName, text: str) -> list[list[Line]]:
     sections: list[list[Line]] = [[]]
     separators = []
     for line in lines:
-        if line.text.rstrip() == SEPARATOR:
+        if line.text.rstrip() == SEPARATOR != line.text:
+            blank = f"Expected '{SEPARATOR}' alone: a blank behind it makes it something else for ROS 2."
+            raise InterfaceDefinitionError(str(name), line.number, line.text, blank)
+        if line.text == SEPARATOR:
             sections.append([])
             separators.append(line)
         else:
@@ -200,7 +203,8 @@ class _Section:
             return FieldType(base, string_bound=bound)
         size = match["size"].strip()
         if not size:
-            return FieldType(base, "sequence", 0, bound)
+            # rosidl_parser takes the bound of wide strings, and only theirs, for that of the sequence as well.
+            return FieldType(base, "sequence", bound if base == "wstring" else 0, bound)
         container = "sequence" if size.startswith("<=") else "array"
         count = self._positive(line, size.removeprefix("<="), "a number of elements, such as [3] or [<=10], or []")
         return FieldType(base, container, count, bound)
@@ -210,7 +214,7 @@ class _Section:
             return PRIMITIVE_NAMES[text]
         package, slash, type_name = text.rpartition("/")
         package = package or self._owner.package
-        if text in hints.OTHER_NAMES or (not slash and not text[:1].isupper()):
+        if not slash and not text[:1].isupper():
             self._fail(line, hints.for_unknown_type(text, name, PRIMITIVE_NAMES))
         if "/" in package:
             self._fail(line, hints.for_long_type(text))

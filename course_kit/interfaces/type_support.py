@@ -16,6 +16,7 @@ from course_kit.interfaces.native.memory import capsule, pointer
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from course_kit.interfaces.codec.encoder import Encode, Payload
     from course_kit.interfaces.live_record import LiveRecord, LiveType
     from course_kit.interfaces.message_fields import Message
 
@@ -87,15 +88,15 @@ def _support_address(cls: Any) -> int:
     return pointer(metaclass._TYPE_SUPPORT)
 
 
-def _event_maker(cls: Any) -> Callable[[bytes, bytes | None, bytes | None], bytes]:
+def _event_maker(cls: Any) -> Callable[[bytes, bytes | None, bytes | None], Payload]:
     """Make the function that builds the message service introspection publishes, out of payloads."""
     from course_kit.interfaces.codec import make_decoder, make_encoder
 
     @lru_cache(maxsize=1)
-    def codecs() -> tuple[Callable[[Message], bytes], Callable[[bytes], Message], Callable[[bytes], Message]]:
+    def codecs() -> tuple[Encode, Callable[[bytes], Message], Callable[[bytes], Message]]:
         return make_encoder(cls.Event), make_decoder(cls.Request), make_decoder(cls.Response)
 
-    def make_event(info: bytes, request: bytes | None, response: bytes | None) -> bytes:
+    def make_event(info: bytes, request: bytes | None, response: bytes | None) -> Payload:
         encode, decode_request, decode_response = codecs()
         event = cls.Event()
         kind, seconds, nanoseconds, client, sequence_number = _EVENT_INFO.unpack(info)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from course_kit.lab.errors import FieldError, NoAnswerError, ServiceFailedError
 from course_kit.lab.graph import WantedServer, not_found
 from course_kit.lab.messages import message_of
+from course_kit.lab.request_queue import AT_ONCE
 from course_kit.ros.graph import SERVES
 from course_kit.ros.messages import is_service_type, type_name, with_article
 
@@ -142,19 +143,31 @@ class ServiceCall(PendingCall):
         self._request = message_of(service_type.Request, asked.request, asked.fields, f"a {name} request")
         self._client = lab.clients.client(service_type, service)
         self._sent: SentRequest | None = None
+        self._unsent: Exception | None = None  # why it could not be sent
         super().__init__(lab, WantedServer(SERVES, self._client.name, name), asked.timeout)
 
     def send(self, completed: Callable[[], None]) -> None:
-        """Send the request; `completed` is called on the lab's thread when the answer is there."""
-        self._sent = self._client.send(self._request)
-        self._sent.when_answered(completed)
+        """Send the request in its turn; `completed` is called on the lab's thread when the answer is there."""
+
+        def send_now() -> None:
+            try:
+                self._sent = self._client.send(self._request)
+                self._sent.when_answered(completed)
+            except Exception as error:  # noqa: BLE001 - for its own caller, not for whose answer has made way
+                self._unsent = error
+                completed()
+
+        self._client.queue.enter(self, send_now)
 
     def result(self) -> Message:
         """The response.
 
         Raises:
             ServiceFailedError: the callback in this lab gave none.
+            Exception: the request could not be sent.
         """
+        if self._unsent is not None:
+            raise self._unsent
         try:
             return self._sent.response() if self._sent is not None else None
         except ServiceFailedError as error:
@@ -164,13 +177,19 @@ class ServiceCall(PendingCall):
         """Stop waiting, whether or not the answer has come; harmless if it has."""
         if self._sent is not None:
             self._sent.abandon()
+        self._client.queue.leave(self)
         super().close()
 
     def _has_come(self) -> bool:
-        return self._sent is not None and self._sent.answered()
+        return self._unsent is not None or (self._sent is not None and self._sent.answered())
 
     def _too_late(self) -> str:
         why = self._lab.why_no_answer(self._wanted.name)
+        if self._sent is None:
+            return (
+                f"{self._wanted.name} was not called within {self._timeout:g} s: {AT_ONCE} earlier calls of this "
+                f"notebook still wait for their answers. {why}"
+            )
         return f"{self._wanted.name} did not answer within {self._timeout:g} s. {why}"
 
     def _check_server(self) -> None:

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
-from course_kit.lab.errors import LabError
+from course_kit.lab.errors import LabError, error_text
 from course_kit.lab.graph import WantedServer, not_found
+from course_kit.lab.request_queue import QueuedClient
 from course_kit.ros import graph
 from course_kit.ros.compat import rcl_error
 from course_kit.ros.goal import GoalClient
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name
 from course_kit.ros.node import quiet_node
-from course_kit.ros.service import ServiceClient
 from course_kit.ros.topic import types_of
 
 if TYPE_CHECKING:
@@ -72,20 +72,20 @@ class Clients:
             self.known_node = node
         return self.known_node
 
-    def client(self, service_type: ServiceType, service: str) -> ServiceClient:
+    def client(self, service_type: ServiceType, service: str) -> QueuedClient:
         """The client for a service; one of the same name and another type is replaced.
 
         Raises:
             ServiceNotFoundError: no server of this name and type.
         """
 
-        def make() -> ServiceClient:
-            client = ServiceClient(self.node, service_type, service)
+        def make() -> QueuedClient:
+            client = QueuedClient(self.node, service_type, service)
             self._hooks.direct.add(client.rclpy_client)
             return client
 
         try:
-            found: ServiceClient = self._use(self._clients, (service_type, service), make, self._drop_client)
+            found: QueuedClient = self._use(self._clients, (service_type, service), make, self._drop_client)
         except OtherTypeError:
             wanted = WantedServer(graph.SERVES, self.node.resolve_service_name(service), type_name(service_type))
             own = frozenset({self.node.get_fully_qualified_name()})
@@ -197,7 +197,7 @@ class Clients:
             drop(cache.popitem(last=False)[1])
         return entity
 
-    def _drop_client(self, client: ServiceClient) -> None:
+    def _drop_client(self, client: QueuedClient) -> None:
         self._hooks.direct.discard(client.rclpy_client)
         self._executor_thread.run_between_callbacks(client.destroy, 1.0)
 
@@ -220,7 +220,7 @@ def incompatible(error: BaseException) -> bool:
 
     Fast DDS keeps one type for each topic name in a participant, and a lab has one participant.
     """
-    return "incompatible type" in str(error)
+    return "incompatible type" in error_text(error)
 
 
 def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:

@@ -6,6 +6,20 @@ In a notebook they show as their message alone; a traceback through our code wou
 from __future__ import annotations
 
 
+class CallbackStopped(BaseException):
+    """Raised inside a callback that runs on although its node was stopped; no `except Exception` may keep it."""
+
+
+def error_text(error: BaseException) -> str:
+    """What an error says of itself. A class of the learner's may fail even at that, which must not hide the error."""
+    try:
+        return str(error)
+    except CallbackStopped:
+        raise
+    except BaseException as failed:  # noqa: BLE001 - see above
+        return f"(its __str__ raised {type(failed).__name__})"
+
+
 class LabError(RuntimeError):
     """Something the lab was asked for cannot be done; the message says why and what to do."""
 

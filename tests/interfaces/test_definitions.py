@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from ast import literal_eval
+from pathlib import Path
 from typing import Any
 
 import pytest
 from rosidl_adapter import parser as adapter
+from rosidl_adapter.msg import convert_msg_to_idl
+from rosidl_generator_py.generate_py_impl import constant_value_to_py, value_to_py
+from rosidl_parser.definition import IdlLocator, Message
+from rosidl_parser.parser import parse_idl_file
 
 from course_kit import interfaces
+from course_kit.interfaces import InterfaceDefinitionError
 from course_kit.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
 from course_kit.interfaces.parser import PRIMITIVE_NAMES, parse
 
@@ -89,6 +96,45 @@ def test_lines_with_all_there_is(line: str) -> None:
     ours = parse("my_interfaces/msg/Info", f"\n# Comment\n{line}\n")
     assert isinstance(ours, MessageDefinition)
     assert our_view(ours) == their_view(adapter.parse_message_string("my_interfaces", "Info", f"{line}\n"))
+
+
+ESCAPES = [
+    r'string a "x\ty"',
+    r'string a "x\x41\101"',
+    r'string a "x\\ty"',
+    r'string a "x\\\\y"',
+    r"string a 'say \"so\"'",
+    r"string A='x\ty'",
+    r"string A=C:\\\\temp",
+    r'wstring a "é \t \\u0041"',
+    r"string[] a ['x\\ny', '\x41']",
+    r"wstring<=9[2] a ['a\x42', '\\t']",
+]
+
+
+@pytest.mark.parametrize("line", ESCAPES)
+def test_escapes_are_those_of_rosidl(line: str, tmp_path: Path) -> None:
+    """rosidl writes IDL, reads that, and writes Python of it; what Python makes of that counts."""
+    (tmp_path / "msg").mkdir()
+    (tmp_path / "msg" / "Info.msg").write_text(f"{line}\n", encoding="utf-8")
+    written = convert_msg_to_idl(tmp_path, "my_interfaces", Path("msg/Info.msg"), tmp_path)
+    read = parse_idl_file(IdlLocator(tmp_path, written.relative_to(tmp_path)))
+    (theirs,) = read.content.get_elements_of_type(Message)
+    ours = parse("my_interfaces/msg/Info", f"{line}\n")
+    assert isinstance(ours, MessageDefinition)
+    if theirs.constants:
+        assert ours.constants[0].value == literal_eval(
+            constant_value_to_py(theirs.constants[0].type, theirs.constants[0].value)
+        )
+    else:
+        member = theirs.structure.members[0]
+        default = value_to_py(member.type, member.get_annotation_value("default")["value"])
+        assert ours.fields[0].default == literal_eval(default)
+
+
+def test_an_escape_without_an_end() -> None:
+    with pytest.raises(InterfaceDefinitionError, match=r"Expected an escape such as .* not \\x4\."):
+        parse("my_interfaces/msg/Info", 'string a "x\\x4"\n')
 
 
 def test_windows_line_ends() -> None:

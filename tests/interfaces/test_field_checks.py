@@ -49,4 +49,4 @@ def test_fields_accept_and_refuse_the_same(package: str) -> None:
             for value in ODD_VALUES:
                 for how in ("checked", "unchecked", "constructor"):
                     theirs, ours = outcome(compiled, name, value, how), outcome(live, name, value, how)
-                    assert theirs in (ours, NO_BYTE_STRING), (compiled, name, value, how)
+                    assert theirs in (ours.partition(": write ")[0], NO_BYTE_STRING), (compiled, name, value, how)

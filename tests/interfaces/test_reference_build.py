@@ -37,6 +37,8 @@ geometry_msgs/Pose pose
 float32[3] tolerance [0.1, 0.2, 0.3]
 string<=8 brief
 wstring wide
+wstring<=5[] wides
+wstring<=5[2] wide_pair
 byte raw
 char c
 bool[] flags

@@ -138,3 +138,57 @@ def test_a_wrong_value_deep_inside_is_named() -> None:
     with pytest.raises(TypeError, match="Vector3 cannot be sent: the 'y' field must be of type 'float'") as caught:
         serialize_message(message)
     assert "holds 'north'" in str(caught.value)
+
+
+LARGE_AND_LISTS = """
+uint8[] image
+bool after
+float64[] cloud
+string last
+bool[] flags
+byte[] raw
+string[] words
+string[2] pair
+int64 end
+"""
+
+
+@pytest.mark.parametrize("size", [0, 1, 4095, 4096, 5003])
+def test_large_fields_between_others(size: int) -> None:
+    """Large ones are parts of their own on the way to the wire: what follows them keeps its alignment."""
+    built = Library(lambda _: LARGE_AND_LISTS).get(TypeName("large_fields", "msg", "Large"))
+    assert built is not None
+    cls = built.classes["Large"]
+    message = cls(
+        image=bytes(range(256)) * (size // 256) + bytes(size % 256),
+        after=True,
+        cloud=[0.5] * size,
+        last="end",
+        flags=[True, False, True] * size,
+        raw=[b"a", b"\xff"] * size,
+        words=["", "abc", "é" * 70, "x" * size],
+        pair=["one", ""],
+        end=-1,
+    )
+    assert deserialize_message(serialize_message(message), cls) == message
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"flags": [True, 3]}, {"raw": [b"a", b"bc"]}, {"words": ["a", 3]}, {"words": [b"a"]}]
+)
+def test_what_does_not_fit_into_a_list_is_told(wrong: dict[str, Any]) -> None:
+    built = Library(lambda _: LARGE_AND_LISTS).get(TypeName("large_fields", "msg", "Large"))
+    assert built is not None
+    message = built.classes["Large"](check_fields=False, **wrong)
+    if "flags" in wrong:  # as compiled classes have it: what is true is true
+        assert deserialize_message(serialize_message(message), type(message)).flags == [True, True]
+        return
+    with pytest.raises(TypeError, match=f"Large cannot be sent: the '{next(iter(wrong))}' field must"):
+        serialize_message(message)
+
+
+def test_strings_with_nul_end_there_in_lists_too() -> None:
+    built = Library(lambda _: LARGE_AND_LISTS).get(TypeName("large_fields", "msg", "Large"))
+    assert built is not None
+    message = built.classes["Large"](words=["a\0b", "c"])
+    assert deserialize_message(serialize_message(message), type(message)).words == ["a", "c"]

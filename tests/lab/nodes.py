@@ -77,6 +77,44 @@ class Faulty(Node):
         return response
 
 
+class SpeechlessError(Exception):
+    """Cannot say what it is."""
+
+    def __str__(self) -> str:
+        raise RuntimeError("no words")
+
+
+class OwnBaseError(BaseException):
+    """What `except Exception` lets pass."""
+
+
+class Raising(Node):
+    """Serves /fails and has a timer that fails once, with the same error.
+
+    Args:
+        error: the class of what is raised.
+    """
+
+    def __init__(self, error: type[BaseException]) -> None:
+        super().__init__("raising")
+        self.error = error
+        self.ticked = threading.Event()
+        self.create_service(Trigger, "fails", self.fails)
+        self.create_service(Trigger, "fails_later", self.fails_later)
+        self.ticking = self.create_timer(0.01, self.tick)
+
+    def fails(self, _request: Any, _response: Any) -> Any:
+        raise self.error
+
+    async def fails_later(self, _request: Any, _response: Any) -> Any:
+        raise self.error
+
+    def tick(self) -> None:
+        self.ticking.cancel()
+        self.ticked.set()
+        raise self.error
+
+
 class Talker(Node):
     """Counts aloud on /count."""
 

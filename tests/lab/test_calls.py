@@ -14,7 +14,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from course_kit import lab
 from course_kit.lab.messages import message_of
-from tests.lab.nodes import Faulty, Switch, Talker
+from tests.lab.nodes import Faulty, OwnBaseError, Raising, SpeechlessError, Switch, Talker
 
 if TYPE_CHECKING:
     from course_kit.lab.runtime.core import Lab
@@ -146,6 +146,69 @@ def test_sys_exit_in_a_callback_is_an_error_like_others(capsys: pytest.CaptureFi
         call("exits", timeout=30)
     assert "exits raised SystemExit: 3" in capsys.readouterr().err
     assert call("fine").success is True
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, asyncio.CancelledError, OwnBaseError, SpeechlessError])
+def test_whatever_a_callback_raises_is_told_at_once(
+    error: type[BaseException], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert lab.start(Raising, error).ticked.wait(10)
+    for service in ("fails", "fails_later"):
+        with pytest.raises(lab.ServiceFailedError, match=f"{service} raised {error.__name__}"):
+            call(service, timeout=30)
+    shown = capsys.readouterr().err
+    for callback in ("fails", "fails_later", "tick"):
+        assert f"raising: {callback} raised {error.__name__}" in shown
+    assert "Traceback" not in shown
+
+
+def test_more_calls_at_once_than_a_service_keeps_are_all_answered() -> None:
+    node = lab.start(Faulty)
+    assert call("/fine").success  # the client is there: what follows is sent at once
+    blocker = node.create_client(Trigger, "blocks")
+    assert blocker.wait_for_service(10)
+    blocker.call_async(Trigger.Request())  # while it runs, nothing is taken
+
+    async def twenty() -> list[Any]:
+        calls = [asyncio.ensure_future(lab.call("/fine", Trigger)) for _ in range(20)]
+        await asyncio.sleep(0)
+        node.release.set()
+        return await asyncio.gather(*calls)
+
+    assert [answer.success for answer in asyncio.run(twenty())] == [True] * 20
+
+
+def test_a_call_that_waited_for_earlier_ones_says_so() -> None:
+    node = lab.start(Faulty)
+
+    async def eleven() -> list[Any]:
+        calls = [lab.call("/blocks", Trigger, timeout=0.5) for _ in range(11)]
+        return await asyncio.gather(*calls, return_exceptions=True)
+
+    errors = asyncio.run(eleven())
+    node.release.set()
+    assert ["was not called within" in str(error) for error in errors] == [False] * 10 + [True]
+    assert "10 earlier calls of this notebook still wait" in str(errors[-1])
+
+
+def test_a_request_that_was_lost_is_not_said_to_be_at_work() -> None:
+    node = lab.start(Faulty)
+    assert call("/fine").success
+    blocker = node.create_client(Trigger, "blocks")
+    assert blocker.wait_for_service(10)
+    assert node.client.wait_for_service(10)
+    blocker.call_async(Trigger.Request())
+
+    async def lost() -> Any:
+        asked = asyncio.ensure_future(lab.call("/fine", Trigger, timeout=1.0))
+        await asyncio.sleep(0)
+        for _ in range(10):  # the service keeps these, and drops the one before
+            node.client.call_async(Trigger.Request())
+        node.release.set()
+        return await asked
+
+    with pytest.raises(lab.NoAnswerError, match="none of its callbacks is at work: the request or its response was lo"):
+        asyncio.run(lost())
 
 
 def test_an_error_repeated_by_a_timer_is_shown_three_times(capsys: pytest.CaptureFixture[str]) -> None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from course_kit.interfaces.field_types import FieldType, Primitive
     from course_kit.interfaces.message_fields import Message, MessageField
 
-    Decode = Callable[[bytes], Message]
+    Decode = Callable[[bytes | memoryview], Message]
 
 ByteOrder = Literal["<", ">"]
 
@@ -30,7 +30,10 @@ _USUAL = 1
 
 
 class Decoder(CodeWriter):
-    """Writes code that reads bytes `u` from offset `o` on; `end` is the payload's length."""
+    """Writes code that reads bytes, or a view of them, `u` from offset `o` on; `end` is the payload's length.
+
+    A view is gone when the code has run: whatever is kept of it is a copy.
+    """
 
     def __init__(self, byte_order: ByteOrder = "<", max_align: int = 8) -> None:
         super().__init__(max_align)
@@ -101,7 +104,7 @@ class Decoder(CodeWriter):
             units = f"struct_unpack('{self._order}%dI' % {length}, u, o)"
             self.emit(f"{value} = struct_pack('<%dH' % {length}, *{units}).decode('utf-16-le')")
         else:
-            self.emit(f"{value} = u[o:e].partition(NUL)[0].decode('utf-8', 'replace')")
+            self.emit(f"{value} = str(u[o:e], 'utf-8', 'replace').partition(NUL)[0]")
         self.emit("o = e")
         self.settle(4 if wide else 1)
         return value
@@ -119,7 +122,7 @@ class Decoder(CodeWriter):
             native = self.constant("dtype", numpy_dtype(primitive.numpy))
             self._after.append(f"{values} = from_buffer({values}, {wire}).astype({native})")
         else:
-            self._after.append(f"{values} = {_elements(primitive, values, f'range({count})', values)}")
+            self._after.append(f"{values} = {_elements(primitive, values)}")
         return values
 
     def _sequence(self, field: MessageField) -> str:
@@ -144,7 +147,7 @@ class Decoder(CodeWriter):
             if self._order == ">" and primitive.size > 1:
                 self.emit(f"{values}.byteswap()")
         else:
-            self.emit(f"{values} = {_elements(primitive, 'u', 'range(o, e)', 'u[o:e]')}")
+            self.emit(f"{values} = {_elements(primitive, 'u[o:e]')}")
         self.emit("o = e")
         self.settle(min(primitive.size, 4))
 
@@ -161,11 +164,11 @@ class Decoder(CodeWriter):
         self.repeat(body)
 
 
-def _elements(primitive: Primitive, data: str, positions: str, slice_: str) -> str:
+def _elements(primitive: Primitive, data: str) -> str:
     """Code for a list of bytes objects of length 1, or of booleans."""
     if primitive.idl == "octet":
-        return f"[{data}[i:i + 1] for i in {positions}]"
-    return f"[i != 0 for i in {slice_}]"
+        return f"[octets[i] for i in {data}]"
+    return f"[i != 0 for i in {data}]"
 
 
 def make_decoder(cls: type[Message]) -> Decode:
@@ -176,12 +179,12 @@ def make_decoder(cls: type[Message]) -> Decode:
     """
     unusual: dict[int, Decode] = {}
 
-    def decode_unusual(payload: bytes) -> Message:
+    def decode_unusual(payload: bytes | memoryview) -> Message:
         if len(payload) < HEADER_SIZE:
             runtime.truncated()
         encoding = payload[1]
         if payload[0] or encoding not in _ENCODINGS:
-            raise ValueError(f"unknown encapsulation {payload[:2].hex()} of a serialized message")
+            raise ValueError(f"unknown encapsulation {bytes(payload[:2]).hex()} of a serialized message")
         if encoding not in unusual:
             unusual[encoding] = _compile(Decoder(*_ENCODINGS[encoding]), cls)
         return unusual[encoding](payload)
@@ -196,9 +199,10 @@ def _compile(writer: Decoder, cls: type[Message], **extra: object) -> Decode:
         "array": array.array,
         "struct_pack": struct.pack,
         "struct_unpack": struct.unpack_from,
-        "NUL": b"\0",
+        "NUL": "\0",
         "from_buffer": frombuffer,
         "new": object.__new__,
+        "octets": runtime.OCTETS,
         "checks": checks_by_default(),
         "too_long": runtime.too_long,
         "truncated": runtime.truncated,

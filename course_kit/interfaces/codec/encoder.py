@@ -1,4 +1,4 @@
-"""Generates `encode(message) -> bytes` for a message class."""
+"""Generates `encode(message) -> payload` for a message class."""
 
 from __future__ import annotations
 
@@ -15,38 +15,47 @@ from course_kit.interfaces.field_checks import field_check
 from course_kit.interfaces.message_fields import message_fields
 
 if TYPE_CHECKING:
+    import ctypes
     from collections.abc import Callable
 
     from course_kit.interfaces.field_types import FieldType, Primitive
     from course_kit.interfaces.message_fields import Message, MessageField
 
-    Encode = Callable[[Message], bytes]
+    Payload = bytes | bytearray | tuple[memoryview | array.array[Any], ...]
+    Encode = Callable[[Message], Payload]
 
 # The header announces little-endian XCDR1: two bytes 0 and 1, two of options.
 _HEADER_FORMAT, _HEADER_VALUE = "I", "256"
 
 
+LARGE = 4096  # elements of a sequence of numbers that is a part of its own
+
+
 class Encoder(CodeWriter):
-    """Writes code that appends a message's fields to a bytearray `b`."""
+    """Writes code that appends a message's fields to a bytearray `b`; large ones become parts of a tuple."""
 
     def __init__(self) -> None:
         super().__init__()
         self._indent = 2
         self.formats, self.arguments = [_HEADER_FORMAT], [_HEADER_VALUE]
         self._started = False
+        self._may_be_large = False
 
     def source(self, cls: type[Message]) -> str:
         """The function's source."""
         self._message(cls, "message")
         if self._started:
             self.flush()
-            self.emit("return bytes(b)")
+            if self._may_be_large:
+                self.emit("if parts: return (*parts, memoryview(b)[k:])")
+            self.emit("return b")
         else:  # every value is of fixed size: one struct call makes the whole payload
             pack = self.constant("pack", struct.Struct("<" + "".join(self.formats)).pack)
             self.emit(f"return {pack}({', '.join(self.arguments)})")
         body = "\n".join(self.lines)
+        start = "        parts, k = [], 0\n" if self._may_be_large else ""
         return (
-            f"def encode(message):\n    try:\n{body}\n"
+            f"def encode(message):\n    try:\n{start}{body}\n"
             "    except Exception as error:\n        raise explained(message, error) from None\n"
         )
 
@@ -103,7 +112,12 @@ class Encoder(CodeWriter):
 
     def _array(self, field: MessageField, value: str) -> None:
         primitive, count = field.type.primitive, field.type.size
-        if primitive is None:
+        if field.type.base == "string":
+            self.flush()
+            self.align_at_run_time(4)
+            self.emit(f"b += encode_strings(exactly({value}, {count}))")
+            self.settle(1)
+        elif primitive is None:
             self._each(field, f"exactly({value}, {count})")
         elif primitive.idl == "octet":
             self.put(f"{count}s", count, 1, f"encode_octets({value}, {count})")
@@ -123,20 +137,30 @@ class Encoder(CodeWriter):
         if field.type.primitive:
             self.flush()
             self._primitives(field.type.primitive, values)
+        elif field.type.base == "string":
+            self.flush()
+            self.emit(f"if len({values}): b += encode_strings({values})")
+            self.settle(1)
         else:
             self._each(field, values)
 
     def _primitives(self, primitive: Primitive, values: str) -> None:
         if primitive.idl == "octet":
-            self.emit(f"b += encode_octets({values}, len({values}))")
+            self.emit(f"if len({values}): b += list_octets({values}) or encode_octets({values}, len({values}))")
         elif primitive.idl == "boolean":
-            self.emit(f"b += struct_pack('%d?' % len({values}), *{values})")
+            self.emit(f"if len({values}): b += list_booleans({values}) or encode_booleans({values})")
         else:
             if primitive.size > HEADER_SIZE:  # an empty sequence is not padded
                 self.emit(f"if len({values}): b += PADDING[(4 - len(b)) & 7]")
             code = primitive.array_code
             as_is = f"{values}.__class__ is array and {values}.typecode == '{code}'"
-            self.emit(f"b += {values} if {as_is} else array('{code}', {values})")
+            self.emit(f"if not ({as_is}): {values} = array('{code}', {values})")
+            self.emit(f"if len({values}) < {LARGE}: b += {values}")
+            # An image is not copied into `b`. What follows it starts anew, with `k` bytes that only keep the alignment.
+            self._may_be_large = True
+            self.emit("else:")
+            self.emit(f"    parts += memoryview(b)[k:], {values}")
+            self.emit(f"    k = len(b) + {primitive.size} * len({values}) & 7; b = bytearray(k)")
         self.settle(min(primitive.size, 4))
 
     def _each(self, field: MessageField, values: str) -> None:
@@ -146,8 +170,12 @@ class Encoder(CodeWriter):
         self.repeat(lambda: self._field(field._replace(type=field.type.element), value))
 
 
-def make_encoder(cls: type[Message]) -> Encode:
+def make_encoder(cls: type[Message], native: ctypes.PyDLL | None = None) -> Encode:
     """Make the function that turns a message of `cls` into its CDR payload, header included.
+
+    Args:
+        cls: the class.
+        native: the native helper, which is faster with long lists.
 
     The function raises TypeError naming the field whose value does not fit, however it got there.
     """
@@ -160,7 +188,11 @@ def make_encoder(cls: type[Message]) -> Encode:
         "NUL": b"\0",
         "PADDING": runtime.PADDING,
         "encode_string": runtime.encode_string,
+        "encode_strings": runtime.encode_strings,
+        "encode_booleans": runtime.encode_booleans,
         "encode_octets": runtime.encode_octets,
+        "list_booleans": native.live_booleans if native else runtime.not_packed,
+        "list_octets": native.live_octets if native else runtime.not_packed,
         "encode_fixed": runtime.encode_fixed,
         "exactly": runtime.exactly,
         "explained": explained,

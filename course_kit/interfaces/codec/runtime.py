@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from typing import TYPE_CHECKING, NoReturn, TypeVar
 
 import numpy as np
@@ -13,6 +14,9 @@ if TYPE_CHECKING:
 
 _Values = TypeVar("_Values", bound="Sequence[object]")
 PADDING = [bytes(count) for count in range(8)]
+OCTETS = [bytes([value]) for value in range(256)]
+_LENGTH = struct.Struct("<I").pack
+_SHORT = [struct.Struct(f"<I{size + 4 - size % 4}s").pack for size in range(64)]  # of strings by their length
 
 
 def too_long(length: int, bound: int) -> NoReturn:
@@ -37,6 +41,37 @@ def encode_string(value: str) -> bytes:
     """UTF-8 up to the first NUL, where a C string ends."""
     data = value.encode()
     return data[: data.index(0)] if 0 in data else data
+
+
+def encode_strings(values: Sequence[str]) -> bytes:
+    """Strings one after another, each with its length, NUL and what keeps the next one aligned."""
+    try:
+        plain = "\0" not in "".join(values)
+    except TypeError:  # not of str itself; with the checks off
+        plain = False
+    encoded = [*map(str.encode, values)] if plain else [encode_string(value) for value in values]
+    short = _SHORT
+    try:
+        packed = [short[len(data)](len(data) + 1, data) for data in encoded]
+    except IndexError:
+        packed = [_LENGTH(len(data) + 1) + data + PADDING[4 - len(data) % 4] for data in encoded]
+    if packed:
+        packed[-1] = packed[-1][: 4 + len(encoded[-1]) + 1]  # what follows knows its own alignment
+    return b"".join(packed)
+
+
+def not_packed(values: object) -> None:
+    """Stands where there is no native helper to pack a list."""
+    del values
+
+
+def encode_booleans(values: Sequence[bool]) -> bytes:
+    """A list of booleans as bytes 0 and 1."""
+    try:
+        data = bytes(values)
+    except (TypeError, ValueError):  # not of booleans; with the checks off
+        return bytes(map(bool, values))
+    return bytes(map(bool, data)) if data.translate(None, b"\0\1") else data
 
 
 def encode_octets(values: Sequence[bytes], count: int) -> bytes:

@@ -22,17 +22,37 @@
 
 /* ---------------------------------------------------------------- what the rest of the process provides */
 
+struct py_buffer {                               /* Py_buffer, of which only the beginning is looked at */
+  void *data, *owner;
+  ptrdiff_t size;
+  void *rest[16];
+};
+
 struct imports {
   char *(*cdr_position)(void *cdr);              /* eprosima::fastcdr::Cdr::get_current_position() */
   bool (*cdr_jump)(void *cdr, size_t bytes);     /* eprosima::fastcdr::Cdr::jump(): false when there is no room */
   size_t buffer_in_cdr;                          /* where Cdr keeps its FastBuffer& */
   size_t data_in_buffer, size_in_buffer;         /* where FastBuffer keeps its memory and its length */
+  void (*set_error)(const char *text, const char *file, size_t line); /* rcutils_set_error_state */
   void *none;                                    /* the object None */
+  void *release;                                 /* the name of a method */
+  void *list, *bytes, *yes, *no;                 /* the classes, and the two objects */
+  size_t items_in_list, data_in_bytes;           /* where a list has its items, and bytes have theirs; 0: not known */
   void *(*call)(void *function, ...);            /* PyObject_CallFunctionObjArgs */
   void *(*bytes_new)(const char *, ptrdiff_t);   /* PyBytes_FromStringAndSize */
-  int (*bytes_get)(void *, char **, ptrdiff_t *);/* PyBytes_AsStringAndSize */
+  void *(*view_new)(const char *, ptrdiff_t, int flags); /* PyMemoryView_FromMemory */
+  void *(*call_method)(void *object, void *name, ...);   /* PyObject_CallMethodObjArgs */
+  int (*buffer_get)(void *, struct py_buffer *, int flags); /* PyObject_GetBuffer */
+  void (*buffer_release)(struct py_buffer *);    /* PyBuffer_Release */
+  int (*is_buffer)(void *);                      /* PyObject_CheckBuffer */
+  ptrdiff_t (*tuple_size)(void *);               /* PyTuple_Size */
+  void *(*tuple_item)(void *, ptrdiff_t);        /* PyTuple_GetItem */
+  char *(*bytes_data)(void *);                   /* PyBytes_AsString */
+  void (*incref)(void *);                        /* Py_IncRef */
   void (*decref)(void *);                        /* Py_DecRef */
   void *(*no_memory)(void);                      /* PyErr_NoMemory */
+  void (*error_fetch)(void **, void **, void **);/* PyErr_Fetch */
+  void (*error_restore)(void *, void *, void *); /* PyErr_Restore */
   void (*unraisable)(void *);                    /* PyErr_WriteUnraisable */
   int (*gil_ensure)(void);                       /* PyGILState_Ensure */
   void (*gil_release)(int);                      /* PyGILState_Release */
@@ -78,7 +98,7 @@ void live_destroy(struct live_message *message)
   free(message);
 }
 
-static bool assign(struct live_message *message, const char *data, size_t size)
+static bool reserve(struct live_message *message, size_t size)
 {
   if (size > message->capacity) {
     char *grown = realloc(message->data, size);
@@ -86,8 +106,14 @@ static bool assign(struct live_message *message, const char *data, size_t size)
     message->data = grown;
     message->capacity = size;
   }
-  memcpy(message->data, data, size);
   message->size = size;
+  return true;
+}
+
+static bool assign(struct live_message *message, const char *data, size_t size)
+{
+  if (!reserve(message, size)) return false;
+  memcpy(message->data, data, size);
   return true;
 }
 
@@ -250,6 +276,9 @@ static bool live_deserialize(void *cdr, struct live_message *message)
   memcpy(&size, buffer + host.size_in_buffer, sizeof size);
   if (live_valid(message->type, payload, size)) return assign(message, payload, size);
   complain(message->type);
+  char text[300];                                /* without it ROS would say "error not set" */
+  snprintf(text, sizeof text, "the bytes are not a %s as this program knows it", message->type->name);
+  host.set_error(text, "course_kit.interfaces", __LINE__);
   return false;
 }
 
@@ -268,31 +297,135 @@ static size_t live_max_serialized_size(char *bounds)
 
 static bool assign_bytes(struct live_message *message, void *bytes)
 {
-  char *data;
-  ptrdiff_t size;
-  if (host.bytes_get(bytes, &data, &size) != 0) return false;
-  if (assign(message, data, (size_t)size)) return true;
-  host.no_memory();
-  return false;
+  struct py_buffer buffer;
+  if (host.buffer_get(bytes, &buffer, 0) != 0) return false;
+  bool done = assign(message, buffer.data, (size_t)buffer.size);
+  host.buffer_release(&buffer);
+  if (!done) host.no_memory();
+  return done;
+}
+
+static bool assign_parts(struct live_message *message, void *tuple)
+{
+  ptrdiff_t count = host.tuple_size(tuple), held = 0;
+  if (count < 0) return false;
+  struct py_buffer *parts = calloc((size_t)count + 1, sizeof *parts);
+  size_t size = 0;
+  while (parts && held < count && host.buffer_get(host.tuple_item(tuple, held), &parts[held], 0) == 0)
+    size += (size_t)parts[held++].size;
+  bool complete = parts && held == count, done = complete && reserve(message, size);
+  char *end = message->data;
+  for (ptrdiff_t i = 0; i < held; i++) {
+    if (done) {
+      memcpy(end, parts[i].data, (size_t)parts[i].size);
+      end += parts[i].size;
+    }
+    host.buffer_release(&parts[i]);
+  }
+  if (!parts || (complete && !done)) host.no_memory();
+  free(parts);
+  return done;
+}
+
+/* What an encoder makes: bytes, or a tuple of parts where that saves copying much. */
+static bool assign_payload(struct live_message *message, void *payload)
+{
+  return host.is_buffer(payload) ? assign_bytes(message, payload) : assign_parts(message, payload);
 }
 
 bool live_from_python(void *object, struct live_message *message)
 {
-  void *bytes = host.call(message->type->encode, object, NULL);
-  if (!bytes) return false;
-  bool done = assign_bytes(message, bytes);
-  host.decref(bytes);
+  void *payload = host.call(message->type->encode, object, NULL);
+  if (!payload) return false;
+  bool done = assign_payload(message, payload);
+  host.decref(payload);
   return done;
+}
+
+/* A large payload is not copied for Python but shown to it, and taken back before it is gone. */
+enum { LARGE = 4096, READ_ONLY = 0x100 };        /* PyBUF_READ */
+
+static void *decoded_in_place(const struct live_message *message)
+{
+  void *view = host.view_new(message->data, (ptrdiff_t)message->size, READ_ONLY);
+  if (!view) return NULL;
+  void *object = host.call(message->type->decode, view, NULL);
+  void *error[3] = {NULL, NULL, NULL};
+  if (!object) host.error_fetch(&error[0], &error[1], &error[2]);
+  void *none = host.call_method(view, host.release, NULL);
+  if (none) host.decref(none);
+  if (!none && object) {
+    host.decref(object);
+    object = NULL;
+  }
+  if (error[0]) host.error_restore(error[0], error[1], error[2]);
+  host.decref(view);
+  return object;
 }
 
 void *live_to_python(const struct live_message *message)
 {
+  if (message->size >= LARGE) return decoded_in_place(message);
   void *bytes = host.bytes_new(message->data, (ptrdiff_t)message->size);
   if (!bytes) return NULL;
   void *object = host.call(message->type->decode, bytes, NULL);
   host.decref(bytes);
   return object;
 }
+
+/* ---------------------------------------------------------------- called by encoders, for lists of many elements */
+
+/* Every Python object begins with these; the offsets that follow from it are looked at before they are used. */
+struct object {
+  ptrdiff_t references;
+  void *class;
+  ptrdiff_t size;                                /* of those that have one, such as lists and bytes */
+};
+
+static inline bool as_octet(const void *item, char *octet, const struct imports *known)
+{
+  const struct object *object = item;
+  if (object->class != known->bytes || object->size != 1) return false;
+  *octet = ((const char *)item)[known->data_in_bytes];
+  return true;
+}
+
+static inline bool as_boolean(const void *item, char *octet, const struct imports *known)
+{
+  *octet = item == known->yes;
+  return (item == known->yes) | (item == known->no);
+}
+
+/* One byte for each element of a list; None for what is no list of such elements, which is then looked at in Python. */
+typedef bool as_byte_function(const void *item, char *octet, const struct imports *known);
+
+static inline __attribute__((always_inline)) void *packed(void *values, as_byte_function *as_byte)
+{
+  const struct object *list = values;
+  void *bytes = NULL;
+  if (host.items_in_list && host.data_in_bytes && list->class == host.list) {
+    bytes = host.bytes_new(NULL, list->size);
+    if (!bytes) return NULL;
+    void *const *items;
+    memcpy(&items, (const char *)values + host.items_in_list, sizeof items);
+    char *data = host.bytes_data(bytes);
+    const struct imports known = host;           /* a copy: what is written to `data` cannot change it */
+    const ptrdiff_t size = list->size;
+    bool fit = true;
+    for (ptrdiff_t i = 0; i < size; i++) fit &= as_byte(items[i], data + i, &known);
+    if (!fit) {
+      host.decref(bytes);
+      bytes = NULL;
+    }
+  }
+  if (bytes) return bytes;
+  host.incref(host.none);
+  return host.none;
+}
+
+void *live_booleans(void *values) { return packed(values, as_boolean); }
+
+void *live_octets(void *values) { return packed(values, as_octet); }
 
 /* ---------------------------------------------------------------- service introspection */
 
@@ -310,7 +443,7 @@ static bool fill_event(struct live_message *event, const char *info, const struc
   void *bytes = NULL;
   if (arguments[0] && arguments[1] && arguments[2])
     bytes = host.call(event->type->make_event, arguments[0], arguments[1], arguments[2], NULL);
-  bool done = bytes && assign_bytes(event, bytes);
+  bool done = bytes && assign_payload(event, bytes);
   if (!done) host.unraisable(event->type->make_event);  /* rcl reports that the event could not be made */
   if (bytes) host.decref(bytes);
   for (int i = 0; i < 3; i++)

@@ -19,6 +19,7 @@ from course_kit.interfaces.type_description import full_name
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from course_kit.interfaces.codec.encoder import Encode, Payload
     from course_kit.interfaces.message_fields import Message
 
 _INTROSPECTION_STRING, _INTROSPECTION_WSTRING, _INTROSPECTION_MESSAGE = 16, 17, 18
@@ -130,18 +131,19 @@ class LazyCodec:
     def __init__(self, cls: type[Message]) -> None:
         self.live_type: LiveType | None = None
         self._cls = cls
-        self._encoder: Callable[[Message], bytes] | None = None
-        self._decoder: Callable[[bytes], Message] | None = None
+        self._encoder: Encode | None = None
+        self._decoder: Callable[[bytes | memoryview], Message] | None = None
         self.encode, self.decode = self._first_encode, self._first_decode
         keep_object(self.encode)
         keep_object(self.decode)
 
-    def _first_encode(self, message: Message) -> bytes:
-        self._encoder = self._encoder or make_encoder(self._cls)
+    def _first_encode(self, message: Message) -> Payload:
+        assert self.live_type is not None  # noqa: S101 - the helper calls only for types it has
+        self._encoder = self._encoder or make_encoder(self._cls, self.live_type.helper)
         self._tell_helper()
         return self._encoder(message)
 
-    def _first_decode(self, payload: bytes) -> Message:
+    def _first_decode(self, payload: bytes | memoryview) -> Message:
         self._decoder = self._decoder or make_decoder(self._cls)
         self._tell_helper()
         return self._decoder(payload)

@@ -9,11 +9,13 @@ from __future__ import annotations
 import ctypes
 import os
 import struct
+import sys
 import zlib
 from pathlib import Path
 from typing import Any
 
 from course_kit.interfaces.errors import NativeHelperError
+from course_kit.interfaces.native.memory import keep_object
 
 LIBRARY = Path(__file__).with_name("_helper.so")
 SOURCE = LIBRARY.with_name("helper.c")
@@ -31,9 +33,19 @@ _address, _text, _size, _object = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_siz
 _PYTHON_FUNCTIONS = (
     "PyObject_CallFunctionObjArgs",
     "PyBytes_FromStringAndSize",
-    "PyBytes_AsStringAndSize",
+    "PyMemoryView_FromMemory",
+    "PyObject_CallMethodObjArgs",
+    "PyObject_GetBuffer",
+    "PyBuffer_Release",
+    "PyObject_CheckBuffer",
+    "PyTuple_Size",
+    "PyTuple_GetItem",
+    "PyBytes_AsString",
+    "Py_IncRef",
     "Py_DecRef",
     "PyErr_NoMemory",
+    "PyErr_Fetch",
+    "PyErr_Restore",
     "PyErr_WriteUnraisable",
     "PyGILState_Ensure",
     "PyGILState_Release",
@@ -49,16 +61,23 @@ class Imports(ctypes.Structure):
         ("buffer_in_cdr", ctypes.c_size_t),
         ("data_in_buffer", ctypes.c_size_t),
         ("size_in_buffer", ctypes.c_size_t),
+        ("set_error", ctypes.c_void_p),
         ("none", ctypes.c_void_p),
+        ("release", ctypes.c_void_p),
+        *((name, ctypes.c_void_p) for name in ("list", "bytes", "yes", "no")),
+        ("items_in_list", ctypes.c_size_t),
+        ("data_in_bytes", ctypes.c_size_t),
         *((name, ctypes.c_void_p) for name in _PYTHON_FUNCTIONS),
     )
 
 
-_SIGNATURES: dict[str, tuple[type | None, list[type]]] = {
+_SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "live_setup": (None, [ctypes.POINTER(Imports)]),
     "live_new_type": (_address, [_address, _address, _size, _object, _object]),
     "live_create_function": (_address, [_address]),
     "live_set_codec": (None, [_address, _object, _object]),
+    "live_booleans": (_object, [_object]),
+    "live_octets": (_object, [_object]),
     "live_valid": (ctypes.c_bool, [_address, _text, _size]),
     "live_message_support": (_address, [_address, _address, _address, _address]),
     "live_new_members": (_address, [_size]),
@@ -163,7 +182,25 @@ def _imports() -> Imports:
     except AttributeError as error:
         raise NativeHelperError(_unknown_fastcdr(str(error))) from error
     python = [function_address(getattr(ctypes.pythonapi, name)) for name in _PYTHON_FUNCTIONS]
-    return Imports(*functions, *offsets, id(None), *python)
+    set_error = function_address(ros_library("librcutils.so").rcutils_set_error_state)
+    release = sys.intern("release")  # a method's name
+    keep_object(release)
+    objects = [id(one) for one in (None, release, list, bytes, True, False)]
+    return Imports(*functions, *offsets, set_error, *objects, *_probe_python(), *python)
+
+
+def _probe_python() -> tuple[int, int]:
+    """Where a list keeps the address of its items, and bytes keep theirs; zeros for a Python that differs."""
+    items, octet = [object()], b"Z"
+    in_list, in_bytes = 24, bytes.__basicsize__ - 1  # behind the reference count, the class and the size
+    address = ctypes.c_void_p.from_address(id(items) + in_list).value
+    sizes = [ctypes.c_ssize_t.from_address(id(one) + 16).value for one in (items, octet)]
+    classes = [ctypes.c_void_p.from_address(id(one) + 8).value for one in (items, octet)]
+    if sys.implementation.name != "cpython" or sizes != [1, 1] or classes != [id(list), id(bytes)] or not address:
+        return 0, 0
+    as_known = ctypes.c_void_p.from_address(address).value == id(items[0])
+    as_known = as_known and ctypes.string_at(id(octet) + in_bytes, 1) == octet
+    return (in_list, in_bytes) if as_known else (0, 0)
 
 
 def _probe_layout(fastcdr: ctypes.CDLL) -> tuple[int, int, int]:

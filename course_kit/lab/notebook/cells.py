@@ -229,6 +229,7 @@ class Notebook:
             limit.begin()
         self._route()
         self._keep_beating()
+        interrupts.let_stop_repeat()
 
     def _after_cell(self, result: object) -> None:
         if self._beat is not None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from rclpy.exceptions import InvalidHandle
 from rclpy.subscription import Subscription
 
+from course_kit.lab.errors import CallbackStopped, error_text
 from course_kit.lab.recording.spans import CallbackSpans, timer_work
 from course_kit.ros.messages import type_name
 
@@ -141,7 +142,9 @@ class MessageHooks:
                 service.send_response(response, header)
             except InvalidHandle:
                 return
-            except (Exception, SystemExit) as error:
+            except (CallbackStopped, GeneratorExit):  # its node was stopped
+                raise
+            except BaseException as error:
                 self._emit("callback_failed", service, failure_text(error), sequence)
                 on_failure(service, sequence, error)
                 raise
@@ -238,7 +241,7 @@ def _sequence_of(client: Client, future: Future) -> int:
 
 def failure_text(error: BaseException) -> str:
     """An error's name and the first line of its text."""
-    first = (str(error).splitlines() or [""])[0]
+    first = (error_text(error).splitlines() or [""])[0]
     if isinstance(error, WrongResponseError):
         return first
     return f"{type(error).__name__}: {first}" if first else type(error).__name__

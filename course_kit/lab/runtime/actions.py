@@ -19,8 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionClient, ActionServer
 
+from course_kit.lab.errors import CallbackStopped
 from course_kit.lab.recording.hooks import WrongResultError
-from course_kit.lab.runtime.executor import CallbackStopped, Turn
+from course_kit.lab.runtime.executor import Turn
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,6 +6,7 @@ import re
 import traceback
 from typing import TYPE_CHECKING, Any
 
+from course_kit.lab.errors import error_text
 from course_kit.ros import names
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str
         node: in whose callback; found in the traceback where it is not given.
         entity: the service, timer... the callback belongs to.
     """
-    text = str(error)
+    text = error_text(error)
     node = node if node is not None else node_in(error)
     if isinstance(error, TypeError) and (found := _ARGUMENTS.search(text)):
         return _on_arguments(found["name"], node, entity)

@@ -14,7 +14,7 @@ import rclpy.utilities
 from rclpy.action import ActionServer
 
 from course_kit.lab.clients import Clients
-from course_kit.lab.errors import DeadlockError
+from course_kit.lab.errors import CallbackStopped, DeadlockError
 from course_kit.lab.notebook import asyncio_bridge
 from course_kit.lab.overrides import callbacks, rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
@@ -165,7 +165,9 @@ class Engine:
         begun = time.monotonic()
         try:
             function()
-        except Exception as error:  # noqa: BLE001 - whatever the learner's code raises
+        except CallbackStopped:
+            raise
+        except BaseException as error:  # noqa: BLE001 - whatever the learner's code raises
             self._failures.callback_crashed(error, Turn(None, None, begun))
 
     def why_no_answer(self, service: str) -> str:
@@ -185,7 +187,8 @@ class Engine:
             )
 
     def _running(self) -> timeout_reasons.Running:
-        return timeout_reasons.Running(self.executor_thread.executor.turn, self.executor_thread.thread_id)
+        executor = self.executor_thread.executor
+        return timeout_reasons.Running(executor.turn, self.executor_thread.thread_id, executor.unfinished())
 
     def before_blaming(self) -> None:
         """A server has gone: let a script that is about to end say why first."""

@@ -21,7 +21,8 @@ from action_msgs.msg import GoalStatus
 from rclpy.action import ActionServer
 from rclpy.task import Future
 
-from course_kit.lab.runtime.executor import CallbackStopped, Turn
+from course_kit.lab.errors import CallbackStopped
+from course_kit.lab.runtime.executor import Turn
 from course_kit.ros.compat import rcl_error
 
 if TYPE_CHECKING:

@@ -15,6 +15,8 @@ from rclpy.executors import (
     TimeoutException,
 )
 
+from course_kit.lab.errors import CallbackStopped
+
 if TYPE_CHECKING:
     from rclpy.client import Client
     from rclpy.context import Context
@@ -45,10 +47,6 @@ class Turn(NamedTuple):
     node: Node | None
     since: float
     callback: Any = None
-
-
-class CallbackStopped(BaseException):
-    """Raised inside a callback that runs on although its node was stopped; no `except Exception` may keep it."""
 
 
 class LabExecutor(Executor):
@@ -146,6 +144,10 @@ class LabExecutor(Executor):
             del self._begun[task]
             task.cancel()
         self._tell(error, turn)
+
+    def unfinished(self) -> list[Any]:
+        """What the callbacks were called for that have begun and not ended, because they run or await something."""
+        return [turn.entity for turn in list(self._begun.values())]
 
     def _tell(self, error: BaseException | None, turn: Turn) -> None:
         if error is not None and not isinstance(error, (InvalidHandle, CallbackStopped)):

@@ -15,8 +15,8 @@ import rclpy
 from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 
-from course_kit.lab.errors import NoAnswerError
-from course_kit.lab.runtime.executor import CallbackStopped, LabExecutor, RecordingExecutor
+from course_kit.lab.errors import CallbackStopped, NoAnswerError
+from course_kit.lab.runtime.executor import LabExecutor, RecordingExecutor
 from course_kit.ros import compat_names
 
 if TYPE_CHECKING:

@@ -51,7 +51,7 @@ class Failures:
         """Say what went wrong in a callback, in three lines; the same error over and over is said three times."""
         if getattr(error, _SHOWN, False):
             return
-        with contextlib.suppress(AttributeError):
+        with contextlib.suppress(Exception):  # a class of the learner's may allow none
             setattr(error, _SHOWN, True)
         node = turn.node
         if node is self._lab.hidden_node:

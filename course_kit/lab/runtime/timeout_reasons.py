@@ -11,7 +11,7 @@ from course_kit.lab.runtime.describe import actions_of
 from course_kit.lab.runtime.execution import turn_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from course_kit.lab.runtime.callback_errors import Locate
     from course_kit.lab.runtime.execution import Executions
@@ -25,10 +25,12 @@ class Running(NamedTuple):
     Attributes:
         turn: the callback, if one is running.
         thread_id: the thread's identifier.
+        unfinished: the services, timers... whose callbacks have begun and not ended.
     """
 
     turn: Turn | None
     thread_id: int
+    unfinished: Sequence[Any] = ()
 
 
 def no_answer(nodes: Iterable[LiveNode], running: Running, service: str, locate: Locate) -> str:
@@ -43,8 +45,14 @@ def no_answer(nodes: Iterable[LiveNode], running: Running, service: str, locate:
     if running.turn is not None and running.turn.entity is not None:
         return f"{_still_in(running, locate)}; while a callback runs, no other does."
     for live in nodes:
-        if any(one.service_name == service for one in live.node.services):
-            return f"{live.node.get_name()} took the request and its callback has not finished: it awaits something."
+        serving = [one for one in live.node.services if one.service_name == service]
+        if any(one is unfinished for one in serving for unfinished in running.unfinished):
+            return f"A callback of {live.node.get_name()} for this service has not finished: it awaits something."
+        if serving:
+            return (
+                f"{live.node.get_name()} serves it and none of its callbacks is at work: the request or its response "
+                "was lost. Of what waits for a service, or for its client, the newest 10 are kept."
+            )
     return (
         "Its server runs outside this notebook; its callback may still be running, or have raised an exception, "
         "or have returned nothing. Look at the server's own output."

@@ -1,0 +1,42 @@
+"""The Stop button ends a cell, whatever the cell waits for at that moment."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+import pytest
+from std_msgs.msg import String
+
+from course_kit import lab
+
+if TYPE_CHECKING:
+    from tests.lab.kernel import Kernel
+
+
+@pytest.mark.usefixtures("own_lab")
+def test_an_interrupt_that_comes_with_the_message_is_not_lost() -> None:
+    """`benchmarks/interrupts.py` presses at random; here the message and the interrupt are in one round of the loop."""
+
+    async def waited_for() -> None:
+        waiting = asyncio.ensure_future(lab.next_messages("/words", String, 1))
+        await asyncio.sleep(0)  # it has subscribed
+        lab.publish("/words", String, data="word")  # returns when the subscription has had it; the loop stands
+        asyncio.get_running_loop().call_soon(waiting.cancel)
+        await waiting
+
+    with pytest.raises(asyncio.CancelledError):
+        asyncio.run(waited_for())
+
+
+def test_a_second_press_stops_a_cell_that_kept_the_first_to_itself(kernel: Kernel) -> None:
+    message = kernel.send(
+        "import asyncio\nprint('begun')\n"
+        "try:\n    await asyncio.sleep(60)\nexcept asyncio.CancelledError:\n    print('kept')\n"
+        "await asyncio.sleep(60)"
+    )
+    for printed in ("begun", "kept"):
+        kernel.finish(message, until=printed)
+        kernel.manager.interrupt_kernel()
+    assert kernel.finish(message).error.startswith("Interrupted in In[")
+    assert kernel.run("print('next')").stdout == "next\n"
