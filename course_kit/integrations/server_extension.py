@@ -1,4 +1,4 @@
-"""An extension of Jupyter Server: terminals and kernels of any server in this environment find `ros2`.
+"""An extension of Jupyter Server: terminals and kernels of any server in this environment find `ros2`; exports are whole.
 
 A hub or an editor starts the server itself, without the course's folder of programs on PATH. Installed with the
 package, and enabled by `jupyter_server_config.d/ros2_course_kit.json`.
@@ -6,8 +6,10 @@ package, and enabled by `jupyter_server_config.d/ros2_course_kit.json`.
 
 from __future__ import annotations
 
+import json
 import os
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
@@ -15,6 +17,8 @@ from course_kit.integrations import terminals
 
 if TYPE_CHECKING:
     from jupyter_server.serverapp import ServerApp
+
+_EXPORTS = Path(__file__).parents[1] / "jupyter_config" / "jupyter_nbconvert_config.json"
 
 
 def _jupyter_server_extension_points() -> list[dict[str, str]]:
@@ -26,6 +30,8 @@ def _link_jupyter_server_extension(server: ServerApp) -> None:
     """Called before any extension is loaded, so before the one that starts terminals reads its settings."""
     environment.put_scripts_first()
     os.environ.update(terminals.variables())
+    for exporter, ours in json.loads(_EXPORTS.read_text(encoding="utf-8")).items():
+        server.config[exporter] = {**ours, **server.config.get(exporter, {})}  # what the user has set counts
     settings = server.terminado_settings
     if "shell_command" in settings or not terminals.prefers_bash():
         return

@@ -13,6 +13,7 @@ from course_kit import lab
 from course_kit.lab.errors import FieldError, LabError
 from course_kit.panels.base import Panel, of_files
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
+from course_kit.panels.still import form, still
 from course_kit.ros.messages import is_service_type, type_name
 from course_kit.ros.showing import rows as rows_of
 from course_kit.ros.showing import snapshot
@@ -81,6 +82,12 @@ class ServiceForm(Panel):
             f"Request: {fields_in_words(self.service_type.Request)}.\n"
             f"Response: {fields_in_words(self.service_type.Response)}."
         )
+
+    def still(self) -> str:
+        """The form with what is in its fields."""
+        title = {"name": self.service, "type": type_name(self.service_type)}
+        picture = form(title, "Request", self.widget.entries, self.widget.values, "Send request")
+        return still(self.describe(), picture, "still_panels.css")
 
     def fill(self, values: Values) -> None:
         """Type into fields, by path, such as {"target.x": "1.5"}; the others stay."""

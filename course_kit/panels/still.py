@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from course_kit.text.templates import render
 
@@ -19,6 +20,29 @@ def still(words: str, picture: str = "", *style_sheets: str) -> str:
     """
     sheets = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("still.css", *style_sheets))
     return str(render(_HERE / "still.html", css=_as_it_is(sheets), picture=picture, lines=words.splitlines()))
+
+
+def drawn(template: str, **values: object) -> str:
+    """A picture out of a template of this folder.
+
+    Args:
+        template: its file.
+        values: what it names.
+    """
+    return render(_HERE / template, **values)
+
+
+def form(title: dict[str, str], part: str, entries: list[dict[str, Any]], values: dict[str, Any], *buttons: str) -> str:
+    """A form that sends a message, as a picture; its style sheet is `still_panels.css`.
+
+    Args:
+        title: of what is called: `name` and `type`.
+        part: what is filled in, such as "Request".
+        entries: its fields, see `MessageForm.entries`.
+        values: what they hold, by path.
+        buttons: what stands on the buttons.
+    """
+    return drawn("still_form.html", **title, part=part, entries=entries, values=values, buttons=buttons)
 
 
 def _as_it_is(sheet: str) -> str:
