@@ -1,7 +1,7 @@
 """What an export of a notebook by nbconvert needs besides nbconvert, be it HTML or slides.
 
-`jupyter_config/jupyter_nbconvert_config.json` has it run for `jupyter nbconvert`; Jupyter Server, which does not read that
-file, gets the same from its extension, for JupyterLab's File > Save and Export Notebook As.
+`jupyter_config/jupyter_nbconvert_config.json` has it run for `jupyter nbconvert`; Jupyter Server, which does not read
+that file, gets the same from its extension, for JupyterLab's File > Save and Export Notebook As.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -48,4 +49,5 @@ def form(title: dict[str, str], part: str, entries: list[dict[str, Any]], values
 def _as_it_is(sheet: str) -> str:
     from markupsafe import Markup
 
-    return Markup(sheet)  # noqa: S704 - a file of ours
+    short = " ".join(re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL).split())  # it is stored with each picture
+    return Markup(short)  # noqa: S704 - files of ours

@@ -64,7 +64,7 @@ def test_sliders_show_their_values() -> None:
             super().__init__("robot")
             limits = FloatingPointRange(from_value=0.0, to_value=4.0)
             self.declare_parameter("speed", 1.0, ParameterDescriptor(description="m/s", floating_point_range=[limits]))
-            self.declare_parameter("<lights>", True)  # noqa: FBT003 - rclpy's own order
+            self.declare_parameter("<lights>", True)
 
     lab.start(Robot)
     html = still(panels.parameter_sliders("/robot"))
