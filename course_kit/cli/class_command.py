@@ -38,7 +38,7 @@ def add_to(verbs: Any) -> None:
         help="a folder or zip, as your learning platform gives it; several, or a folder of zips, of one class",
     )
     parser.add_argument(
-        "--exercise", action="append", required=True, metavar="ID", help="an exercise that was set; give it repeatedly"
+        "--exercise", action="append", required=True, metavar="ID", help="an exercise to grade; may be given more than once"
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="the folder for all results")
     parser.add_argument("--resume", action="store_true", help="continue an earlier run into DIR")
@@ -59,7 +59,7 @@ def add_to(verbs: Any) -> None:
         "--seeds",
         type=Path,
         metavar="CSV",
-        help="two columns, student and seed: questions of their own where an exercise draws them",
+        help="two columns, student and seed: each student gets other questions, where an exercise draws them",
     )
     add_where(parser)
     parser.set_defaults(run=run)
