@@ -17,7 +17,7 @@ def describe_in(parser: argparse.ArgumentParser) -> None:
         one.add_argument(
             _OPTION,
             metavar="DIR",
-            help="add the exercises in DIR, or the one that DIR is; may be given more than once, as may folders in COURSE_EXERCISES",
+            help="add the exercises in DIR, or the one that DIR is; may be repeated; COURSE_EXERCISES does the same",
         )
 
 

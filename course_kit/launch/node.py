@@ -104,7 +104,7 @@ class Node(Action):
             if not path.is_file():
                 raise LaunchError(f"There is no parameter file {path}.")
             return str(path)
-        raise LaunchError(f"Node(parameters=[{parameters!r}]): a dict of values or the path of a file is expected.")
+        raise LaunchError(f"Node(parameters=[{parameters!r}]): expected a dict of values or the path of a file.")
 
 
 def _value(value: object, context: LaunchContext) -> object:
@@ -117,4 +117,4 @@ def _value(value: object, context: LaunchContext) -> object:
         return [_value(part, context) for part in value]
     if isinstance(value, (bool, int, float, str)):
         return value
-    raise LaunchError(f"{value!r} is not a parameter value: a bool, int, float, str or a list of those is expected.")
+    raise LaunchError(f"{value!r} is not a parameter value: expected a bool, int, float, str or a list of those.")

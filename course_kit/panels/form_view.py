@@ -122,7 +122,7 @@ class ServiceForm(Panel):
             self._show("failed", "The call was interrupted.")
             raise
         rows = rows_of(snapshot(response))
-        text = "" if rows else "The response has no fields; it says that the server has done its part."
+        text = "" if rows else "The response has no fields; it only says that the server is done."
         return {"state": "answered", "text": text, "rows": rows}, response
 
     def _asked(self, _: object, content: dict[str, Any], buffers: object) -> None:

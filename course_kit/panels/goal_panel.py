@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import ActionType
 
 _ENDED = "This panel has ended. Run its cell again to use it."
-_NOT_SENT = "Not sent: see what is marked above."
+_NOT_SENT = "Not sent: correct the marked fields above."
 
 
 class _ActionWidget(anywidget.AnyWidget):

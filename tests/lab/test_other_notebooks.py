@@ -74,7 +74,7 @@ def test_nodes_of_another_notebook_are_listed_apart(two: tuple[Kernel, Kernel]) 
     start(first, "Robot", "robot")
     wait_until(lambda: others(second) == [f"{FIRST}: robot"], lambda: others(second))
     assert second.run("lab.nodes()").result["text/plain"] == (
-        f"No node is running in the lab.\nOf other notebooks, which lab.stop_others() stops:\n    {FIRST}: robot"
+        f"No node is running in the lab.\nIn other notebooks (lab.stop_others() stops them):\n    {FIRST}: robot"
     )
     assert FIRST not in first.run("lab.nodes()").result["text/plain"]
     first.run("lab.stop()")
