@@ -10,6 +10,7 @@ import anywidget
 import traitlets
 
 from course_kit import lab
+from course_kit.interfaces.comments import comments_of
 from course_kit.lab.errors import FieldError, LabError
 from course_kit.panels.base import Panel, of_files
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
@@ -33,7 +34,8 @@ class FormWidget(anywidget.AnyWidget):
         title: what is called, and its type.
         entries: what to draw, see `MessageForm.entries`.
         values: what the fields hold, by path.
-        outcome: what came of the last request: `state`, `text`, `rows`, `errors`, `printed`, `exchange`.
+        outcome: what came of the last request: `state`, `text`, `rows`, `comments` on fields, `errors`,
+            `printed`, `exchange`.
         ended: why the form no longer works; "" while it does.
     """
 
@@ -123,7 +125,7 @@ class ServiceForm(Panel):
             raise
         rows = rows_of(snapshot(response))
         text = "" if rows else "The response has no fields; it only says that the server is done."
-        return {"state": "answered", "text": text, "rows": rows}, response
+        return {"state": "answered", "text": text, "rows": rows, "comments": comments_of(type(response))}, response
 
     def _asked(self, _: object, content: dict[str, Any], buffers: object) -> None:
         """The page wants something done."""
