@@ -17,7 +17,7 @@ def describe_in(parser: argparse.ArgumentParser) -> None:
         one.add_argument(
             _OPTION,
             metavar="DIR",
-            help="also the exercises in DIR, or the one that DIR is; give it repeatedly, or set COURSE_EXERCISES",
+            help="add the exercises in DIR, or the one that DIR is; may be repeated; COURSE_EXERCISES does the same",
         )
 
 

@@ -38,7 +38,11 @@ def add_to(verbs: Any) -> None:
         help="a folder or zip, as your learning platform gives it; several, or a folder of zips, of one class",
     )
     parser.add_argument(
-        "--exercise", action="append", required=True, metavar="ID", help="an exercise that was set; give it repeatedly"
+        "--exercise",
+        action="append",
+        required=True,
+        metavar="ID",
+        help="an exercise to grade; may be repeated",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="the folder for all results")
     parser.add_argument("--resume", action="store_true", help="continue an earlier run into DIR")
@@ -59,7 +63,7 @@ def add_to(verbs: Any) -> None:
         "--seeds",
         type=Path,
         metavar="CSV",
-        help="two columns, student and seed: questions of their own where an exercise draws them",
+        help="two columns, student and seed: each student gets other questions, where an exercise draws them",
     )
     add_where(parser)
     parser.set_defaults(run=run)
@@ -141,8 +145,8 @@ def _run(options: argparse.Namespace) -> int:
         intake_words.say(grading.intake, say)
         if grading.gone:
             say(
-                f"{many(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}, as the submission is not there any "
-                f"more: {some(grading.gone, '; ')}."
+                f"{many(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}: the submission is no longer "
+                f"there: {some(grading.gone, '; ')}."
             )
         for one in chosen.values():
             if practised := _practised(book, one, plan.seeds):
@@ -219,7 +223,7 @@ def _notices(book: Gradebook, out: Path) -> Iterator[str]:
     if others := regrade.graded_otherwise(book):
         counts = ", ".join(f"{count} of {exercise}" for exercise, count in others.items())
         yield (
-            f"Graded by another version of the kit, the exercise or its grader than the one of now: {counts}. "
+            f"Graded by another version of the kit, the exercise or its grader than today's: {counts}. "
             f"To see what it would change, run:\n  {environment.command()} regrade {shlex.quote(str(out))}"
         )
 

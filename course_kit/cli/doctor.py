@@ -127,7 +127,7 @@ def course_folder() -> Finding:
         found = f"the {missing} are missing; there is only the package in {environment.PACKAGE}"
         return Finding("course folder", found, "bad", _ONLY_THE_PACKAGE)
     if workspace.is_shared(root):
-        advice = f"{environment.command()} lab opens a copy of your own: {workspace.copy_folder()}"
+        advice = f"{environment.command()} lab opens your own copy: {workspace.copy_folder()}"
         return Finding("course folder", f"{root}, read-only for you", "note", advice)
     return Finding("course folder", str(root))
 
@@ -177,7 +177,7 @@ def rclpy_names() -> Finding:
     off = compat.check_all().sentences()
     if not off:
         return Finding("inside rclpy", "everything that the course uses is there")
-    advice = f"Nothing has to be done. Nothing is off with {_TRIED}."
+    advice = f"You need not do anything. Nothing is off with {_TRIED}."
     return Finding("inside rclpy", " ".join(off), "note", advice)
 
 
@@ -190,7 +190,7 @@ def middleware() -> Finding:
         return Finding("RMW", name, "bad", environment.middleware.unsupported() or _OTHER_RMW)
     if not (replaced := environment.middleware.replaced()):
         return Finding("RMW", name)
-    advice = f"Nothing has to be done. Unset {replaced.partition('=')[0]} to be rid of this note."
+    advice = f"You need not do anything. Unset {replaced.partition('=')[0]} to remove this note."
     return Finding("RMW", f"{name}, because {replaced} is not installed here", "note", advice)
 
 

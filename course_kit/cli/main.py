@@ -19,7 +19,7 @@ _ON_LIMITS = (
     "A submission runs sandboxed; --exec relaxes two restrictions, and --attach has no sandbox. What holds and what "
     "does not: course_kit/grading/LIMITS.md"
 )
-_FOUND = "when left out, it is looked for here, then in the course's folder, or in your copy where that is read-only"
+_FOUND = "without it, the command looks here, then in the course's folder, or in your copy if that is read-only"
 
 
 def build_parser() -> argparse.ArgumentParser:

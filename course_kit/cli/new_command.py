@@ -25,7 +25,7 @@ def add_to(verbs: Any) -> None:
     parser = verbs.add_parser(
         "new",
         help="make an exercise of your own, in any folder",
-        epilog="What to do next is said in course_kit/authoring/AUTHORING.md.",
+        epilog="course_kit/authoring/AUTHORING.md says what to do next.",
     )
     parser.add_argument("what", choices=("exercise",))
     parser.add_argument("name", help="its id: small letters, digits and _")

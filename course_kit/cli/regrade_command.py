@@ -20,7 +20,7 @@ def add_to(verbs: Any) -> None:
     """Add the verb to the command line's parser."""
     parser = verbs.add_parser(
         "regrade",
-        help="grade results of a class again, as after a fault of a grader was mended",
+        help="grade results of a class again, for example when a grader has been fixed",
         epilog="`course-kit class regrade DIR` is the same. Nothing is written before you say so, at the question or "
         "by --write; old results are kept in DIR/superseded. Exit code: 0 when it went well; 2 when something could "
         "not be graded again; 130 when it was stopped.",

@@ -21,7 +21,7 @@ def add_to(verbs: Any) -> None:
         "joins the class.",
     )
     parser.add_argument("roster", type=Path, help="the class list, as for class --roster")
-    parser.add_argument("--layout", default="", help="of the submissions, as for class: whom its reports name how")
+    parser.add_argument("--layout", default="", help="of the submissions, as for class: decides how students are named")
     parser.add_argument("--out", type=Path, metavar="FILE", help="the list; printed when left out")
     parser.set_defaults(run=run)
 

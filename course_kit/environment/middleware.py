@@ -43,7 +43,7 @@ def settle() -> str:
     os.environ[_REPLACED] = f"{name}={value}"
     return (
         f"{name} is set to '{value}', but no such middleware is installed here: the course uses {SUPPORTED} (Fast "
-        f"DDS). Unset {name} to be rid of this line."
+        f"DDS). Unset {name} to remove this message."
     )
 
 

@@ -68,7 +68,16 @@ class _Mistake:
 
 
 _INTEGER, _FORMULA = "math.integer_division", "math.formula"
+_CONVERTED = (
+    "The values were converted, although from_unit and to_unit are the same. Compare the two units first: if they are "
+    "equal, the value stays as it is."
+)
+_TO_ITSELF = (
+    _Mistake(lambda v: v * 9 / 5 + 32, _FORMULA, _CONVERTED),
+    _Mistake(lambda v: (v - 32) * 5 / 9, _FORMULA, _CONVERTED),
+)
 _MISTAKES = {
+    **{(unit, unit): _TO_ITSELF for unit in UNITS},
     (CELSIUS, FAHRENHEIT): (
         _Mistake(lambda v: v * (9 // 5) + 32, _INTEGER, "They match a factor of 1, which is what 9 // 5 gives."),
         _Mistake(lambda v: v * 9 / 5, _FORMULA, "They match a formula without the offset of 32."),

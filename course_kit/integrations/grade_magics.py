@@ -105,7 +105,7 @@ class GradeMagics(Magics):
         if report is None:
             complain(
                 f"Nothing to grade yet: run the cell that begins with %%submission {exercise}, then grade again. "
-                "(After a restart of the kernel, too; cells that were deleted do not count.)"
+                "(Run it again after a restart of the kernel. Deleted cells do not count.)"
             )
             return
         if not file:
@@ -204,7 +204,7 @@ def of_this_notebook(caller: str) -> GradeMagics:
     magics = shell.magics_manager.registry.get("GradeMagics") if shell else None
     if not isinstance(magics, GradeMagics):
         raise GradingError(
-            f"{caller}() needs the notebook's submission. Have a locked cell above it with: %load_ext course_kit"
+            f"{caller}() needs the notebook's submission. Put a locked cell above it with: %load_ext course_kit"
         )
     return magics
 

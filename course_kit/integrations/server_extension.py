@@ -1,13 +1,16 @@
 """An extension of Jupyter Server: terminals and kernels of any server in this environment find `ros2`.
 
-A hub or an editor starts the server itself, without the course's folder of programs on PATH. Installed with the
-package, and enabled by `jupyter_server_config.d/ros2_course_kit.json`.
+A hub or an editor starts the server itself, without the course's folder of programs on PATH. It exports notebooks as
+`export` says. Installed with the package, and enabled by `jupyter_server_config.d/ros2_course_kit.json`.
 """
 
 from __future__ import annotations
 
+import copy
+import json
 import os
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
@@ -15,6 +18,9 @@ from course_kit.integrations import terminals
 
 if TYPE_CHECKING:
     from jupyter_server.serverapp import ServerApp
+    from traitlets.config import Config
+
+_EXPORTS = Path(__file__).parents[1] / "jupyter_config" / "jupyter_nbconvert_config.json"
 
 
 def _jupyter_server_extension_points() -> list[dict[str, str]]:
@@ -26,12 +32,26 @@ def _link_jupyter_server_extension(server: ServerApp) -> None:
     """Called before any extension is loaded, so before the one that starts terminals reads its settings."""
     environment.put_scripts_first()
     os.environ.update(terminals.variables())
+    set_exports(server.config)
     settings = server.terminado_settings
     if "shell_command" in settings or not terminals.prefers_bash():
         return
     # As Jupyter Server itself decides it: who starts it without a terminal, as a hub does, has not logged in.
     if command := terminals.shell_command(login=not sys.stdout.isatty()):
         server.terminado_settings = {**settings, "shell_command": command}
+
+
+def set_exports(config: Config) -> None:
+    """Have a server export as `jupyter nbconvert` does here; what the user has set counts.
+
+    Args:
+        config: the server's, which is changed.
+    """
+    from traitlets.config import Config
+
+    own = copy.deepcopy(config)
+    config.merge(Config(json.loads(_EXPORTS.read_text(encoding="utf-8"))))
+    config.merge(own)
 
 
 def _load_jupyter_server_extension(server: ServerApp) -> None:

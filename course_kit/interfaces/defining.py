@@ -59,7 +59,7 @@ def _unchanged(type_name: str, text: str, owner: str) -> type[Any]:
     if same:
         return get_type(type_name)
     package = type_name.partition("/")[0]
-    expected = f"The package {package!r} {owner} and stays as it is: expected one of your own, such as my_interfaces."
+    expected = f"The package {package!r} {owner} and stays as it is: expected your own package, such as my_interfaces."
     raise InterfaceDefinitionError(type_name, 0, "", expected)
 
 

@@ -123,7 +123,7 @@ class Node(ExecuteProcess):
             if not path.is_file():
                 raise LaunchError(f"There is no parameter file {path}.")
             return ["--params-file", str(path)]
-        raise LaunchError(f"Node(parameters=[{parameters!r}]): a dict of values or the path of a file is expected.")
+        raise LaunchError(f"Node(parameters=[{parameters!r}]): expected a dict of values or the path of a file.")
 
 
 def joined_namespace(outer: str, inner: str) -> str:

@@ -31,7 +31,7 @@ def listed(encoding: str | None, folder: Path | None = None) -> tuple[str, list[
         GradingError: this installation has no exercises.
     """
     rows, told = course_list.rows(folder, practice=True)
-    lines = ["Small repairs, five to ten minutes each: practice that counts for nothing.", ""]
+    lines = ["Small repairs, five to ten minutes each: practice without points.", ""]
     for row in rows:
         lines += _lines(row, course_list.tick(encoding))
     lines += ["", f"{sum(row.known.passed for row in rows)} of {len(rows)} done."]

@@ -153,7 +153,7 @@ def _agreed(returns: list[Return], *, forget: bool) -> bool:
         print("Its progress will be deleted: best score, tries, hints.")
     if not sys.stdin.isatty():
         raise GradingError(
-            "There is no terminal to ask you on. Nothing was changed; add --yes to do it without asking."
+            "Nothing was changed: there is no terminal to ask you in. Add --yes to do it without asking."
         )
     try:
         return input("Go on? [y/N] ").strip().lower() in ("y", "yes")

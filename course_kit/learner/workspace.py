@@ -54,7 +54,7 @@ def copy(target: Path | None) -> int:
         return cannot("the lessons and exercises are missing; there is only the package.")
     target = (copy_folder() if target is None else target).absolute()
     if target == root or root in target.parents:
-        return cannot(f"{target} is inside the course's folder. Name a folder of your own.")
+        return cannot(f"{target} is inside the course's folder. Name another folder.")
     try:
         make_copy(root, target)
     except OSError as problem:

@@ -11,6 +11,7 @@ import traitlets
 from course_kit.panels import goal_words
 from course_kit.panels.base import of_files
 from course_kit.panels.goal_follower import GoalFollower
+from course_kit.panels.still import drawn, still
 from course_kit.panels.track import Place, Track
 from course_kit.robot import SimulatedRobot
 
@@ -54,6 +55,14 @@ class RobotMap(GoalFollower):
             f"A map of the arena, {SimulatedRobot.ARENA_SIZE:g} m by {SimulatedRobot.ARENA_SIZE:g} m. "
             f"A click on it sends a goal to {self._action}."
         )
+
+    def still(self) -> str:
+        """The arena, and what is known of the robot at this moment."""
+        view = self.widget.view
+        known = {"track": view["track"], "target": view["target"]}
+        summary = " ".join(["Map of the arena.", view["said"]]).strip()
+        picture = drawn("still_map.svg", size=round(SimulatedRobot.ARENA_SIZE), summary=summary, **known)
+        return still(self.describe(), picture, "still_drawings.css")
 
     def go(self, x: float, y: float) -> None:
         """Send the robot to (x, y), in metres; returns at once. What a click does."""

@@ -7,10 +7,12 @@ const WORDS = {
   invalid: "✖ Not sent",
 };
 
-function responseTable(rows) {
+function responseTable(rows, comments) {
   const table = make("table", { "aria-label": "Response" });
   for (const [name, value] of rows) {
-    table.append(make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, make("code", {}, value))));
+    const said = make("td", {}, make("code", {}, value));
+    if (comments[name]) said.append(make("span", { class: "ck-quiet" }, ` · ${comments[name]}`));
+    table.append(make("tr", {}, make("th", { scope: "row" }, name), said));
   }
   return table;
 }
@@ -36,11 +38,11 @@ function render({ model, el }) {
   el.replaceChildren(form);
 
   function showOutcome(move) {
-    const { state, text, rows = [], errors = {}, printed = "", exchange = "" } = model.get("outcome");
+    const { state, text, rows = [], comments = {}, errors = {}, printed = "", exchange = "" } = model.get("outcome");
     const parts = [];
     if (WORDS[state]) parts.push(make("div", { class: "ck-state" }, WORDS[state]));
     if (text && state !== "waiting") parts.push(make("p", {}, text));
-    if (rows.length) parts.push(responseTable(rows));
+    if (rows.length) parts.push(responseTable(rows, comments));
     if (printed) {
       parts.push(make("div", { class: "ck-quiet" }, "Printed meanwhile:"), make("pre", {}, printed));
     }

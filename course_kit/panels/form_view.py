@@ -10,9 +10,11 @@ import anywidget
 import traitlets
 
 from course_kit import lab
+from course_kit.interfaces.comments import comments_of
 from course_kit.lab.errors import FieldError, LabError
 from course_kit.panels.base import Panel, of_files
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
+from course_kit.panels.still import form, still
 from course_kit.ros.messages import is_service_type, type_name
 from course_kit.ros.showing import rows as rows_of
 from course_kit.ros.showing import snapshot
@@ -32,7 +34,8 @@ class FormWidget(anywidget.AnyWidget):
         title: what is called, and its type.
         entries: what to draw, see `MessageForm.entries`.
         values: what the fields hold, by path.
-        outcome: what came of the last request: `state`, `text`, `rows`, `errors`, `printed`, `exchange`.
+        outcome: what came of the last request: `state`, `text`, `rows`, `comments` on fields, `errors`,
+            `printed`, `exchange`.
         ended: why the form no longer works; "" while it does.
     """
 
@@ -82,6 +85,12 @@ class ServiceForm(Panel):
             f"Response: {fields_in_words(self.service_type.Response)}."
         )
 
+    def still(self) -> str:
+        """The form with what is in its fields."""
+        title = {"name": self.service, "type": type_name(self.service_type)}
+        picture = form(title, "Request", self.widget.entries, self.widget.values, "Send request")
+        return still(self.describe(), picture, "still_panels.css")
+
     def fill(self, values: Values) -> None:
         """Type into fields, by path, such as {"target.x": "1.5"}; the others stay."""
         self.widget.values = {**self.widget.values, **values}
@@ -115,8 +124,8 @@ class ServiceForm(Panel):
             self._show("failed", "The call was interrupted.")
             raise
         rows = rows_of(snapshot(response))
-        text = "" if rows else "The response has no fields; it says that the server has done its part."
-        return {"state": "answered", "text": text, "rows": rows}, response
+        text = "" if rows else "The response has no fields; it only says that the server is done."
+        return {"state": "answered", "text": text, "rows": rows, "comments": comments_of(type(response))}, response
 
     def _asked(self, _: object, content: dict[str, Any], buffers: object) -> None:
         """The page wants something done."""

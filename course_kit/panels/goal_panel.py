@@ -12,6 +12,7 @@ from course_kit.panels import goal_words
 from course_kit.panels.base import of_files
 from course_kit.panels.goal_follower import GoalFollower
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
+from course_kit.panels.still import form, still
 from course_kit.ros.messages import is_action_type, type_name
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import ActionType
 
 _ENDED = "This panel has ended. Run its cell again to use it."
-_NOT_SENT = "Not sent: see what is marked above."
+_NOT_SENT = "Not sent: correct the marked fields above."
 
 
 class _ActionWidget(anywidget.AnyWidget):
@@ -70,6 +71,12 @@ class ActionPanel(GoalFollower):
             f"Feedback: {fields_in_words(self._type.Feedback)}.\n"
             f"Result: {fields_in_words(self._type.Result)}."
         )
+
+    def still(self) -> str:
+        """The form with what is in its fields."""
+        title = {"name": self._action, "type": type_name(self._type)}
+        picture = form(title, "Goal", self.widget.entries, self.widget.values, "Send goal", "Cancel goal")
+        return still(self.describe(), picture, "still_panels.css")
 
     def fill(self, values: Values) -> None:
         """Type into fields of the goal, by path, such as {"order": "7"}; the others stay."""

@@ -19,7 +19,7 @@ _STATUS = {
     "CANCELED": "{} was cancelled",
     "ABORTED": "{} was given up by the server",
     "REJECTED": "{} was rejected by the server",
-    "UNKNOWN": "{} is lost, as its server went away",
+    "UNKNOWN": "{} is lost: its server went away",
 }
 _LONGEST = 12  # values of a list that are shown
 _STYLE = Style(names=": ", between="; ", nested="()", lists="", digits=2, quoted=False)

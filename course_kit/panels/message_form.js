@@ -41,7 +41,8 @@ function messageForm(model, title, ask) {
   }
 
   function line(entry) {
-    const hint = entry.kind === "flag" ? entry.type : `${entry.type}: ${entry.hint}`;
+    const expected = entry.kind === "flag" ? entry.type : `${entry.type}: ${entry.hint}`;
+    const hint = entry.comment ? `${expected} · ${entry.comment}` : expected;
     const value = make(
       "div",
       { class: "ck-value" },
@@ -65,7 +66,8 @@ function messageForm(model, title, ask) {
   }
 
   function group(entry) {
-    const legend = make("legend", {}, entry.name, make("span", { class: "ck-quiet" }, ` ${entry.type}`));
+    const about = entry.comment ? ` ${entry.type} · ${entry.comment}` : ` ${entry.type}`;
+    const legend = make("legend", {}, entry.name, make("span", { class: "ck-quiet" }, about));
     const box = make("fieldset", {}, legend, ...entry.fields.map(draw));
     if (entry.kind === "list" && entry.grows) box.append(growing(entry));
     return box;

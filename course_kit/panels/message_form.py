@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from course_kit.interfaces import literals
+from course_kit.interfaces.comments import comments_of
 from course_kit.interfaces.message_fields import MessageField, message_fields
 from course_kit.ros.messages import ros_word
 
@@ -95,13 +96,17 @@ class MessageForm:
 
     def _message(self, message: Message, prefix: str) -> list[Entry]:
         fields = message_fields(type(message))
-        constants = _constants(type(message))
-        return [
+        constants, comments = _constants(type(message)), comments_of(type(message))
+        entries = [
             self._entry(
                 f"{prefix}{field.name}", field, getattr(message, field.name), _choices(field, fields, constants)
             )
             for field in fields
         ]
+        for entry in entries:
+            if comment := comments.get(entry["name"]):
+                entry["comment"] = comment
+        return entries
 
     def _entry(self, path: str, field: MessageField, default: Any, choices: list[dict[str, str]]) -> Entry:
         kind = field.type

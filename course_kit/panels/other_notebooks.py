@@ -37,11 +37,11 @@ class OtherNotebooks:
 
     def describe(self) -> str:
         """The same as text."""
-        return "\n".join(f"Of another notebook, {one}" for one in self._shown)
+        return "\n".join(f"In another notebook, {one}" for one in self._shown)
 
 
 def _line(other: OtherNotebook) -> VBox:
-    text = HTML(f'<span role="status">Of another notebook, {html.escape(str(other))}</span>')
+    text = HTML(f'<span role="status">In another notebook, {html.escape(str(other))}</span>')
     button = Button(description=f"Stop what {other.title} runs", layout=Layout(width="auto"))
     button.on_click(partial(_stop, other.title, text))
     return VBox([text, button], layout=Layout(align_items="flex-start"))

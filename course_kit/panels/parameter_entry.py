@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from course_kit.ros.parameters import Descriptor, Range
 
 _STEPS = 100  # of a slider without steps of its own, about
-_READ_ONLY = "read-only: its value is given at the start and stays"
+_READ_ONLY = "read-only: it keeps the value it got at the start"
 _KINDS = {"bool": "flag", "integer": "number", "double": "number", "string": "text"}
 _EXAMPLES = {
     "integer": "a whole number such as 3",

@@ -15,6 +15,8 @@ from course_kit import lab
 from course_kit.lab.topics import Subscription
 from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.number_field import NumberField
+from course_kit.panels.plot_picture import plot_svg
+from course_kit.panels.still import still
 from course_kit.ros.messages import type_name
 
 if TYPE_CHECKING:
@@ -92,6 +94,11 @@ class Plot(Panel):
     def describe(self) -> str:
         """What is drawn."""
         return f"A plot of {self.field} of {self.topic} [{self._type}] against time, the last {self.seconds:g} seconds."
+
+    def still(self) -> str:
+        """What has come so far, against time."""
+        samples = thinned(np.array(self.samples, dtype=np.float64), _DRAWN)
+        return still(self.describe(), plot_svg(samples.tolist(), self.seconds, self.field), "still_drawings.css")
 
     def _take(self, message: Message) -> None:
         """A message has come; on the lab's thread."""

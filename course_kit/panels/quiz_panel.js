@@ -98,7 +98,7 @@ function render({ model, el }) {
   const marking = made(
     "fieldset",
     {},
-    made("legend", {}, "When shall your answers be marked?"),
+    made("legend", {}, "When should your answers be marked?"),
     made("div", { className: "in-a-row" }, ...whenever.map((radio) => made("label", {}, radio, radio.value))),
   );
   const name = made("input", { type: "text", spellcheck: false, "aria-label": "Name of the file" });

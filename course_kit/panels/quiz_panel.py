@@ -11,6 +11,7 @@ import traitlets
 from course_kit import quiz
 from course_kit.panels import quiz_answers
 from course_kit.panels.base import Panel, of_files
+from course_kit.panels.still import drawn, still
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -87,6 +88,12 @@ class QuizPanel(Panel):
         seed = self._questions.seed
         argument = "" if seed == quiz.DEFAULT_SEED else f"seed={seed}"
         return _DESCRIPTION.format(count=len(self._questions.scenarios), seed=seed, argument=argument)
+
+    def still(self) -> str:
+        """The first scenario, with nothing chosen."""
+        first = self.widget.questions[0]
+        picture = drawn("still_quiz.html", count=len(self.widget.questions), patterns=quiz.PATTERNS, **first)
+        return still(self.describe(), picture, "still_panels.css")
 
     def answer(self, scenario: str, pattern: str, reason: str) -> None:
         """Choose for one scenario, as a click in the form does.

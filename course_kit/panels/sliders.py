@@ -14,6 +14,7 @@ from course_kit.lab.parameters import full_name
 from course_kit.lab.topics import Subscription
 from course_kit.panels.base import Latest, Panel, of_files
 from course_kit.panels.parameter_entry import EntryError, entry, shown, typed
+from course_kit.panels.still import drawn, still
 from course_kit.ros.parameters import from_message, is_of_every_node
 
 if TYPE_CHECKING:
@@ -92,6 +93,11 @@ class ParameterSliders(Panel):
             facts = repr(self._descriptors[name]).splitlines()[0].partition(": ")[2]
             lines.append(f"  {name} = {value!r} ({facts})")
         return "\n".join(lines)
+
+    def still(self) -> str:
+        """The sliders and boxes with the values in force."""
+        rows = [_row(one, self.widget.values[one["name"]]) for one in self.widget.entries]
+        return still(self.describe(), drawn("still_sliders.html", node=self.node, rows=rows), "still_panels.css")
 
     def set(self, name: str, text: str | bool, token: int = 0) -> bool:
         """Set a parameter to what was typed, as the page does.
@@ -177,3 +183,13 @@ class ParameterSliders(Panel):
 
     def _end(self) -> None:
         self.widget.ended = _ENDED
+
+
+def _row(entry: dict[str, Any], value: Any) -> dict[str, Any]:
+    """A parameter as the still picture has it; `share` is where the knob of a slider 200 wide stands."""
+    facts = [", ".join(text for text in (entry["type"], entry["limits"]) if text), entry["description"], entry["note"]]
+    row = {"name": entry["name"], "kind": entry["kind"], "value": value, "share": None}
+    if entry["kind"] == "slider":
+        share = (float(value) - entry["lowest"]) / (entry["highest"] - entry["lowest"])
+        row["share"] = round(8 + 184 * min(max(share, 0.0), 1.0))
+    return {**row, "facts": " · ".join(text for text in facts if text)}

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from typing import Any
 
 from course_kit.text.templates import render
 
@@ -21,7 +23,31 @@ def still(words: str, picture: str = "", *style_sheets: str) -> str:
     return str(render(_HERE / "still.html", css=_as_it_is(sheets), picture=picture, lines=words.splitlines()))
 
 
+def drawn(template: str, **values: object) -> str:
+    """A picture out of a template of this folder.
+
+    Args:
+        template: its file.
+        values: what it names.
+    """
+    return render(_HERE / template, **values)
+
+
+def form(title: dict[str, str], part: str, entries: list[dict[str, Any]], values: dict[str, Any], *buttons: str) -> str:
+    """A form that sends a message, as a picture; its style sheet is `still_panels.css`.
+
+    Args:
+        title: of what is called: `name` and `type`.
+        part: what is filled in, such as "Request".
+        entries: its fields, see `MessageForm.entries`.
+        values: what they hold, by path.
+        buttons: what stands on the buttons.
+    """
+    return drawn("still_form.html", **title, part=part, entries=entries, values=values, buttons=buttons)
+
+
 def _as_it_is(sheet: str) -> str:
     from markupsafe import Markup
 
-    return Markup(sheet)  # noqa: S704 - a file of ours
+    short = " ".join(re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL).split())  # it is stored with each picture
+    return Markup(short)  # noqa: S704 - files of ours

@@ -75,7 +75,7 @@ def _read(path: Path) -> Any:
     try:
         return nbformat.read(path, as_version=4)
     except (ValueError, KeyError, AttributeError, TypeError, nbformat.ValidationError):
-        raise PresentationError(f"{path} is damaged: it is no notebook. Restore it, for example with git.") from None
+        raise PresentationError(f"{path} is damaged: it is not a notebook. Restore it, for example with git.") from None
 
 
 def _spoken(path: str, notebook: Any) -> dict[str, Any]:

@@ -182,7 +182,7 @@ def _absent(scenario: Scenario, strangers: Collection[str], others: int) -> Mark
         return _both(scenario, Half(False, "", problem, UNKNOWN))
     problem = "There is no answer to this scenario."
     if others:
-        problem += f" You answered {others} that were not drawn here: were you given a seed of your own (--seed)?"
+        problem += f" You answered {others} that were not drawn here: did you get your own seed (--seed)?"
     return _both(scenario, Half(False, "", problem, MISSING))
 
 

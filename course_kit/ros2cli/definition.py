@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from course_kit.interfaces.comments import split_comment
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
 
@@ -14,8 +15,6 @@ if TYPE_CHECKING:
 _INTEGERS = {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
 _PRIMITIVES = _INTEGERS | {"bool", "byte", "char", "float32", "float64", "string", "wstring"}
 _FIELD = re.compile(r"\s*(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]\w*")
-# A # inside quotes belongs to a default value.
-_CODE = re.compile(r"""(?:[^#"']|"[^"]*"|'[^']*'|["'](?=[^"']*$))*""")
 
 
 def known(name: str) -> Any:
@@ -67,18 +66,14 @@ def _lines(text: str, package: str, comments: bool, inner_comments: bool, indent
     from course_kit import interfaces
 
     for written in text.splitlines():
-        line = written.rstrip() if comments else _without_comment(written)
+        code, _ = split_comment(written)
+        line = written.rstrip() if comments else code
         if line or comments:
             yield f"{indent}{line}" if line else ""
-        inner = _inner_type(_without_comment(written), package)
+        inner = _inner_type(code, package)
         if inner:
             inner_text = interfaces.text_of(inner).rstrip("\n")
             yield from _lines(inner_text, inner.partition("/")[0], inner_comments, inner_comments, f"{indent}\t")
-
-
-def _without_comment(line: str) -> str:
-    code = _CODE.match(line)
-    return code[0].rstrip() if code else line.rstrip()
 
 
 def _inner_type(code: str, package: str) -> str | None:

@@ -73,7 +73,7 @@ def _sections(part: dict[Any, Any], name: str, path: str) -> Iterator[tuple[str,
     for key, value in part.items():
         inner = f"{name}/{str(key).strip('/')}"
         if not isinstance(value, dict):
-            raise CommandError(f"{path} is not a file of parameters: under {inner} stands no {PARAMETERS}.")
+            raise CommandError(f"{path} is not a file of parameters: there is no {PARAMETERS} under {inner}.")
         if PARAMETERS in value:
             if not isinstance(value[PARAMETERS], dict):
                 raise CommandError(f"{path}: {PARAMETERS} of {inner} has to hold names and values.")
@@ -110,4 +110,4 @@ def _as_rclpy_reads(values: dict[str, Any], path: str) -> list[Message]:
         try:
             return list(parameter_dict_from_yaml_file(file.name, use_wildcard=True).values())
         except (RuntimeError, AttributeError, TypeError, ValueError, AssertionError) as error:
-            raise CommandError(f"{path} holds what no parameter can have: {str(error).strip()}") from error
+            raise CommandError(f"{path} holds a value that no parameter can have: {str(error).strip()}") from error

@@ -58,7 +58,7 @@ DEFAULT_TIMEOUT = 10.0
 _HELP_WIDTH = 100
 _SUBSET = (
     "The ros2 command of the ROS 2 course kit: a subset of the real one, against the nodes of the course. "
-    "It waits --timeout seconds at most; only messages are waited for as long as it takes."
+    "A command waits --timeout seconds at most; only one that listens to messages goes on until you stop it."
 )
 _BAD_CHOICE = re.compile(r"invalid choice: '(?P<word>[^']*)' \(choose from (?P<choices>.*)\)")
 
@@ -189,7 +189,7 @@ def add_graph_options(verb: argparse.ArgumentParser) -> None:
     """The options of every verb that reads the graph."""
     add_timeout(verb, "seconds to wait for the graph to settle at most")
     verb.add_argument("--no-daemon", action="store_true", help="look at the graph without asking the daemon")
-    verb.add_argument("--spin-time", type=_seconds, metavar="SECONDS", help="accepted; the graph is waited for anyway")
+    verb.add_argument("--spin-time", type=_seconds, metavar="SECONDS", help="accepted; every command waits anyway")
     verb.add_argument("-s", "--use-sim-time", action="store_true", help=argparse.SUPPRESS)
 
 

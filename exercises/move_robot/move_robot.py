@@ -5,33 +5,34 @@ goals to accept, and how to stop when a client wants that.
 
 - Names. The node is called `move_robot_server`. It offers the action `/move_robot`, whose type is
   `course_interfaces/action/MoveRobot`.
-- Drive there. A goal in the arena is accepted and ends SUCCEEDED, when the robot is within 5 cm of the target. The
-  arena goes from 0 to 10 m in x and in y, and its edges belong to it. In the result `final_position` is where the
+- Drive there. A goal in the arena is accepted and ends SUCCEEDED when the robot is within 5 cm of the target. The
+  arena goes from 0 to 10 m in x and in y, and its edges belong to it. In the result, `final_position` says where the
   robot is. `distance_travelled` is the length of this move alone, to within 5 cm or 5 %, whichever is more. Whatever
   stands in `z`, even NaN, is ignored: distances and `progress` are those in x and y.
 - Already there? A goal at the present position succeeds within 1 s. It needs no feedback.
-- Drive straight. The robot goes straight to the target, moved by `step_towards` alone. Where you say that it is, in
-  feedback and result, is `robot.position`. A motion loop of your own in place of `SimulatedRobot` is allowed.
-- Tell how it goes. A move of 1 m or more brings at least five feedback messages a metre: nine, if it is 1.8 m long,
-  the first and the last one included. They are spread over the move: at least 40 % of its time passes from the first
-  to the last, and one comes in the middle third between those. `progress` goes from 0 to 1: on such a move the first
-  message says 0.1 at most, so it is sent before a tenth of the way is done, and the last one 0.99 at least, so it is
-  sent when the robot is there, before the goal ends. A message before the first step is allowed. `progress` never
-  falls, and `distance_remaining` never grows. `distance_remaining` is the straight way from the `position` in the
-  same message to the target, within 0.1 m.
-- Say no. A target outside the arena is rejected, even if it is only 1 cm. So is a target whose x or y is NaN or
-  infinite. So is a goal that arrives while another one runs: there is one robot, and the first goal goes on
-  undisturbed. Of two goals sent in the same instant one is accepted, the other one rejected.
+- Drive straight. The robot goes straight to the target, moved by `step_towards` alone. The position that you report,
+  in feedback and result, is `robot.position`. You may write your own motion loop in place of `SimulatedRobot`.
+- Tell how it goes. A move of 1 m or more brings at least five feedback messages per metre: nine for 1.8 m, the first
+  and the last included. They are spread over the move: at least 40 % of its time passes between the first and the
+  last, and one comes in the middle third of that time. `progress` goes from 0 to 1. On such a move the first message
+  says at most 0.1, so it is sent before a tenth of the way is done; the last one says at least 0.99, so it is sent
+  when the robot is there, before the goal ends. A message before the first step is allowed. `progress` never falls,
+  and `distance_remaining` never grows. `distance_remaining` is the straight way from the `position` in the same
+  message to the target, within 0.1 m.
+- Say no. A target outside the arena is rejected, even by only 1 cm. So is a target whose x or y is NaN or infinite.
+  So is a goal that arrives while another one runs: there is one robot, and the first goal goes on undisturbed. Of two
+  goals sent at the same instant, one is accepted and the other rejected.
 - Stop when asked. A request to cancel is accepted within 1 s. The goal ends CANCELED, and `final_position` says where
-  the robot has stopped, short of the target. If the robot reaches its target in that very moment, the goal may end
+  the robot has stopped, short of the target. If the robot reaches its target at that very moment, the goal may end
   SUCCEEDED. The next goal works, and starts from there.
-- Be quick. A move may take 3 s a metre, and 2 s more. All times here are seconds on the clock, in the grader, too,
+- Be quick. A move may take 3 s per metre, plus 2 s. All times here are seconds on the clock, also in the grader,
   although its robot drives ten times as fast.
 - If your answer only defines the class, the grader calls `MoveRobotServer()`, without arguments, and spins it on a
-  `MultiThreadedExecutor` with four threads or more. Of several node classes it takes the one of this name.
+  `MultiThreadedExecutor` with four threads or more. If there are several node classes, it takes the one with this
+  name.
 - If your answer makes a node itself, in a `main()` that it calls or at its top level, the grader runs it as a
-  program, which has to spin its node and to keep on running. On one thread no request to cancel is heard while a loop
-  in `execute` drives. How it is built inside is otherwise up to you.
+  program, which has to spin its node and keep running. On one thread no request to cancel is heard while a loop in
+  `execute` drives. How it is built inside is otherwise up to you.
 - The action has to be there within 5 s of the start, after at most 2 s of computing.
 - More nodes, topics, services, actions and parameters are allowed.
 """

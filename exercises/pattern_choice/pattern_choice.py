@@ -3,17 +3,17 @@
 - For each of your ten scenarios you get half a point for the pattern that fits,
   `topic`, `service` or `action`, and half a point for the reason that decides,
   out of its four.
-- Several reasons may be true; only one decides: if it were not so, you would
-  choose another pattern.
+- Several reasons may be true; only one decides: without it, you would choose
+  another pattern.
 - In a few scenarios two patterns can be defended. Then either counts, together
   with its own reason.
 - The answers are a dictionary called `answers`, with an entry for each
   scenario: its id, the pattern, and the id of the reason, `"some_robot":
-  ("topic", "some_reason"),`. Capitals and blanks around these words do not
+  ("topic", "some_reason"),`. Capitals and spaces around these words do not
   matter. Keep it a plain dictionary of texts, which is only read; a program
-  that works the answers out is run.
+  that computes the answers is run.
 - An answer that is missing or malformed earns nothing, and the others count. An
-  entry for no scenario is named; it costs nothing by itself.
+  entry that belongs to no scenario is reported; it costs nothing by itself.
 """
 
 answers = {

@@ -19,33 +19,34 @@ The names and types of node and topics are right already; keep them. The rest is
 | `enabled`        | bool   | true            |                        | false: all is zero     |
 
 - The limit: `linear.x` lies between -`max_velocity` and +`max_velocity` when you publish it. The sign stays, and so
-  do all other fields. `/wheel_speed` is the published `linear.x` / (`wheel_diameter` / 2). With `enabled` false
+  do all other fields. `/wheel_speed` is the published `linear.x` / (`wheel_diameter` / 2). With `enabled` false,
   `/cmd_vel` is all zero, and so is `/wheel_speed`.
-- A command brings exactly one message on `/cmd_vel` and one on `/wheel_speed`, and none later. That goes for
+- A command brings exactly one message on `/cmd_vel` and one on `/wheel_speed`, and none later. That holds with
   `enabled` false, too. Both come within 3 s, in any order.
 - The status line is made of `robot_name` and `max_velocity`: `default_robot: 1.0 m/s`. The number is not rounded:
   1.23456789 shows all its digits. Otherwise it may be written in any way, `1`, `1.0` or `1e0`. On average a line
   comes every 0.42 to 0.6 s.
-- Topics connect to a reliable, volatile end, the default. A queue may have any depth: a command is sent only after
-  the one before was answered.
+- Topics connect to reliable, volatile endpoints, the default. A queue may have any depth: a command is sent only
+  after the one before was answered.
 - A change acts on the next message, whoever makes it and whenever.
-- An invalid value is refused, and the old value stays in force. The reason names the parameter and gives an end of
-  its range in numbers: `max_velocity must be above 0.0 and at most 5.0`. What rclpy itself says of a range will do,
-  and for `robot_name` its name.
-- The ends of the ranges: `max_velocity` 0.0 is refused. Outside of the ranges no test comes closer than 0.0001.
+- An invalid value is refused, and the old value stays in force. The reason names the parameter and states one end of
+  its range as a number: `max_velocity must be above 0.0 and at most 5.0`. What rclpy itself says about a range is
+  enough, and for `robot_name` its name is.
+- The ends of the ranges: `max_velocity` 0.0 is refused. No test outside the ranges comes closer to them than 0.0001.
   `max_velocity` 5.0 is valid, and so are `wheel_diameter` 0.01 and 1.0.
-- A value of another type is refused, an integer for a double, too, and so is a parameter that is not declared. No
-  reason is needed there.
+- A value of another type is refused, even an integer for a double, and so is an undeclared parameter. No reason is
+  needed there.
 - Together or not at all: when a valid and an invalid value are set atomically, nothing changes.
 - Values given at the start count, on the command line (`--ros-args -p max_velocity:=2.5`) or in a parameter file.
 - An invalid value at the start is never in force, and the program's output names the parameter. Either the node stops
-  with an error: the program ends, and a traceback is output enough. Or the default replaces the value, with a
+  with an error: the program ends, and a traceback is enough output. Or the default replaces the value, with a
   warning: your logger's `warning()`, or any output that names the parameter.
 - If your answer only defines the class, the grader calls `VelocityLimiter()`, without arguments, and spins it on a
-  `MultiThreadedExecutor` with four threads or more. Of several node classes it takes the one of this name.
+  `MultiThreadedExecutor` with four threads or more. If there are several node classes, it takes the one with this
+  name.
 - If your answer makes a node itself, in a `main()` that it calls or at its top level, the grader runs it as a
-  program, which has to spin its node and to keep on running. Let `rclpy.init()` see the arguments. How it is built
-  inside is otherwise up to you.
+  program, which has to spin its node and keep running. Let `rclpy.init()` see the command-line arguments. How it is
+  built inside is otherwise up to you.
 - The node has to be there within 5 s of each of its five starts, after at most 2 s of computing.
 - More nodes, topics, services, actions and parameters are allowed.
 """

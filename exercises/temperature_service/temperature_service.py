@@ -4,26 +4,27 @@ Fill in `convert`. The names and the type are right already; keep them.
 
 - Names. The node is called `temperature_service`. It offers the service `/convert_temperature`, whose type is
   `course_interfaces/srv/ConvertTemperature`.
-- Both directions. Celsius becomes Fahrenheit and Fahrenheit becomes Celsius: `value` holds the result. With a result
+- Both directions. Celsius becomes Fahrenheit and Fahrenheit becomes Celsius: `value` holds the result. With a result,
   `success` is `True`. `message` may then hold anything.
-- A unit to itself. The value comes back bit for bit. Beware of a way through the other unit: it changes the last
-  digit.
+- A unit to itself. The value comes back bit for bit. Do not convert it to the other unit and back: that changes the
+  last digit.
 - Every digit counts. Do not round: the result is within 1e-12 of the exact value, relative or absolute, for values up
   to 1e9. Every usual formula is that exact.
 - Say no when the question makes no sense. An unknown unit is refused, so are NaN and infinity, and so is anything
-  colder than absolute zero: `success` is `False`. Then `message` says why: `no such unit: kelvin`. Any language will
-  do. Check first: a question that makes no sense is refused when both units are the same, too. The node lives on for
-  the next request.
-- Units are the exact words `celsius` and `fahrenheit`. `Celsius`, `C`, a word with a blank before or after it and the
+  colder than absolute zero: `success` is `False`. Then `message` says why: `no such unit: kelvin`. Any human language
+  will do. Check first: a question that makes no sense is refused even when both units are the same. The node lives on
+  for the next request.
+- Units are the exact words `celsius` and `fahrenheit`. `Celsius`, `C`, a word with a space before or after it and the
   empty string are unknown units.
-- Absolute zero itself is valid: -273.15 degrees Celsius. In Fahrenheit it is -459.67; there no test comes closer than
-  0.01 degrees, because of the last digits.
+- Absolute zero itself is valid: -273.15 degrees Celsius. In Fahrenheit it is -459.67; no test comes closer to it than
+  0.01 degrees, because of rounding.
 - Be quick. One call is answered within 1.5 s. Fifty calls, at most ten of them unanswered at a time, are answered
   within 5 s, each with its own value.
 - If your answer only defines the class, the grader calls `TemperatureService()`, without arguments, and spins it on a
-  `MultiThreadedExecutor` with four threads or more. Of several node classes it takes the one of this name.
+  `MultiThreadedExecutor` with four threads or more. If there are several node classes, it takes the one with this
+  name.
 - If your answer makes a node itself, in a `main()` that it calls or at its top level, the grader runs it as a
-  program, which has to spin its node and to keep on running. How it is built inside is up to you.
+  program, which has to spin its node and keep running. How it is built inside is up to you.
 - The service has to be there within 5 s of the start, after at most 2 s of computing.
 - More nodes, services, topics, actions and parameters are allowed.
 """

@@ -91,7 +91,7 @@ def test_a_change_of_a_sentence_reaches_notebook_and_starter(tmp_path: Path) -> 
         if path.is_file():
             (folder / path.name).write_bytes(path.read_bytes())
     toml = folder / "exercise.toml"
-    toml.write_text(toml.read_text().replace("Any language will do.", "Latin will do."))
+    toml.write_text(toml.read_text().replace("Any human language will do.", "Latin will do."))
     task = exercise.load(folder.name, tmp_path)
     assert task_text.write(task) == [folder / task.starter, folder / task.notebook]
     assert all("Latin will do." in path.read_text() for path in (folder / task.starter, folder / task.notebook))

@@ -100,7 +100,7 @@ def test_marking_waits_until_the_end_if_one_wants_it(lab: JupyterLab) -> None:
     lab.picture("lesson_four_arrows")
     panel = lab.page.locator(".course-kit-quiz-panel")
     panel.get_by_role("button", name="Start again").click()
-    half(panel, "When shall your answers be marked?").get_by_label("at the end").check()
+    half(panel, "When should your answers be marked?").get_by_label("at the end").check()
     scenario = quiz.draw()[0]
     pattern, reason = right(scenario)
     half(panel, "Which pattern fits best?").get_by_label(pattern, exact=True).check()

@@ -85,7 +85,7 @@ def test_nodes_left_in_another_notebook_are_shown_apart_and_stopped_by_one_click
     lab.run_cell_that_begins("%load_ext course_kit")
     lab.run_cell_that_begins("graph = panels.graph()")
     others = lab.page.locator(".ck-others")
-    expect(others).to_contain_text("Of another notebook, 02_actions.ipynb: coffee_machine")
+    expect(others).to_contain_text("In another notebook, 02_actions.ipynb: coffee_machine")
     theirs = lab.page.locator(".ck-graph .ck-elsewhere[data-node=coffee_machine]")
     expect(theirs).to_contain_text("in 02_actions.ipynb")
     photograph(lab, lab.scroll_to(lab.page.locator(".jp-OutputArea-output:has(.ck-others)")), "other_notebooks")

@@ -62,7 +62,9 @@ def test_lesson_three_runs_and_its_sliders_set_what_the_plot_shows(lab: JupyterL
     expect(said).to_contain_text("out of range")
     expect(box).to_have_value("80.0")
     expect(sliders.locator("[data-name='serial_number'] input")).to_be_disabled()
-    expect(sliders.locator("[data-name='serial_number']")).to_contain_text("read-only: its value is given at the start")
+    expect(sliders.locator("[data-name='serial_number']")).to_contain_text(
+        "read-only: it keeps the value it got at the start"
+    )
     sliders.scroll_into_view_if_needed()
     lab.picture("lesson_three_refused")
 

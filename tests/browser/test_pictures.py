@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.browser.learner import ARTIFACTS
-from tests.browser.pictures import offline_page, photograph
+from tests.browser.pictures import offline_page, photograph, require_no_findings
 from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
@@ -177,18 +177,21 @@ def test_an_export_shows_each_panel_and_diagram_offline(
     """Of the notebook as it is stored, with nothing but the file itself."""
     for name in STILL if kind == "html" else ["01_services"]:
         source = REPOSITORY / "notebooks" / f"{name}.ipynb"
-        command = [sys.executable, "-m", "nbconvert", "--to", kind, "--embed-images", "--output-dir", str(tmp_path)]
+        command = [sys.executable, "-m", "nbconvert", "--to", kind, "--output-dir", str(tmp_path)]
         subprocess.run([*command, str(source)], check=True, capture_output=True, timeout=120)
         with offline_page(jupyter.chromium) as shown:
             shown.goto((tmp_path / f"{name}.{ending}").as_uri())
             for selector, count in STILL[name].items():
                 expect(shown.locator(selector)).to_have_count(count)
+            answers = shown.locator("details")
+            assert answers.evaluate_all("all => all.every(one => !one.open && one.children.length > 1)")
             if kind == "html":
                 for one in shown.locator(".ck-still, .ck-exchange, .ck-times").all():
                     one.scroll_into_view_if_needed()
                     frame = one.bounding_box()
                     assert frame is not None
                     assert frame["height"] > 40
+                    require_no_findings(shown, one)
                 for drawn in shown.locator("main img[alt]").all():
                     assert drawn.evaluate("image => image.naturalWidth") > 100
                 ARTIFACTS.mkdir(parents=True, exist_ok=True)
@@ -199,7 +202,8 @@ def test_an_export_shows_each_panel_and_diagram_offline(
 STILL = {
     "00_welcome": {".ck-exchange": 1, ".ck-still": 1},
     "01_services": {".ck-exchange": 2, ".ck-times": 2, ".ck-still": 3, ".ck-still svg.ck-flow": 1},
-    "02_actions": {".ck-exchange": 2, ".ck-times": 1, ".ck-still": 3},
+    "02_actions": {".ck-exchange": 2, ".ck-times": 1, ".ck-still": 3, ".ck-drawn": 2, ".ck-still-map": 1},
+    "03_parameters": {".ck-exchange": 1, ".ck-drawn": 1, ".ck-still-plot": 1},
 }
 
 

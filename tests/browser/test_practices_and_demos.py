@@ -61,6 +61,7 @@ def test_panels_work_in_notebook_7(lab: JupyterLab) -> None:
     for start in ("from my_interfaces.srv import SetGripperWidth", "class Guarded(Node)"):
         lab.run_cell_that_begins(start)
     form = lab.scroll_to(lab.page.locator(".ck-form[aria-label='Call /set_gripper_width']"))
+    expect(form).to_contain_text("float64: a number · metres, 0.0 to MAX_WIDTH")
     form.get_by_label("width", exact=True).fill("0.03")
     lab.page.keyboard.press("Enter")
     expect(form.get_by_role("status")).to_contain_text("0.03")

@@ -97,7 +97,7 @@ def test_a_course_that_this_user_may_not_write_is_noted(tmp_path: Path) -> None:
     assert line_about("course folder", done.stdout).startswith("note")
     said = " ".join(done.stdout.split())
     assert "read-only for you" in said
-    assert "lab opens a copy of your own" in said
+    assert "lab opens your own copy" in said
 
 
 def test_without_the_notebooks_it_says_what_works_and_what_is_missing(tmp_path: Path) -> None:

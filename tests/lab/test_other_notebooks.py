@@ -74,7 +74,7 @@ def test_nodes_of_another_notebook_are_listed_apart(two: tuple[Kernel, Kernel]) 
     start(first, "Robot", "robot")
     wait_until(lambda: others(second) == [f"{FIRST}: robot"], lambda: others(second))
     assert second.run("lab.nodes()").result["text/plain"] == (
-        f"No node is running in the lab.\nOf other notebooks, which lab.stop_others() stops:\n    {FIRST}: robot"
+        f"No node is running in the lab.\nIn other notebooks (lab.stop_others() stops them):\n    {FIRST}: robot"
     )
     assert FIRST not in first.run("lab.nodes()").result["text/plain"]
     first.run("lab.stop()")
@@ -87,8 +87,8 @@ def test_a_name_that_another_notebook_offers_is_told_at_the_start(two: tuple[Ker
     wait_until(lambda: others(second), "the robot")
     said = start(second, "Mine", "mine")
     assert said == (
-        f"/ask is offered by robot of {FIRST} (lab.stop_others() stops what other notebooks run), too: "
-        "both answer every request.\n"
+        f"/ask is also offered by robot of {FIRST}: both answer every request. "
+        "lab.stop_others() stops what other notebooks run.\n"
     )
     assert "/ask" not in second.run("other = lab.start(Mine)").stdout.replace(said, "")
 
@@ -99,7 +99,7 @@ def test_it_is_told_later_where_it_is_seen_later(two: tuple[Kernel, Kernel]) -> 
     cell = "import asyncio\nfor _ in range(200):\n    await asyncio.sleep(0.1)"
     message = second.send(f"lab.start(Mine)\n{cell}")
     start(first, "Robot", "robot")
-    assert f"/ask is offered by robot of {FIRST}" in second.finish(message, until="both answer").stdout
+    assert f"/ask is also offered by robot of {FIRST}" in second.finish(message, until="both answer").stdout
     second.manager.interrupt_kernel()
     second.finish(message)
 
@@ -116,7 +116,7 @@ def test_an_own_script_that_offers_the_name_is_called_so(two: tuple[Kernel, Kern
     program = SERVER.format(name="Robot", node="robot")
     spins = "import rclpy\nrclpy.init()\nrclpy.spin(Robot())"
     assert "in the background" in second.run(f"%%ros_script server\n{program}\n{spins}").stdout
-    assert "/ask is offered by robot of your script server (%ros_stop server), too" in start(second, "Mine", "mine")
+    assert "/ask is also offered by robot of your script server" in start(second, "Mine", "mine")
 
 
 def test_an_answer_from_another_notebook_is_told_once(two: tuple[Kernel, Kernel]) -> None:
@@ -174,7 +174,7 @@ def test_another_program_that_offers_the_name_is_told(two: tuple[Kernel, Kernel]
             wait = "import asyncio\nfor _ in range(300):\n    await asyncio.sleep(0.1)"
             message = second.send(SERVER.format(name="Mine", node="mine") + f"started = lab.start(Mine)\n{wait}")
             shown = second.finish(message, until="both answer")
-            assert shown.stdout == "/ask is offered by stranger in another program, too: both answer every request.\n"
+            assert shown.stdout == "/ask is also offered by stranger in another program: both answer every request.\n"
             second.manager.interrupt_kernel()
             second.finish(message)
         finally:

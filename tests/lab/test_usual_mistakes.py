@@ -116,6 +116,9 @@ def test_a_method_without_self_is_named(kernel: Kernel) -> None:
     assert "line 5: def answer(request, response):" in shown.stderr
     assert "answer() has no self. Write: def answer(self, request, response):" in shown.stderr
     assert "__init__() has no self. Write: def __init__(self):" in kernel.run(node("").replace("(self)", "()")).error
+    forgotten = kernel.run(node("create_service(SetBool, 'ask', self.answer)", ANSWER))
+    assert "create_service belongs to the node. Write: self.create_service(...)" in forgotten.stderr
+    assert "belongs" not in kernel.run(node("create_servant()")).stderr
 
 
 def test_a_callback_with_too_few_parameters_is_given_the_right_ones(kernel: Kernel) -> None:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import nbformat
 import pytest
 
 from tests.notebooks.test_form import EXERCISES, LESSONS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 EDITED = [  # texts in TOML that learners read
@@ -33,7 +38,19 @@ STUMBLES = {
     r"\bwe shall\b": "the reader does it: say 'you', or use the present",
     r"say(s|ing)? `result_timeout`": "the subject comes before the verb",
     r"half a minute after .*, so": "say when it was",
+    r"(process|graph|cell|thread|group|folder|copy|seed|number)(es|s)? of (its|their|your|my) own": "say 'its own ...'",
+    r"\bone (hint|goal|message|request|step) more\b": "say 'one more ...'",
+    r"\bfor (each|every) [^.:;]{1,40} comes (one|an?)\b": "say 'each ... brings one'",
+    r"\bshall\b": "say 'should', 'must', or use the present",
+    r"counts? for nothing": "say 'earns no points'",
+    r"to be rid of": "say 'to remove'",
+    r"\b(is|are) (expected|found out|left aside)\.": "say who expects or finds it",
+    r"(is|are) not there any more": "say 'no longer there'",
+    r"\bstands? (no|nothing|nobody)\b": "say 'there is no'",
+    r"\bwhom its\b": "say it as two clauses",
 }
+# Packages whose messages learners read.
+SPEAKING = ("cli", "environment", "integrations", "interfaces", "lab", "launch", "learner", "panels", "ros", "ros2cli")
 
 
 def prose(path: Path) -> str:
@@ -42,12 +59,34 @@ def prose(path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("path", [*LESSONS, *EXERCISES, *EDITED], ids=lambda path: f"{path.parent.name}-{path.stem}")
-def test_its_sentences_are_in_english_word_order(path: Path) -> None:
-    text = " ".join(prose(path).split())
-    found = {
+def stumbles(text: str) -> dict[str, str]:
+    """What a reader stumbles over, with a few words around it, and what to do about it."""
+    text = " ".join(text.split())
+    return {
         text[max(0, hit.start() - 40) : hit.end() + 20]: why
         for phrase, why in STUMBLES.items()
         for hit in re.finditer(phrase, text, re.IGNORECASE)
     }
-    assert not found
+
+
+def messages(path: Path) -> Iterator[str]:
+    """The strings of a module, without its docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    alone = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in alone:
+            yield node.value
+        elif isinstance(node, ast.JoinedStr):
+            yield "".join(str(part.value) if isinstance(part, ast.Constant) else "X" for part in node.values)
+
+
+@pytest.mark.parametrize("package", SPEAKING)
+def test_its_messages_are_in_english_word_order(package: str) -> None:
+    paths = sorted((REPOSITORY / "course_kit" / package).rglob("*.py"))
+    assert paths
+    assert not stumbles("\n".join(text for path in paths for text in messages(path)))
+
+
+@pytest.mark.parametrize("path", [*LESSONS, *EXERCISES, *EDITED], ids=lambda path: f"{path.parent.name}-{path.stem}")
+def test_its_sentences_are_in_english_word_order(path: Path) -> None:
+    assert not stumbles(prose(path))

@@ -51,6 +51,21 @@ def test_it_calls_the_service_and_shows_the_response_and_the_exchange() -> None:
     )
 
 
+def test_it_shows_the_comments_of_the_type_and_so_does_its_picture() -> None:
+    named = interfaces.define("units_test/srv/Open", "float64 width  # metres\n---\nbool done  # open now\n")
+    form = panels.service_form("/open", named)
+    assert [one["comment"] for one in form.widget.entries] == ["metres"]
+    assert "a number · metres" in form.still()
+
+    class Gripper(Node):
+        def __init__(self) -> None:
+            super().__init__("gripper")
+            self.create_service(named, "open", lambda _, response: response)
+
+    lab.start(Gripper)
+    assert type_and_send(form)["comments"] == {"done": "open now"}
+
+
 def test_what_the_callback_prints_is_shown_in_the_form(capsys: pytest.CaptureFixture[str]) -> None:
     lab.start(Adder)
     assert type_and_send(panels.service_form("/add_two_ints", AddTwoInts))["printed"] == "added"

@@ -113,7 +113,7 @@ def test_answers_to_another_seed_are_recognised() -> None:
     result = quiz.mark(DRAWN, others)
     assert result.strangers == ()
     assert {marks.pattern.code for marks in result.marks} == {"quiz.missing"}
-    assert "were you given a seed of your own" in result.marks[0].pattern.explanation
+    assert "did you get your own seed" in result.marks[0].pattern.explanation
 
 
 def test_case_and_spaces_do_not_matter() -> None:

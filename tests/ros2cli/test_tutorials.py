@@ -121,7 +121,7 @@ def test_the_own_section_of_a_file_wins(guide: Ros2) -> None:
     ("content", "wanted"),
     [
         ("/tour/gide: {ros__parameters: {speed: 3.0}}", "no parameters for /tour/guide. It has some for /tour/gide."),
-        ("speed: 1.0", "under /speed stands no ros__parameters"),
+        ("speed: 1.0", "there is no ros__parameters under /speed"),
         ("- 1", "is not a file of parameters"),
         ("a: [1", "is not valid YAML"),
         ("/**: {ros__parameters: [1]}", "has to hold names and values"),

@@ -95,4 +95,4 @@ def _no_feedback(given: object) -> str:
         name = given.__name__.replace("_", ".")
         return f"publish_feedback() was given the class {name}; write {name}(), with parentheses, to make a message"
     kind = with_article(type(given).__name__)
-    return f"publish_feedback() takes this action's Feedback message, and was given {kind}"
+    return f"publish_feedback() takes this action's Feedback message, but was given {kind}"

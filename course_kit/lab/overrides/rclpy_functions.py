@@ -178,7 +178,7 @@ def _guard_executors(patches: Patches, lab: Engine) -> None:
         if lab.is_live(node) and not lab.is_own_executor(executor):
             lab.note(
                 f"{type(executor).__name__}.add_node(): the lab spins {node.get_name()} already and keeps it. "
-                f"lab.stop({node.get_name()!r}) frees the name for a node of your own."
+                f"lab.stop({node.get_name()!r}) frees the name for your own node."
             )
             return False
         return bool(add_node(executor, node))
@@ -230,8 +230,8 @@ def guard_goals(patches: Patches, lab: Engine) -> None:
 def _refuse_to_wait(lab: Engine, what: str, instead: str) -> None:
     if lab.in_callback():
         raise DeadlockError(
-            f"{what} inside a callback would wait for ever: the answer can only be taken by the thread that runs "
-            f"this callback. Use {instead} and add_done_callback() instead."
+            f"{what} inside a callback would wait for ever: only the thread that runs this callback "
+            f"can take the answer. Use {instead} and add_done_callback() instead."
         )
 
 
@@ -239,8 +239,8 @@ def _refuse(lab: Engine, what: str) -> None:
     """Raise for a function that spins: in a callback it hangs; in an execute callback it takes the node away."""
     if lab.in_callback():
         raise DeadlockError(
-            f"{what} inside a callback would wait for ever: the answer can only be taken by the thread that runs "
-            "this callback. Return, and let add_done_callback() run what comes next."
+            f"{what} inside a callback would wait for ever: only the thread that runs this callback "
+            "can take the answer. Return, and let add_done_callback() run what comes next."
         )
     if lab.in_execution():
         raise DeadlockError(

@@ -98,7 +98,7 @@ class Timeline:
             said = [_said(one) for one in self.busy if one.lane == lane]
             lines += [f"    {text}" for text in dict.fromkeys(said)]
         if self.waiting:
-            lines.append("waiting to be taken in")
+            lines.append("waiting to be handled")
             lines += [f"    {text}" for text in dict.fromkeys(_how_long(one) for one in self.waiting)]
         return "\n".join(lines)
 
@@ -157,7 +157,7 @@ class Timeline:
         waits = sum(one.end is None for one in self.waiting)
         said = f"Time lines of {len(self.lanes)} thread{'' if len(self.lanes) == 1 else 's'}."
         said += f" {stuck} callback{' has' if stuck == 1 else 's have'} not ended." if stuck else ""
-        return said + (f" {waits} message{' is' if waits == 1 else 's are'} not taken in." if waits else "")
+        return said + (f" {waits} message{' is' if waits == 1 else 's are'} not handled." if waits else "")
 
 
 def _apart(bars: list[TimelineBar]) -> list[TimelineBar]:
@@ -186,7 +186,7 @@ def _said(one: Busy) -> str:
 
 
 def _how_long(one: MessageWait) -> str:
-    return f"{one.label}{', which nobody has taken in' if one.end is None else ''}"
+    return f"{one.label}{', which nobody has handled' if one.end is None else ''}"
 
 
 def _time(nanoseconds: int) -> str:

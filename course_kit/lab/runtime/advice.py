@@ -38,6 +38,8 @@ def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str
         return _on_arguments(found["name"], node, entity)
     if isinstance(error, AssertionError) and (found := _SUB_MESSAGE.search(text)):
         return _on_sub_message(found["field"], found["type"])
+    if isinstance(error, NameError) and callable(getattr(type(node), error.name or "", None)):
+        return f"{error.name} belongs to the node. Write: self.{error.name}(...)"
     if type(error).__name__ == "ParameterNotDeclaredException" and (found := _UNDECLARED.search(text)):
         return _on_parameter(found["name"].strip("'[]"), node)
     return ""

@@ -225,7 +225,7 @@ class NodeList(list[LiveNode]):
 
         lines = [describe_node(live.node) for live in self] or ["No node is running in the lab."]
         if others := getattr(self, "others", []):
-            lines += ["Of other notebooks, which lab.stop_others() stops:", *(f"    {one}" for one in others)]
+            lines += ["In other notebooks (lab.stop_others() stops them):", *(f"    {one}" for one in others)]
         return "\n".join(lines)
 
 

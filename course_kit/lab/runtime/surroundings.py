@@ -100,7 +100,7 @@ class Surroundings:
     def _look(self) -> None:
         for name, role in list(self._doubled()):
             for node in self._offering(name, role):
-                self._tell_once(node, f"{name} is offered by {{}}, too: both answer every request.")
+                self._tell_once(node, f"{name} is also offered by {{}}: both answer every request.")
         running = graph.nodes(self._lab.node)
         for name in {live.name for live in self._lab.nodes}:
             if running.count(name) > 1:
@@ -114,7 +114,8 @@ class Surroundings:
         if key in self._told or (not whose and time.monotonic() - since < _UNANNOUNCED):
             return
         self._told.add(key)
-        self._lab.note(sentence.format(whose or f"{short_name(node)} in another program"))
+        who, remedy = whose or (f"{short_name(node)} in another program", "")
+        self._lab.note(f"{sentence.format(who)} {remedy}".rstrip())
 
     def _doubled(self) -> Iterable[tuple[str, graph.Role]]:
         """What this lab's nodes offer and somebody else as well."""
@@ -133,14 +134,15 @@ class Surroundings:
             one for one in sorted(names) if any(use.channel == name for use in graph.uses_of(self._lab.node, one, role))
         ] or sorted(own & {node for other in self.neighbours.others() for node in other.nodes})
 
-    def _whose(self, node: str) -> str:
+    def _whose(self, node: str) -> tuple[str, str] | None:
+        """Whose node it is, and what stops it; None where nobody has announced it."""
         shown = short_name(node)
         if script := self.script_nodes().get(node):
-            return f"{shown} of your script {script} (%ros_stop {script})"
+            return f"{shown} of your script {script}", f"%ros_stop {script} stops it."
         for other in self.neighbours.others():
             if node in other.nodes:
-                return f"{shown} of {other.title} (lab.stop_others() stops what other notebooks run)"
-        return ""
+                return f"{shown} of {other.title}", "lab.stop_others() stops what other notebooks run."
+        return None
 
 
 def _offered_by(live: LiveNode) -> Iterable[tuple[str, graph.Role]]:

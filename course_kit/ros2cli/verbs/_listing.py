@@ -42,7 +42,7 @@ def add_list(verbs: Verbs, kind: str, run: Run, *, hidden: bool = True) -> Argum
             f"--include-hidden-{kind}s",
             dest="hidden",
             action="store_true",
-            help="hidden ones too, as of actions",
+            help="also hidden ones, such as those of actions",
         )
     return verb
 

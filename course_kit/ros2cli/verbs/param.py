@@ -38,9 +38,9 @@ def add_to(place: ArgumentParser) -> None:
     describe = _add(verbs, "describe", _describe, "Show type, description and limits of parameters")
     add_named(describe, "parameter_names", "parameters", nargs="+")
     _add(verbs, "dump", _dump, "Show all parameters of a node as a parameter file")
-    load = _add(verbs, "load", _load, "Set the parameters that stand in a parameter file")
+    load = _add(verbs, "load", _load, "Set the parameters from a parameter file")
     load.add_argument("parameter_file")
-    load.add_argument("--no-use-wildcard", action="store_true", help="leave out what is for several nodes")
+    load.add_argument("--no-use-wildcard", action="store_true", help="skip what is meant for several nodes")
     delete = _add(verbs, "delete", _delete, "Delete a parameter")
     add_named(delete, "parameter_name", "parameters")
 

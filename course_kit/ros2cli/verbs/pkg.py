@@ -19,7 +19,7 @@ def add_to(place: ArgumentParser) -> None:
     """Add the verbs."""
     verbs = add_verbs(place)
     add_verb(verbs, "list", _list, "List the packages there are")
-    prefix = add_verb(verbs, "prefix", _prefix, "Show where a package lies")
+    prefix = add_verb(verbs, "prefix", _prefix, "Show where a package is")
     add_named(prefix, "package_name", "run_packages")
     prefix.add_argument("--share", action="store_true", help="its share folder")
     programs = add_verb(verbs, "executables", _executables, "List the programs of packages")
@@ -60,5 +60,5 @@ def _executables(options: Namespace, session: Session) -> None:
 
 def _unknown(name: str) -> str:
     if name in _packages():
-        return f"Package '{name}' brings interfaces alone: it lies among Python's packages and has no programs."
+        return f"Package '{name}' contains only interfaces: it is one of Python's packages and has no programs."
     return f"Package not found: {name}.{did_you_mean(name, _packages())}"

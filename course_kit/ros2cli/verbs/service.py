@@ -45,9 +45,9 @@ def add_to(place: ArgumentParser) -> None:
 
 
 def _add_echo(verb: ArgumentParser) -> None:
-    add_named(verb, "service_type", "service_types", nargs="?", help="found out when left out")
+    add_named(verb, "service_type", "service_types", nargs="?", help="found automatically if left out")
     add_layout(verb)
-    add_timeout(verb, "seconds without anything sent after which it ends", default=None)
+    add_timeout(verb, "end after this many seconds without a message", default=None)
     add_node_options(verb)
 
 

@@ -61,19 +61,22 @@ def _add_measure(verbs: Verbs, name: str, run: Run, purpose: str, window: int = 
     verb = add_about(verbs, "topic", name, run, purpose)
     verb.add_argument("-w", "--window", type=int, default=window, metavar="N", help="messages looked at")
     add_qos(verb)
-    add_timeout(verb, "seconds without a message after which it ends", default=None)
+    add_timeout(verb, "end after this many seconds without a message", default=None)
     add_node_options(verb)
     return verb
 
 
 def _add_filter(verb: ArgumentParser, do: str) -> None:
     verb.add_argument(
-        "--filter", dest="filter_expr", metavar="EXPR", help=f"{do} only messages m for which this Python holds"
+        "--filter",
+        dest="filter_expr",
+        metavar="EXPR",
+        help=f"{do} only messages m for which this Python is true",
     )
 
 
 def _add_echo(verb: ArgumentParser) -> None:
-    add_named(verb, "message_type", "message_types", nargs="?", help="found out when left out")
+    add_named(verb, "message_type", "message_types", nargs="?", help="found automatically if left out")
     verb.add_argument("--once", action="store_true", help="only the first message")
     verb.add_argument("--field", metavar="NAME", help="only this field, such as pose.position")
     add_layout(verb)
@@ -81,7 +84,7 @@ def _add_echo(verb: ArgumentParser) -> None:
     verb.add_argument("--no-lost-messages", action="store_true", help="accepted; lost messages are not reported")
     _add_filter(verb, "show")
     add_qos(verb)
-    add_timeout(verb, "seconds without a message after which it ends", default=None)
+    add_timeout(verb, "end after this many seconds without a message", default=None)
     add_node_options(verb)
 
 
@@ -93,14 +96,14 @@ def _add_pub(verb: ArgumentParser) -> None:
     verb.add_argument("-r", "--rate", type=float, default=1.0, metavar="N", help="messages a second (default: 1)")
     often = verb.add_mutually_exclusive_group()
     often.add_argument("-1", "--once", action="store_true", help="one message")
-    often.add_argument("-t", "--times", type=int, default=0, metavar="N", help="N messages, then the end")
+    often.add_argument("-t", "--times", type=int, default=0, metavar="N", help="publish N messages, then end")
     verb.add_argument("-p", "--print", type=int, default=1, metavar="N", dest="print_every", help="show every Nth")
     verb.add_argument("-w", "--wait-matching-subscriptions", type=int, metavar="N", help="wait for N subscriptions")
     verb.add_argument(
         "--max-wait-time-secs", dest="max_wait", type=float, metavar="N", help="wait for them N seconds at most"
     )
-    verb.add_argument("-n", "--node-name", metavar="NAME", help="call the publishing node so")
-    verb.add_argument("--keep-alive", type=float, metavar="N", help="accepted; the end waits for the delivery anyway")
+    verb.add_argument("-n", "--node-name", metavar="NAME", help="the name of the publishing node")
+    verb.add_argument("--keep-alive", type=float, metavar="N", help="accepted; it always waits for the delivery")
     add_qos(verb)
     add_timeout(verb, "seconds to wait for subscriptions, and for the delivery, at most")
     add_node_options(verb)

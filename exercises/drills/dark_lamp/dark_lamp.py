@@ -7,7 +7,7 @@ The program runs. Repair what is wrong with it:
 
 - Topics. The program, which its own `main` starts, listens to the slider, which publishes `std_msgs/msg/Float64` on
   `/brightness`, and publishes `/lamp` (`std_msgs/msg/Bool`).
-- The lamp. For each brightness comes one message on `/lamp`: whether it is above 0.5.
+- The lamp. Each brightness brings one message on `/lamp`, which says whether it is above 0.5.
 """
 
 import rclpy

@@ -6,9 +6,9 @@ The program runs. Repair what is wrong with it:
 
 - Names. The program, which its own `main` starts, offers the action `/count_down`
   (`example_interfaces/action/Fibonacci`).
-- Counting. A goal counts from `order` down to 1, a number each 0.2 s, and succeeds; `sequence` of its result holds
+- Counting. A goal counts from `order` down to 1, one number every 0.2 s, and succeeds; `sequence` of its result holds
   the numbers.
-- Step by step. After each number the feedback holds those so far.
+- Step by step. After each number the feedback holds the numbers so far.
 - Cancelling. A running goal can be cancelled: the request is accepted within 1 s, the goal ends CANCELED, and the
   next goal works.
 """

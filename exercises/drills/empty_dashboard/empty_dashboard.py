@@ -5,9 +5,9 @@
 The program runs. Repair what is wrong with it:
 
 - Topics. The program, which its own `main` starts, subscribes to `/millivolts` (`std_msgs/msg/Int32`) and publishes
-  `/voltage` (`std_msgs/msg/Float64`). Whoever makes the other end with a queue of 10 and nothing else, as the
-  dashboard does, is connected.
-- Volts. For each message on `/millivolts` comes one on `/voltage`, with the value in volts: divided by 1000.
+  `/voltage` (`std_msgs/msg/Float64`). It connects to every node that has a queue of 10 at its end and sets nothing
+  else, as the dashboard does.
+- Volts. Each message on `/millivolts` brings one on `/voltage`, with the value in volts: divided by 1000.
 """
 
 import rclpy

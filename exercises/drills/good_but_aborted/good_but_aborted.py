@@ -7,7 +7,7 @@ The program runs. Repair what is wrong with it:
 - Names. The program, which its own `main` starts, offers the action `/bake` (`example_interfaces/action/Fibonacci`).
 - Baking. A goal bakes `order` loaves, each in a tenth of a second, and ends SUCCEEDED, with their numbers in
   `sequence` of the result: 0, 1, 2, ...
-- Feedback. After each loaf the feedback holds those so far.
+- Feedback. After each loaf the feedback holds the numbers so far.
 """
 
 import time

@@ -8,7 +8,7 @@ The program runs. Repair what is wrong with it:
   `std_msgs/msg/Float64`.
 - The parameter. Its node is called `speed_limiter` and has the parameter `max_speed`, a double, which is 1.0 at the
   start.
-- The limit. For each message on `/speed_in` comes one on `/speed`: the same value, or `max_speed` if that is less.
+- The limit. Each message on `/speed_in` brings one on `/speed`: the same value, or `max_speed` if that is less.
 - A change. A change of `max_speed` acts on the next message.
 """
 

@@ -155,17 +155,17 @@ def test_a_deadlock_shows_as_a_callback_that_does_not_end_and_an_answer_that_nob
     lab.record()
     with pytest.raises(lab.NoAnswerError):
         lab.call_blocking("/double", AddTwoInts, a=21, timeout=1.0)
-    wait_until(lambda: "the response of /add, which nobody has taken in" in str(timeline()), lambda: str(timeline()))
+    wait_until(lambda: "the response of /add, which nobody has handled" in str(timeline()), lambda: str(timeline()))
     assert str(timeline()) == (
         "program of doubler, main thread\n"
         "    doubler answers /double, and has not ended\n"
         "lab, main thread\n"
         "    adder answers /add\n"
-        "waiting to be taken in\n"
-        "    the response of /add, which nobody has taken in"
+        "waiting to be handled\n"
+        "    the response of /add, which nobody has handled"
     )
     html = timeline()._repr_mimebundle_()["text/html"]
-    assert "1 callback has not ended. 1 message is not taken in." in html
+    assert "1 callback has not ended. 1 message is not handled." in html
     assert re.search(r"doubler answers /double, and has not ended: from 0 ms on", html)
     assert not re.findall(r"https?:|<script|url\(|@import", html)
 

@@ -1,0 +1,51 @@
+"""What an export of a notebook by nbconvert needs besides nbconvert, be it HTML or slides.
+
+`jupyter_config/jupyter_nbconvert_config.json` has it run for `jupyter nbconvert`; Jupyter Server, which does not read
+that file, gets the same from its extension, for JupyterLab's File > Save and Export Notebook As.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+from nbconvert.filters.markdown import markdown2html
+from nbconvert.preprocessors import Preprocessor
+
+if TYPE_CHECKING:
+    from nbformat import NotebookNode
+
+_WIDGET = "application/vnd.jupyter.widget-view+json"
+_FOLDED = re.compile(r"^<details>\s*(<summary>.*?</summary>)\n(.*?)</details>", re.DOTALL | re.MULTILINE)
+_EMPTY_LINES = re.compile(r"\n(?:[ \t]*\n)+")
+
+
+class StillAndFolded(Preprocessor):
+    """Keeps answers folded, and has a picture of each panel take the widget's place.
+
+    With pictures embedded, nbconvert closes a `<details>` at its first empty line, so that the answer below it stands
+    open. And a notebook that it has run itself shows widgets, which need a page on the network to be drawn.
+    """
+
+    def preprocess_cell(
+        self, cell: NotebookNode, resources: dict[str, Any], _index: int
+    ) -> tuple[NotebookNode, dict[str, Any]]:
+        """Called by nbconvert for each cell."""
+        if cell.cell_type == "markdown":
+            cell.source = folded(cell.source)
+        for output in cell.get("outputs", []):
+            data = output.get("data", {})
+            if "text/html" in data:
+                data.pop(_WIDGET, None)
+        return cell, resources
+
+
+def folded(source: str) -> str:
+    """Markdown in which each `<details>` is a single piece of HTML, which nothing can close too early."""
+    return _FOLDED.sub(_in_one_piece, source)
+
+
+def _in_one_piece(found: re.Match[str]) -> str:
+    html = str(markdown2html(found[2])).strip()
+    inside = _EMPTY_LINES.sub(lambda lines: "&#10;" * lines[0].count("\n"), html)  # programs have some
+    return f"<details>{found[1]}\n{inside}\n</details>\n"
