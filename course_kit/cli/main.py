@@ -19,7 +19,7 @@ _ON_LIMITS = (
     "A submission runs sandboxed; --exec relaxes two restrictions, and --attach has no sandbox. What holds and what "
     "does not: course_kit/grading/LIMITS.md"
 )
-_FOUND = "when left out, it is looked for here, then in the course's folder, or in your copy where that is read-only"
+_FOUND = "when left out, it is looked for here, then in your learner's folder"
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -30,12 +30,19 @@ def build_parser() -> argparse.ArgumentParser:
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
     for_instructors = find_spec("course_kit.authoring") is not None  # the student edition comes without it
 
-    lab = verbs.add_parser("lab", help="open the course in JupyterLab", epilog="Other options go to `jupyter lab`.")
+    lab = verbs.add_parser(
+        "lab",
+        help="open the course in JupyterLab",
+        usage="course-kit lab [DIR] [OPTIONS]",
+        description="DIR is your folder for the lessons and exercises; it is made, or brought up to date, and what you "
+        "have changed in it stays. Left out, it is my-course in the course's folder.",
+        epilog="OPTIONS go to `jupyter lab`.",
+    )
     lab.set_defaults(run=_lab, others=[])
 
     grade = verbs.add_parser("grade", help="grade a solution of an exercise", epilog=_ON_LIMITS)
     grade.add_argument("exercise", help="the exercise's id, as `course-kit list` shows it")
-    grade.add_argument("path", nargs="?", help="your .py or .ipynb file")
+    grade.add_argument("path", nargs="?", help=f"your .py or .ipynb file; {_FOUND}")
     grade.add_argument(
         "--format",
         choices=("text", "json", *(autograde.FORMATS if for_instructors else ())),
@@ -179,7 +186,7 @@ def _quiz(options: argparse.Namespace) -> int:
 
 def _grade(options: argparse.Namespace) -> int:
     from course_kit import grading
-    from course_kit.learner import progress
+    from course_kit.learner import progress, workspace
     from course_kit.learner.next_step import next_step
     from course_kit.text.console import wrapped
 
@@ -187,6 +194,9 @@ def _grade(options: argparse.Namespace) -> int:
         if options.format in autograde.FORMATS:
             return autograde.run(options)
         autograde.require_no_target(options)
+        if options.path is None and not options.attach and options.exec_command is None:
+            options.path = str(workspace.shown(workspace.file_to_grade(options.exercise)))
+            _tell(f"grading {options.path}")
         report = grading.grade(
             options.exercise,
             options.path,

@@ -18,6 +18,7 @@ from course_kit.environment.errors import DomainError, SettingsError
 from course_kit.environment.files import remove_half_written, write_atomically, write_new
 from course_kit.environment.interrupts import heed_interrupts
 from course_kit.environment.paths import (
+    LEARNER_FOLDER,
     PACKAGE,
     checkout,
     command,
@@ -33,6 +34,7 @@ from course_kit.environment.search_path import put_scripts_first, scripts_folder
 
 __all__ = [
     "FAST_DISCOVERY_PROFILE",
+    "LEARNER_FOLDER",
     "LOOPBACK_PROFILE",
     "PACKAGE",
     "PRIVATE_NETWORK_PROFILE",

@@ -11,6 +11,7 @@ from pathlib import Path
 import platformdirs
 
 PACKAGE = Path(__file__).resolve().parent.parent
+LEARNER_FOLDER = "my-course"  # in a clone: where a learner works; `course_kit.learner.workspace` makes it
 _APPLICATION = "ros2-course-kit"
 
 

@@ -39,7 +39,11 @@ SETTINGS = {
 
 
 class JupyterLab:
-    """Verbs of a learner in JupyterLab."""
+    """Verbs of a learner in JupyterLab.
+
+    Attributes:
+        root: the folder that it shows; for `./course lab` the learner's, in the course's own.
+    """
 
     def __init__(self, page: Page, root: Path, address: str, token: str) -> None:
         self.page, self.root, self.address, self.token = page, root, address, token
@@ -136,7 +140,7 @@ def learner(folder: Path, verb: str = "lab", **changes: str | None) -> Iterator[
     """A learner before a copy of the course in JupyterLab, so that tests side by side never see each other's files."""
     root = copy_with_notebooks(folder).root
     with served(root, folder, verb, **changes) as (address, token), page() as opened:
-        yield JupyterLab(opened, root, address, token)
+        yield JupyterLab(opened, root / environment.LEARNER_FOLDER if verb == "lab" else root, address, token)
 
 
 @contextmanager
