@@ -10,7 +10,7 @@ function marked(text) {
 
 function verdictOf(answer, choices) {
   const right = answer.chosen === answer.right;
-  const verdict = make("p", {}, make("strong", {}, right ? "✓ Right. " : "✗ Not so. "), ...marked(answer.why));
+  const verdict = make("p", {}, make("strong", {}, right ? "✓ Right. " : "✗ Not quite. "), ...marked(answer.why));
   const parts = [verdict];
   if (!right) {
     const text = choices[answer.right];

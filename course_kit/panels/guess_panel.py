@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _HERE = Path(__file__).parent
 _LETTERS = "ABCDEFGH"
+_TITLES = {guesses.GUESS: "Guess before you run the next cell", guesses.CHECK: "Check yourself", "demo": "Guess"}
 _HOW = "(To be answered with a click in a live notebook.)"
 
 
@@ -98,7 +99,7 @@ class GuessPanel(Shown):
 
 
 def _asked(question: LessonQuestion) -> dict[str, object]:
-    title = "Guess before you run the next cell" if question.kind == guesses.GUESS else "Check yourself"
+    title = _TITLES["demo" if question.name.startswith("demos/") else question.kind]
     choices = [choice.text for choice in question.choices]
     return {"name": question.name, "title": title, "text": question.text, "choices": choices}
 
