@@ -34,8 +34,7 @@ def build_parser() -> argparse.ArgumentParser:
         "lab",
         help="open the course in JupyterLab",
         usage="course-kit lab [DIR] [OPTIONS]",
-        description="DIR is your folder for the lessons and exercises; it is made, or brought up to date, and what you "
-        "have changed in it stays. Left out, it is my-course in the course's folder.",
+        description="DIR is your folder, made or brought up to date; left out, it is my-course in the course's folder.",
         epilog="OPTIONS go to `jupyter lab`.",
     )
     lab.set_defaults(run=_lab, others=[])
@@ -99,8 +98,8 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     reset.add_argument("--progress", action="store_true", help="also forget its best score, tries and hints")
     reset.set_defaults(run=_reset)
 
-    copy = verbs.add_parser("copy", help="make your own copy of the lessons and exercises, where the course is shared")
-    copy.add_argument("path", nargs="?", type=Path, help="the folder; ros2-course in your home directory if left out")
+    copy = verbs.add_parser("copy", help="make your folder of lessons and exercises, or complete it")
+    copy.add_argument("path", nargs="?", type=Path, help="the folder; if left out, the one that `lab` opens")
     copy.set_defaults(run=_copy)
 
     solution = verbs.add_parser("solution", help="show the solution of an exercise you have passed")
@@ -194,9 +193,9 @@ def _grade(options: argparse.Namespace) -> int:
         if options.format in autograde.FORMATS:
             return autograde.run(options)
         autograde.require_no_target(options)
-        if options.path is None and not options.attach and options.exec_command is None:
-            options.path = str(workspace.shown(workspace.file_to_grade(options.exercise)))
-            _tell(f"grading {options.path}")
+        if not options.attach and options.exec_command is None:
+            options.path, note = workspace.to_grade(options.exercise, options.path)
+            _tell(note)
         report = grading.grade(
             options.exercise,
             options.path,

@@ -166,13 +166,29 @@ def own_file(task: Exercise, verb: str) -> Path:
     return notebook if notebook.is_file() and not program.is_file() else program
 
 
-def file_to_grade(exercise_id: str) -> Path:
-    """What `grade` means where no file is named: this user's own.
+def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
+    """What `grade` means, and what to say about it: the file that is named, or where none is this user's own.
 
     Raises:
         GradingError: there is no such exercise, or no file of theirs.
     """
-    return own_file(exercise.load(exercise_id), "grade")
+    if path is None:
+        own = str(shown(own_file(exercise.load(exercise_id), "grade")))
+        return own, f"grading {own}"
+    course, mine = exercise_folders.course_folder(), copy_folder() / "exercises"
+    here = Path(path).absolute()
+    if course is None or not here.is_relative_to(course):
+        return path, ""
+    twin = mine / here.relative_to(course)
+    said = f"{path} is the course's own file. Yours is {shown(twin)}: {environment.command()} grade {exercise_id}"
+    return path, said if twin.is_file() and _as_given(here) else ""
+
+
+def _as_given(file: Path) -> bool:
+    """Whether a file is the starter still."""
+    with suppress(OSError):
+        return file.read_bytes() == _pristine(file)
+    return False
 
 
 def shown(path: Path) -> Path:

@@ -144,6 +144,7 @@ def test_the_folder_in_a_clone_takes_over_what_was_changed_there_and_git_ignores
     assert clone.run("reset", TEMPERATURE, "--yes").returncode == 0
     assert (folder / PROGRAM).read_bytes() == (clone.root / PROGRAM).read_bytes()
     assert f"grading {LEARNER_FOLDER}/{PROGRAM}" in clone.run("grade", TEMPERATURE).stderr
+    assert f"Yours is {LEARNER_FOLDER}/{PROGRAM}" in clone.run("grade", TEMPERATURE, PROGRAM).stderr
 
 
 def test_a_file_that_was_only_run_in_the_clone_is_not_taken_for_changed(clone: Course) -> None:
