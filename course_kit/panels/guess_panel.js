@@ -20,10 +20,10 @@ function verdictOf(answer, choices) {
   return parts;
 }
 
-function markOf(answer, place) {
+function markOf(answer, place, yours) {
   if (!answer) return "";
-  if (place === answer.right) return place === answer.chosen ? "✓ your guess, right" : "✓ right";
-  return place === answer.chosen ? "✗ your guess" : "";
+  if (place === answer.right) return place === answer.chosen ? `✓ ${yours}, right` : "✓ right";
+  return place === answer.chosen ? `✗ ${yours}` : "";
 }
 
 function formOf(model, question, number, count) {
@@ -76,7 +76,7 @@ function formOf(model, question, number, count) {
     if (words === shown) return;
     shown = words;
     for (const { radio, mark, label, place } of rows) {
-      const said = markOf(answer, place);
+      const said = markOf(answer, place, count > 1 ? "your answer" : "your guess");
       radio.checked = answer ? place === answer.chosen : false;
       radio.disabled = Boolean(answer);
       mark.textContent = said;
