@@ -9,12 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from course_kit import environment
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _GENERATED = {
     ".git", ".venv", ".venvs", ".course", ".hypothesis", ".mypy_cache", ".pytest_cache", ".ruff_cache",
     ".ipynb_checkpoints", "__pycache__", "artifacts", "build", "dist",
+    environment.LEARNER_FOLDER,
 }  # fmt: skip
 _GENERATED_ENDINGS = (".so", ".pyc", ".tmp", ".zip")
 

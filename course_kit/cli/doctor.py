@@ -129,7 +129,7 @@ def course_folder() -> Finding:
     if workspace.is_shared(root):
         advice = f"{environment.command()} lab opens your own copy: {workspace.copy_folder()}"
         return Finding("course folder", f"{root}, read-only for you", "note", advice)
-    return Finding("course folder", str(root))
+    return Finding("course folder", f"{root}; you work in {workspace.copy_folder().relative_to(root)}")
 
 
 def own_files() -> Finding:

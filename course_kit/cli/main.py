@@ -19,7 +19,7 @@ _ON_LIMITS = (
     "A submission runs sandboxed; --exec relaxes two restrictions, and --attach has no sandbox. What holds and what "
     "does not: course_kit/grading/LIMITS.md"
 )
-_FOUND = "without it, the command looks here, then in the course's folder, or in your copy if that is read-only"
+_FOUND = "when left out, it is looked for here, then in your learner's folder"
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -30,12 +30,18 @@ def build_parser() -> argparse.ArgumentParser:
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
     for_instructors = find_spec("course_kit.authoring") is not None  # the student edition comes without it
 
-    lab = verbs.add_parser("lab", help="open the course in JupyterLab", epilog="Other options go to `jupyter lab`.")
+    lab = verbs.add_parser(
+        "lab",
+        help="open the course in JupyterLab",
+        usage="course-kit lab [DIR] [OPTIONS]",
+        description="DIR is your folder, made or brought up to date; left out, it is my-course in the course's folder.",
+        epilog="OPTIONS go to `jupyter lab`.",
+    )
     lab.set_defaults(run=_lab, others=[])
 
     grade = verbs.add_parser("grade", help="grade a solution of an exercise", epilog=_ON_LIMITS)
     grade.add_argument("exercise", help="the exercise's id, as `course-kit list` shows it")
-    grade.add_argument("path", nargs="?", help="your .py or .ipynb file")
+    grade.add_argument("path", nargs="?", help=f"your .py or .ipynb file; {_FOUND}")
     grade.add_argument(
         "--format",
         choices=("text", "json", *(autograde.FORMATS if for_instructors else ())),
@@ -92,8 +98,8 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     reset.add_argument("--progress", action="store_true", help="also forget its best score, tries and hints")
     reset.set_defaults(run=_reset)
 
-    copy = verbs.add_parser("copy", help="make your own copy of the lessons and exercises, where the course is shared")
-    copy.add_argument("path", nargs="?", type=Path, help="the folder; ros2-course in your home directory if left out")
+    copy = verbs.add_parser("copy", help="make your folder of lessons and exercises, or complete it")
+    copy.add_argument("path", nargs="?", type=Path, help="the folder; if left out, the one that `lab` opens")
     copy.set_defaults(run=_copy)
 
     solution = verbs.add_parser("solution", help="show the solution of an exercise you have passed")
@@ -179,7 +185,7 @@ def _quiz(options: argparse.Namespace) -> int:
 
 def _grade(options: argparse.Namespace) -> int:
     from course_kit import grading
-    from course_kit.learner import progress
+    from course_kit.learner import progress, workspace
     from course_kit.learner.next_step import next_step
     from course_kit.text.console import wrapped
 
@@ -187,6 +193,9 @@ def _grade(options: argparse.Namespace) -> int:
         if options.format in autograde.FORMATS:
             return autograde.run(options)
         autograde.require_no_target(options)
+        if not options.attach and options.exec_command is None:
+            options.path, note = workspace.to_grade(options.exercise, options.path)
+            _tell(note)
         report = grading.grade(
             options.exercise,
             options.path,

@@ -11,6 +11,9 @@ from pathlib import Path
 import platformdirs
 
 PACKAGE = Path(__file__).resolve().parent.parent
+LEARNER_FOLDER = "my-course"  # in a clone: where a learner works; `course_kit.learner.workspace` makes it
+PROGRESS_VARIABLE = "COURSE_KIT_PROGRESS"
+_OFF = "off"
 _APPLICATION = "ros2-course-kit"
 
 
@@ -97,6 +100,23 @@ def own_run_dir() -> Path:
     elsewhere = folder / hashlib.sha256(os.fsencode(root)).hexdigest()[:16]
     elsewhere.mkdir(exist_ok=True)
     return elsewhere
+
+
+def progress_file() -> Path | None:
+    """Where what was reached is kept; None where nothing is, as for the tests: COURSE_KIT_PROGRESS is `off`."""
+    chosen = os.environ.get(PROGRESS_VARIABLE, "")
+    if chosen == _OFF:
+        return None
+    return Path(chosen) if chosen else own_run_dir() / "progress.json"
+
+
+def guess_folder() -> Path | None:
+    """Where a learner's guesses are kept, beside their progress; None where nothing is."""
+    try:
+        beside = progress_file()
+    except OSError:
+        return None
+    return None if beside is None else beside.parent / "guesses"
 
 
 def is_writable(folder: Path, *, make: bool = True) -> bool:

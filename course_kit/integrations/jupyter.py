@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
@@ -15,7 +16,6 @@ from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
 FIRST_LESSON = "notebooks/00_welcome.ipynb"
 _ALLOW_ROOT = "--allow-root"
@@ -29,15 +29,21 @@ def run_lab(arguments: Sequence[str]) -> int:
     """Replace this process by JupyterLab, opened on the first lesson; return 2 where that cannot be done.
 
     The settings of the course are in its environment, so kernels and terminals all join the same ROS graph.
+
+    Args:
+        arguments: the folder to open, if the first is no option, then options of `jupyter lab`.
     """
     root = environment.checkout()
     if root is None:
         return cannot("the notebooks are missing. Run ./course lab in the course's folder.")
+    folder = workspace.copy_folder()
+    if arguments and not arguments[0].startswith("-"):
+        folder, arguments = Path(arguments[0]).absolute(), arguments[1:]
     try:
-        folder = _own_folder(root)
+        _make_ready(root, folder)
     except OSError as problem:
-        what = f"{problem.filename or workspace.copy_folder()} could not be written: {problem.strerror or problem}"
-        return cannot(f"{root} is read-only for you, and your copy could not be made: {what}.")
+        what = f"{problem.filename or folder} could not be written: {problem.strerror or problem}"
+        return cannot(f"Your folder for the lessons could not be made: {what}.")
     return serve(folder, FIRST_LESSON, arguments)
 
 
@@ -115,18 +121,20 @@ def root_arguments(arguments: Sequence[str], user: int, container: str, verb: st
     )
 
 
-def _own_folder(root: Path) -> Path:
-    """The course's folder, or the user's copy of it where they cannot write it.
+def _make_ready(root: Path, folder: Path) -> None:
+    """Bring a learner's folder up to date; the course's own folder, which an author opens, stays as it is.
 
     Raises:
-        OSError: the copy could not be made.
+        OSError: it could not be written.
     """
-    if not workspace.is_shared(root):
-        return root
-    target = workspace.copy_folder()
-    workspace.make_copy(root, target)
-    tell(f"{root} is read-only for you, so JupyterLab opens your copy: {target}. Your changes there are kept.")
-    return target
+    if folder.resolve() == root:
+        return
+    is_new = not folder.exists()
+    workspace.make_copy(root, folder)
+    if workspace.is_shared(root):
+        tell(f"{root} is read-only for you, so JupyterLab opens your copy: {folder}. Your changes there are kept.")
+    elif is_new:
+        tell(f"Your lessons and exercises are in {folder}. What you change there is kept when the course is updated.")
 
 
 def _interfaces() -> dict[str, str]:

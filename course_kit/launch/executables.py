@@ -64,7 +64,7 @@ def packages(near: Sequence[Path] = ()) -> list[str]:
     for folder in _folders(near):
         if source_packages.is_one(folder):
             found.add(folder.name)
-        elif folder.is_dir() and folder != environment.checkout():  # whose folders are not packages of anybody's
+        elif folder.is_dir() and folder not in _courses():  # whose folders are not packages of anybody's
             entries = [*folder.iterdir(), *folder.glob("src/*")]
             found |= {entry.name for entry in entries if not entry.name.startswith(".") and _programs(entry)}
     return sorted(found)
@@ -98,7 +98,13 @@ def _folders(near: Sequence[Path]) -> Iterator[Path]:
     yield environment.run_dir() / "scripts"
     if checkout := environment.checkout():
         yield checkout
-        yield checkout / "exercises"
+    yield from (course / "exercises" for course in _courses())
+
+
+def _courses() -> list[Path]:
+    """The learner's folder in a course's, and that."""
+    checkout = environment.checkout()
+    return [] if checkout is None else [checkout / environment.LEARNER_FOLDER, checkout]
 
 
 def _installed() -> Iterator[Path]:

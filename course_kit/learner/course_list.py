@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, TypeGuard
 
 from course_kit import environment
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 from course_kit.learner import progress, workspace
+from course_kit.quiz import guess_record, guesses
 from course_kit.text.console import wrapped
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from course_kit.learner.progress import ProgressRecord
 
 FORMAT_VERSION = 1
+_KINDS = {guesses.GUESS: "guesses", guesses.CHECK: "checks"}
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,9 @@ def _load(name: str, folder: Path | None) -> Exercise | str:
 
 def to_json(found: list[Row]) -> str:
     """One JSON document."""
-    content = {"format_version": FORMAT_VERSION, "exercises": [row.to_mapping() for row in found]}
+    questions = [asdict(score) for score in guess_record.scores()]
+    exercises = [row.to_mapping() for row in found]
+    content = {"format_version": FORMAT_VERSION, "exercises": exercises, "questions": questions}
     return json.dumps(content, indent=2, ensure_ascii=False)
 
 
@@ -102,7 +106,19 @@ def to_text(found: list[Row], encoding: str | None) -> str:
         folder = workspace.exercise_folder(following)
         where = f"after: {environment.command()} copy" if folder is None else f"in {workspace.shown(folder)}"
         lines.append(f"Next: {following.id}, {where}")
-    return "\n".join(lines)
+    return "\n".join([*lines, *_guessed()])
+
+
+def _guessed() -> list[str]:
+    """A line for each lesson of which any question was answered: what was right at the first try."""
+    by_lesson: dict[str, list[str]] = {}
+    for score in guess_record.scores():
+        if "/" not in score.lesson:  # a demo is a lecturer's
+            open_ones = f" ({score.answered} answered)" if score.answered < score.count else ""
+            said = f"{_KINDS[score.kind]} right: {score.right} of {score.count}{open_ones}"
+            by_lesson.setdefault(score.lesson, []).append(said)
+    lines = [f"  {lesson}: {'; '.join(said)}" for lesson, said in by_lesson.items()]
+    return ["", "At the first try, in the lessons:", *lines] if lines else []
 
 
 def _lines(row: Row, width: int, tick: str) -> list[str]:

@@ -11,25 +11,23 @@ from __future__ import annotations
 import fcntl
 import json
 import math
-import os
 import threading
 import time
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from datetime import datetime, timezone
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from pathlib import Path
 
     from course_kit.grading import CheckReport, Report
 
 FORMAT_VERSION = 1
-VARIABLE = "COURSE_KIT_PROGRESS"
-_OFF = "off"
+VARIABLE = environment.PROGRESS_VARIABLE
 _PATIENCE_S = 5.0  # for another grader that is writing, which takes it some milliseconds
 _POLL_S = 0.02
 _COUNTED = ("graded", "crashed")  # a file that cannot be read, and a fault of ours, are no try
@@ -112,7 +110,7 @@ def read() -> dict[str, ProgressRecord]:
         ProgressError: there is a file, and it cannot be used.
     """
     try:
-        path = _file()
+        path = environment.progress_file()
         return {} if path is None else _read(path)
     except OSError as problem:
         raise ProgressError(_sentence(problem)) from problem
@@ -133,7 +131,7 @@ def update(exercise: str, change: Callable[[ProgressRecord], ProgressRecord | No
         What to tell the user when something was wrong with the file, else "".
     """
     try:
-        path = _file()
+        path = environment.progress_file()
         if path is None:
             return ""
         with _locked(path):
@@ -160,13 +158,6 @@ def _update(path: Path, exercise: str, change: Callable[[ProgressRecord], Progre
         records[exercise] = changed
     _write(path, records)
     return note
-
-
-def _file() -> Path | None:
-    chosen = os.environ.get(VARIABLE, "")
-    if chosen == _OFF:
-        return None
-    return Path(chosen) if chosen else environment.own_run_dir() / "progress.json"
 
 
 def _sentence(problem: OSError) -> str:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
-from course_kit.learner import progress, workspace
+from course_kit.learner import handed_out, progress, workspace
 from course_kit.learner.workspace import PRISTINE, STARTERS, shown
 from course_kit.text.console import cannot, tell
 
@@ -69,9 +69,10 @@ def changed(task: Exercise, place: Path | None = None) -> list[Return]:
     """
     found = []
     for name, file in _files(task, task.folder if place is None else place).items():
-        content = _pristine(task, name)
+        pristine = _pristine(task, name)
+        content = pristine if file.parent == task.folder else handed_out.as_handed_out(name, pristine)
         try:
-            if not file.exists() or file.read_bytes() != content:
+            if not file.exists() or file.read_bytes() not in (content, pristine):
                 found.append(Return(file, content))
         except OSError as problem:
             raise GradingError(f"{file} cannot be read: {problem.strerror}. Nothing was changed.") from None

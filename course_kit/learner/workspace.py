@@ -1,7 +1,8 @@
-"""Where a learner's own files are: in the course's folder, or in a copy where that folder cannot be written.
+"""Where a learner's own files are: in a learner's folder, made from the course the first time they start it.
 
-A course may be installed once for many, and belong to somebody else. JupyterLab then opens a copy of the lessons and
-exercises in the learner's home directory, and `watch` and `reset` find the files there, or where one stands.
+In a clone it lies inside, where git ignores it: lessons that have been run never make the clone differ from its
+commit. A course may also be installed once for many, and belong to somebody else; then it lies in the learner's home
+directory. `watch`, `reset` and the like find the files there, or where one stands.
 """
 
 from __future__ import annotations
@@ -13,9 +14,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import exercise_folders
+from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
-from course_kit.text.console import cannot
+from course_kit.learner import handed_out, learner_folder, own_versions
+from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,13 +29,19 @@ PRISTINE = ".pristine"
 COPIED = ("notebooks", "exercises")
 _NAME = "ros2-course"
 _COMMAND = "course"
+# A student edition comes without it. Students may hand in by git, so git does not ignore their folder there.
+_IN_AUTHORS_COURSE = (environment.PACKAGE / "authoring").is_dir()
+_WORK = (".ipynb", ".py")  # what a learner changes
 _LEFT_OUT = shutil.ignore_patterns(
-    ".ipynb_checkpoints", "__pycache__", "*.backup-*", "solution", exercise_folders.PROOF
+    ".ipynb_checkpoints", "__pycache__", "*.backup-*", f"*.{learner_folder.BESIDE}*", "solution", exercise_folders.PROOF
 )
 
 
 def copy_folder() -> Path:
-    """The folder of a learner's copy; it may not be there yet."""
+    """The learner's folder: in the course's own, or where that is shared in their home; it may not be there yet."""
+    root = environment.checkout()
+    if root is not None and not is_shared(root):
+        return root / environment.LEARNER_FOLDER
     home = environment.home()
     return environment.state_dir() / _NAME if home is None else home / _NAME
 
@@ -44,7 +52,7 @@ def is_shared(root: Path) -> bool:
 
 
 def copy(target: Path | None) -> int:
-    """Make a user's own copy of the lessons and exercises and say where it is; 2 where that cannot be done.
+    """Make a learner's folder, or bring one up to date, and say where it is; 2 where that cannot be done.
 
     Args:
         target: the folder, which may be there already; `copy_folder` when None.
@@ -53,35 +61,51 @@ def copy(target: Path | None) -> int:
     if root is None:
         return cannot("the lessons and exercises are missing; there is only the package.")
     target = (copy_folder() if target is None else target).absolute()
-    if target == root or root in target.parents:
+    if target != root / environment.LEARNER_FOLDER and (target == root or root in target.parents):
         return cannot(f"{target} is inside the course's folder. Name another folder.")
     try:
-        make_copy(root, target)
+        make_copy(root, target, restore=True)
     except OSError as problem:
         return cannot(f"{problem.filename or target} could not be written: {problem.strerror or problem}.")
-    print(f"The lessons and exercises are in {target}. Files that already existed there are unchanged.")
+    print(f"The lessons and exercises are in {target}. What you have changed there stays as it is.")
     return 0
 
 
-def make_copy(root: Path, target: Path) -> None:
-    """Put into a learner's folder what is not there yet of a course; what is there stays as it is.
+def make_copy(root: Path, target: Path, *, restore: bool = False) -> None:
+    """Make a learner's folder, or bring one up to date; says what that means for the learner's files.
 
     Args:
         root: the course's folder.
         target: the learner's folder.
+        restore: bring back what the learner has deleted, too.
 
     Raises:
         OSError: it cannot be written.
     """
-    target.mkdir(parents=True, exist_ok=True)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    in_clone = target.parent == root
+    committed = own_versions.committed(root, COPIED)
+    course, own = {}, {}
     for source in _files(root):
-        copied = target / source.relative_to(root)
-        if not os.path.lexists(copied):
-            environment.write_atomically(copied, _pristine(source).read_bytes(), durable=False)
+        path = source.relative_to(root).as_posix()
+        content = source.read_bytes()
+        shipped = committed.get(path) or _pristine(source)
+        course[path] = handed_out.as_handed_out(source.name, content if shipped is None else shipped)
+        if in_clone and shipped and source.suffix in _WORK and _differ(path, shipped, content):
+            own[path] = handed_out.of_this_python(content) if source.suffix == ".ipynb" else content
+    for sentence in learner_folder.update(target, course, own, restore=restore).sentences(target):
+        tell(sentence)
     command = target / _COMMAND
     if command.is_symlink() or not command.exists():  # so that `./course` works there as the lessons say it
         command.unlink(missing_ok=True)
         command.symlink_to(root / _COMMAND)
+    ignored = target / ".gitignore"
+    if in_clone and _IN_AUTHORS_COURSE and not ignored.exists():
+        environment.write_atomically(ignored, "*\n")
+
+
+def _differ(path: str, one: bytes, other: bytes) -> bool:
+    return handed_out.digest(path, one) != handed_out.digest(path, other)
 
 
 def _files(root: Path) -> Iterator[Path]:
@@ -92,31 +116,32 @@ def _files(root: Path) -> Iterator[Path]:
             yield from (Path(folder, each) for each in files if each not in left_out)
 
 
-def _pristine(source: Path) -> Path:
-    """The starter itself, where the course's owner may have worked on theirs."""
+def _pristine(source: Path) -> bytes | None:
+    """The starter itself, where the course's owner may have worked on theirs; None for what is no starter."""
     kept = STARTERS / source.parent.name / f"{source.name}{PRISTINE}"
-    return kept if kept.is_file() else source
+    return kept.read_bytes() if kept.is_file() else None
 
 
 def exercise_folder(task: Exercise) -> Path | None:
-    """The folder with this user's files of an exercise: found from where they are, else the course's or their copy's.
+    """The folder with this user's files of an exercise: found from where they are, else in their learner's folder.
 
-    None where there is only a course's folder that they cannot write.
+    The course's own where there is no other yet; None where they cannot write that.
     """
     course = task.folder
     here = _working_folder()
     own = exercise_folders.course_folder()
     around = course if own is None or exercise_folders.is_added(course) else own.parent
-    if here is None or here.is_relative_to(around):
+    mine = copy_folder()
+    if here is None or (here.is_relative_to(around) and not here.is_relative_to(mine)):
         found = None  # within the course: another folder there may hold a file of this name that is no starter
     else:
         found = next((folder for folder in _places(here, task) if _has_one(folder, task)), None)
     if found is not None:
         return found
-    if environment.is_writable(course, make=False):
-        return course
-    copied = copy_folder() / "exercises" / exercise_folders.place(course)
-    return copied if _has_one(copied, task) else None
+    copied = mine / "exercises" / exercise_folders.place(course)
+    if not exercise_folders.is_added(course) and _has_one(copied, task):
+        return copied
+    return course if environment.is_writable(course, make=False) else None
 
 
 def no_files_of(task: Exercise, verb: str) -> GradingError:
@@ -139,6 +164,31 @@ def own_file(task: Exercise, verb: str) -> Path:
         raise no_files_of(task, verb)
     program, notebook = folder / task.starter, folder / task.notebook
     return notebook if notebook.is_file() and not program.is_file() else program
+
+
+def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
+    """What `grade` means, and what to say about it: the file that is named, or where none is this user's own.
+
+    Raises:
+        GradingError: there is no such exercise, or no file of theirs.
+    """
+    if path is None:
+        own = str(shown(own_file(exercise.load(exercise_id), "grade")))
+        return own, f"grading {own}"
+    course, mine = exercise_folders.course_folder(), copy_folder() / "exercises"
+    here = Path(path).absolute()
+    if course is None or not here.is_relative_to(course):
+        return path, ""
+    twin = mine / here.relative_to(course)
+    said = f"{path} is the course's own file. Yours is {shown(twin)}: {environment.command()} grade {exercise_id}"
+    return path, said if twin.is_file() and _as_given(here) else ""
+
+
+def _as_given(file: Path) -> bool:
+    """Whether a file is the starter still."""
+    with suppress(OSError):
+        return file.read_bytes() == _pristine(file)
+    return False
 
 
 def shown(path: Path) -> Path:

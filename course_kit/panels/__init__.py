@@ -18,13 +18,25 @@ if TYPE_CHECKING:
     from course_kit.panels.form_view import ServiceForm
     from course_kit.panels.goal_panel import ActionPanel
     from course_kit.panels.graph_view import GraphView
+    from course_kit.panels.guess_panel import GuessPanel
     from course_kit.panels.plotting import Plot
     from course_kit.panels.quiz_panel import QuizPanel
     from course_kit.panels.sliders import ParameterSliders
     from course_kit.ros.messages import ActionType, Message, ServiceType
 
 # A panel's module is never called like its function: importing it would put the module in the function's place.
-__all__ = ["action_panel", "compare", "graph", "parameter_sliders", "plot", "quiz", "robot_map", "service_form"]
+__all__ = [
+    "action_panel",
+    "check_yourself",
+    "compare",
+    "graph",
+    "guess",
+    "parameter_sliders",
+    "plot",
+    "quiz",
+    "robot_map",
+    "service_form",
+]
 
 
 def service_form(service: str, service_type: ServiceType, *, timeout: float = 5.0) -> ServiceForm:
@@ -121,6 +133,36 @@ def plot(topic: str, message_type: type[Message], field: str, *, seconds: float 
     from course_kit.panels.plotting import Plot
 
     return Plot(topic, message_type, field, seconds)
+
+
+def guess(name: str) -> GuessPanel:
+    """A question of a lesson before its cell is run: choose, and see what is right and why.
+
+    Args:
+        name: the lesson and the question, such as "01_services/late_display".
+
+    Raises:
+        BankError: there is no such question.
+    """
+    from course_kit.panels.guess_panel import GuessPanel
+    from course_kit.quiz import guesses
+
+    return GuessPanel([guesses.question(name)])
+
+
+def check_yourself(lesson: str) -> GuessPanel:
+    """The questions at a lesson's end.
+
+    Args:
+        lesson: its name, such as "01_services".
+
+    Raises:
+        BankError: there are none for it.
+    """
+    from course_kit.panels.guess_panel import GuessPanel
+    from course_kit.quiz import guesses
+
+    return GuessPanel(guesses.checks(lesson))
 
 
 def quiz(seed: int = 1) -> QuizPanel:

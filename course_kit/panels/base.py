@@ -26,24 +26,17 @@ def of_files(*names: str) -> str:
     return "\n".join((_HERE / name).read_text(encoding="utf-8") for name in names)
 
 
-class Panel:
-    """A widget for one thing on the ROS graph.
+class Shown:
+    """A widget that has words, too.
 
     A notebook displays it as `widget`; a terminal, a stored notebook and a screen reader's text view have
     `describe()`, which holds nothing that changes from run to run. An export of a notebook has `still()`.
-
-    Args:
-        subject: what it is for. A panel of the same class for the same subject is closed first.
 
     Attributes:
         widget: the ipywidget to be displayed.
     """
 
     widget: Widget
-
-    def __init__(self, *subject: Hashable) -> None:
-        self._closing: list[Callable[[], None]] = []
-        lab.current().attach_panel((type(self).__name__, *subject), self.close)
 
     def describe(self) -> str:
         """The panel in a sentence or two, for where no widget can be shown.
@@ -61,15 +54,6 @@ class Panel:
         """The panel as HTML that does not move, for exports of the notebook: a picture, or its words."""
         return still(self.describe())
 
-    def at_close(self, function: Callable[[], None]) -> None:
-        """Have a function called when the panel ends; the last one first."""
-        self._closing.append(function)
-
-    def close(self) -> None:
-        """End it: nothing of it is left on the ROS graph. What it displays stays. Safe to call twice."""
-        while self._closing:
-            self._closing.pop()()
-
     def _repr_mimebundle_(self, **options: Any) -> dict[str, Any]:
         shown = self.displayed()._repr_mimebundle_(**options) or {}
         bundle: dict[str, Any] = dict(shown[0] if isinstance(shown, tuple) else shown)  # anywidget adds metadata
@@ -79,6 +63,27 @@ class Panel:
 
     def __repr__(self) -> str:
         return self.describe()
+
+
+class Panel(Shown):
+    """A widget for one thing on the ROS graph, which ends with the lab.
+
+    Args:
+        subject: what it is for. A panel of the same class for the same subject is closed first.
+    """
+
+    def __init__(self, *subject: Hashable) -> None:
+        self._closing: list[Callable[[], None]] = []
+        lab.current().attach_panel((type(self).__name__, *subject), self.close)
+
+    def at_close(self, function: Callable[[], None]) -> None:
+        """Have a function called when the panel ends; the last one first."""
+        self._closing.append(function)
+
+    def close(self) -> None:
+        """End it: nothing of it is left on the ROS graph. What it displays stays. Safe to call twice."""
+        while self._closing:
+            self._closing.pop()()
 
 
 class Latest(Generic[T]):

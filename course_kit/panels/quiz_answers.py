@@ -99,6 +99,8 @@ def _how_to_grade(path: Path, questions: Questions) -> str:
     seed = "" if questions.seed == quiz.DEFAULT_SEED else f" --seed {questions.seed}"
     root = environment.checkout()
     command, path = "course-kit", path.resolve()
-    if root is not None and path.is_relative_to(root):
-        command, path = "./course", path.relative_to(root)
+    for folder in () if root is None else (root / environment.LEARNER_FOLDER, root):  # each has `./course`
+        if path.is_relative_to(folder):
+            command, path = "./course", path.relative_to(folder)
+            break
     return f"To grade it, in a terminal: {command} grade pattern_choice {shlex.quote(str(path))}{seed}"

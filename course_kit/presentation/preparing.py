@@ -12,6 +12,7 @@ from typing import Any
 import nbformat
 
 from course_kit.environment import PACKAGE
+from course_kit.learner import handed_out
 from course_kit.presentation import projected
 from course_kit.presentation.demos import LESSONS, demos
 from course_kit.presentation.errors import PresentationError
@@ -62,7 +63,9 @@ def prepare(root: Path, folder: Path, opened: Path) -> None:
             spoken.append(_spoken(path.relative_to(root).as_posix(), _read(path)))
     for path in (folder / FILES).rglob("*.ipynb"):
         with suppress(PresentationError):  # another one that is damaged is no reason not to show this one
-            nbformat.write(projected.project(_read(path)), path)
+            shown = projected.project(_read(path))
+            shown.metadata["language_info"] = handed_out.language_info()  # or JupyterLab calls it unsaved
+            nbformat.write(shown, path)
     for name, values in _SETTINGS.items():
         path = folder / SETTINGS / name
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -44,7 +44,11 @@ SETTINGS = {
 
 
 class JupyterLab:
-    """Verbs of a learner in JupyterLab."""
+    """Verbs of a learner in JupyterLab.
+
+    Attributes:
+        root: the folder that it shows; for `./course lab` the learner's, in the course's own.
+    """
 
     def __init__(self, page: Page, root: Path, address: str, token: str) -> None:
         self.page, self.root, self.address, self.token = page, root, address, token
@@ -147,24 +151,23 @@ class OpenServer:
     """A JupyterLab on a copy of the course, and a Chromium, for one learner after the other.
 
     Attributes:
-        root: the copy.
+        root: the learner's folder in the copy.
         chromium: the browser; playwright allows one at a time in a thread.
     """
 
     def __init__(self, root: Path, server: jupyter_server.Server, chromium: Browser) -> None:
-        self.root, self.chromium, self._server = root, chromium, server
-        self._settings, self._handed_out = root.parent / "settings", root.parent / "handed out"
-        for name in COPIED:
-            shutil.copytree(root / name, self._handed_out / name)
+        self.root, self.chromium, self._server = root / environment.LEARNER_FOLDER, chromium, server
+        self._settings, self._first_day = root.parent / "settings", root.parent / "first day"
+        shutil.copytree(self.root, self._first_day, symlinks=True)
 
     @contextmanager
     def learner(self) -> Iterator[JupyterLab]:
-        """Somebody new: the course as it is handed out, JupyterLab's settings and the browser as on the first day."""
-        for name in COPIED:
-            shutil.rmtree(self.root / name)
-            shutil.copytree(self._handed_out / name, self.root / name)
+        """Somebody new: the folder, JupyterLab's settings and the browser are as on the first day."""
+        for left in self.root.iterdir():
+            shutil.rmtree(left) if left.is_dir() and not left.is_symlink() else left.unlink()
+        shutil.copytree(self._first_day, self.root, symlinks=True, dirs_exist_ok=True)
         write_settings(self._settings)
-        shutil.rmtree(self.root.parent / "workspaces", ignore_errors=True)
+        shutil.rmtree(self._settings.parent / "workspaces", ignore_errors=True)
         try:
             with page(self.chromium) as opened:
                 yield JupyterLab(opened, self.root, self._server.address, self._server.token)
@@ -173,22 +176,20 @@ class OpenServer:
                 self._server.delete(f"sessions/{session['id']}")
 
 
-COPIED = ("exercises", "notebooks")
-
-
 @contextmanager
 def learner(folder: Path, within: Browser | None = None, **changes: str | None) -> Iterator[JupyterLab]:
     """A learner before a JupyterLab of their own, started with other variables."""
     root = copy_with_notebooks(folder).root
     with served(root, folder, "lab", **changes) as server, page(within) as opened:
-        yield JupyterLab(opened, root, server.address, server.token)
+        yield JupyterLab(opened, root / environment.LEARNER_FOLDER, server.address, server.token)
 
 
 @contextmanager
 def open_server(folder: Path) -> Iterator[OpenServer]:
     """A copy of the course in JupyterLab, so that tests side by side never see each other's files."""
     root = copy_with_notebooks(folder).root
-    with served(root, folder, "lab") as server, chromium() as started:
+    variables = {"COURSE_KIT_PROGRESS": ""}  # kept in the learner's folder
+    with served(root, folder, "lab", **variables) as server, chromium() as started:
         yield OpenServer(root, server, started)
 
 

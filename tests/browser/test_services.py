@@ -2,22 +2,81 @@
 
 from __future__ import annotations
 
+import json
+import os
+import re
+import subprocess
 from typing import TYPE_CHECKING
 
 import pytest
 from playwright.sync_api import expect
 
+from course_kit.quiz import guesses
 from tests.browser.pictures import photograph
 
 if TYPE_CHECKING:
+    from playwright.sync_api import Locator
+
     from tests.browser.learner import JupyterLab
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 
+def require_nothing_told_and_nothing_unsaved(lab: JupyterLab) -> None:
+    """A lesson that has just been opened: no output spoils a guess, and its tab shows no unsaved change."""
+    tab = lab.page.locator("#jp-main-dock-panel .lm-TabBar-tab", has_text="00_welcome.ipynb")
+    expect(tab).to_have_count(1)
+    assert "jp-mod-dirty" not in (tab.get_attribute("class") or "")
+    cells = json.loads((lab.root / "notebooks/00_welcome.ipynb").read_text())["cells"]
+    assert not any(cell.get("outputs") for cell in cells)
+    # A change is shown there, so its absence means something.
+    lab.page.locator(".jp-CodeCell .cm-content").first.click()
+    lab.page.keyboard.type(" ")
+    expect(tab).to_have_class(re.compile("jp-mod-dirty"))
+    lab.page.keyboard.press("Backspace")
+
+
+def guess_wrong_then_right_by_keyboard(lab: JupyterLab) -> None:
+    """The arrow keys only choose; Enter guesses. The first try is what `./course list` counts."""
+    name = "00_welcome/after_the_cell"
+    asked = guesses.question(name)
+    lab.run_cell_that_begins(f'panels.guess("{name}")')
+    panel = lab.scroll_to(lab.page.locator(".ck-guess"))
+    photograph(lab, panel, "guess_before")
+    verdict, send = panel.get_by_role("status").first, panel.get_by_role("button", name="This is my guess")
+    expect(send).to_be_disabled()
+    wrong = next(choice for choice in asked.choices if not choice.is_right)
+    choose(panel, asked.choices.index(wrong))
+    expect(send).to_be_enabled()
+    expect(verdict).to_be_hidden()
+    lab.page.keyboard.press("Enter")
+    expect(verdict).to_contain_text(f"Not quite. {wrong.why}")
+    expect(verdict).to_contain_text("The answer: It lives on and keeps publishing.")
+    expect(verdict).to_be_focused()
+    photograph(lab, panel, "guess_after")
+    panel.get_by_role("button", name="Try again").press("Enter")
+    choose(panel, asked.right)
+    lab.page.keyboard.press("Enter")
+    expect(verdict).to_contain_text("Right.")
+    kept = {**os.environ, "COURSE_KIT_PROGRESS": ""}
+    command = [lab.root / "course", "list"]
+    listed = subprocess.run(command, cwd=lab.root, env=kept, capture_output=True, text=True, check=True)
+    assert "00_welcome: guesses right: 0 of 3 (1 answered)" in listed.stdout
+
+
+def choose(panel: Locator, place: int) -> None:
+    """Move to a choice with the arrow keys, from the first one."""
+    panel.get_by_role("radio").first.focus()
+    for key in ["Space", *["ArrowDown"] * place]:
+        panel.page.keyboard.press(key)
+    expect(panel.get_by_role("radio").nth(place)).to_be_checked()
+
+
 def test_lesson_zero_shows_nodes_come_and_go(lab: JupyterLab) -> None:
     lab.open("notebooks/00_welcome.ipynb")
+    require_nothing_told_and_nothing_unsaved(lab)
     lab.run_cell_that_begins("%load_ext course_kit")
+    guess_wrong_then_right_by_keyboard(lab)
     lab.run_cell_that_begins("graph = panels.graph()")
     graph = lab.page.locator(".ck-graph")
     expect(graph).to_contain_text("No node is on the graph.")

@@ -41,7 +41,7 @@ def test_lesson_one_begins_and_exercise_one_is_graded(tmp_path: Path) -> None:
     assert "Traceback" not in log
     [state] = spare.glob("ros2-course-kit-*")
     assert (
-        json.loads((someone.root / ".course" / "progress.json").read_text())["exercises"]["temperature_service"][
+        json.loads((someone.root.parent / ".course" / "progress.json").read_text())["exercises"]["temperature_service"][
             "tries"
         ]
         == 1

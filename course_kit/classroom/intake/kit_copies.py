@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from course_kit import environment
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -35,4 +37,5 @@ def parts(paths: Iterable[str]) -> set[str]:
 def _is_the_kits(path: str, *, whole: bool) -> bool:
     if path.startswith("course_kit/"):
         return True
+    path = path.removeprefix(f"{environment.LEARNER_FOLDER}/")  # `./course lab` copies lessons there
     return whole and (path.startswith(_FOLDERS) or _LESSON.fullmatch(path) is not None or path == "hatch_build.py")

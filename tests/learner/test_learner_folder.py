@@ -1,0 +1,164 @@
+"""A learner's folder: what opens in it, and what an update of the course does to a learner's files."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from ipykernel.ipkernel import IPythonKernel
+
+from course_kit.environment import LEARNER_FOLDER
+from course_kit.learner import handed_out, learner_folder, workspace
+from tests.course_copy import REPOSITORY, TEMPERATURE, Course, copy_course
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+LESSON = "notebooks/01_lesson.ipynb"
+PROGRAM = f"exercises/{TEMPERATURE}/{TEMPERATURE}.py"
+
+
+def notebook(source: str, output: str = "") -> bytes:
+    outputs = [{"output_type": "stream", "name": "stdout", "text": [output]}] if output else []
+    cell = {"cell_type": "code", "id": "one", "metadata": {}, "source": [source], "outputs": outputs}
+    cell["execution_count"] = 1 if output else None
+    metadata = {"language_info": {"name": "python"}}
+    return json.dumps({"cells": [cell], "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}).encode()
+
+
+def given(*sources: tuple[str, str]) -> dict[str, bytes]:
+    return {path: handed_out.as_handed_out(path, notebook(source)) for path, source in sources}
+
+
+def cell_of(path: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(path.read_text())["cells"][0]
+    return found
+
+
+def test_a_notebook_opens_without_outputs_and_jupyterlab_has_nothing_to_add() -> None:
+    opened = json.loads(handed_out.as_handed_out(LESSON, notebook("1 + 1", "2")))
+    assert opened["cells"][0]["outputs"] == []
+    assert opened["cells"][0]["execution_count"] is None
+    assert opened["metadata"]["language_info"] == IPythonKernel.language_info
+    for other in (b"no notebook", b'{"cells": [1]}', b"[]"):
+        assert handed_out.as_handed_out(LESSON, other) == other
+    assert handed_out.as_handed_out("a.py", b"x = 1\n") == b"x = 1\n"
+
+
+def test_what_was_not_changed_becomes_the_new_version(tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    learner_folder.update(folder, given((LESSON, "old")), {})
+    (folder / LESSON).write_bytes(notebook("old", "it was run"))
+    assert learner_folder.update(folder, given((LESSON, "old")), {}).sentences(folder) == []
+    assert cell_of(folder / LESSON)["outputs"], "an update without news takes away what the cells have shown"
+    done = learner_folder.update(folder, given((LESSON, "new")), {})
+    assert done.renewed == [LESSON]
+    assert cell_of(folder / LESSON)["source"] == ["new"]
+
+
+def test_what_was_changed_stays_and_the_new_version_lies_beside_it_once(tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    learner_folder.update(folder, given((LESSON, "old")), {})
+    (folder / LESSON).write_bytes(notebook("mine"))
+    assert learner_folder.update(folder, given((LESSON, "old")), {}).sentences(folder) == []
+    [said] = learner_folder.update(folder, given((LESSON, "new")), {}).sentences(folder)
+    assert "01_lesson.new-version.ipynb" in said
+    assert cell_of(folder / LESSON)["source"] == ["mine"]
+    assert cell_of(folder / "notebooks/01_lesson.new-version.ipynb")["source"] == ["new"]
+    assert learner_folder.update(folder, given((LESSON, "new")), {}).sentences(folder) == []
+    (folder / "notebooks/01_lesson.new-version.ipynb").write_bytes(notebook("mine, too"))
+    learner_folder.update(folder, given((LESSON, "newest")), {})
+    assert cell_of(folder / "notebooks/01_lesson.new-version.ipynb")["source"] == ["mine, too"]
+    assert cell_of(folder / "notebooks/01_lesson.new-version-2.ipynb")["source"] == ["newest"]
+
+
+def test_what_was_deleted_comes_back_only_as_a_new_version_or_when_asked_for(tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    learner_folder.update(folder, given((LESSON, "old")), {})
+    (folder / LESSON).unlink()
+    learner_folder.update(folder, given((LESSON, "old")), {})
+    assert not (folder / LESSON).exists()
+    learner_folder.update(folder, given((LESSON, "old")), {}, restore=True)
+    assert (folder / LESSON).exists()
+    (folder / LESSON).unlink()
+    learner_folder.update(folder, given((LESSON, "new")), {})
+    assert cell_of(folder / LESSON)["source"] == ["new"]
+
+
+def test_what_the_course_no_longer_has_goes_unless_it_was_changed(tmp_path: Path) -> None:
+    folder, other = tmp_path / "mine", "notebooks/02_lesson.ipynb"
+    learner_folder.update(folder, given((LESSON, "one"), (other, "two")), {})
+    (folder / other).write_bytes(notebook("mine"))
+    assert learner_folder.update(folder, {}, {}).removed == [LESSON]
+    assert not (folder / LESSON).exists()
+    assert cell_of(folder / other)["source"] == ["mine"]
+
+
+OUTSIDE = '{"handed_out": {"../../out.py": "x", "/out.py": "x"}}'
+
+
+@pytest.mark.parametrize("damage", ["", "{", '{"handed_out": 1}', OUTSIDE])
+def test_a_damaged_manifest_costs_no_work(damage: str, tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    learner_folder.update(folder, given((LESSON, "old")), {})
+    (folder / LESSON).write_bytes(notebook("mine"))
+    (folder / learner_folder.MANIFEST).write_text(damage)
+    learner_folder.update(folder, given((LESSON, "old")), {})
+    assert cell_of(folder / LESSON)["source"] == ["mine"]
+
+
+@pytest.fixture
+def clone(tmp_path: Path) -> Course:
+    course = copy_course(tmp_path)
+    (course.root / "notebooks" / "01_lesson.ipynb").write_bytes(notebook("ours", "stored"))
+    for command in (["init", "-q"], ["add", "exercises", "notebooks"], ["commit", "-q", "-m", "a course"]):
+        subprocess.run(
+            ["git", "-c", "user.name=a", "-c", "user.email=a@b.c", *command], cwd=course.root, check=True, timeout=60
+        )
+    return course
+
+
+def test_the_folder_in_a_clone_takes_over_what_was_changed_there_and_git_ignores_it(clone: Course) -> None:
+    (clone.root / LESSON).write_bytes(notebook("mine", "run"))
+    (clone.root / PROGRAM).write_text("print('mine')\n")
+    made = clone.run("copy")
+    assert made.returncode == 0, made.stderr
+    folder = clone.root / LEARNER_FOLDER
+    assert f"You changed {LESSON}, {PROGRAM} in" in made.stderr
+    assert (cell_of(folder / LESSON)["source"], cell_of(folder / LESSON)["outputs"] != []) == (["mine"], True)
+    assert (folder / PROGRAM).read_text() == "print('mine')\n"
+    assert not list(folder.rglob("solution*"))
+    status = subprocess.run(
+        ["git", "status", "--porcelain", "."], cwd=clone.root, capture_output=True, text=True, check=True
+    )
+    assert LEARNER_FOLDER not in status.stdout
+    # The clone's own files go back to their commit; the learner's stay.
+    subprocess.run(["git", "checkout", "-q", "."], cwd=clone.root, check=True)
+    again = clone.run("copy")
+    assert again.stderr == ""
+    assert cell_of(folder / LESSON)["source"] == ["mine"]
+    # Commands find the learner's files from anywhere in the clone.
+    assert f"{LEARNER_FOLDER}/exercises/{TEMPERATURE}" in clone.run("list").stdout
+    assert clone.run("reset", TEMPERATURE, "--yes").returncode == 0
+    assert (folder / PROGRAM).read_bytes() == (clone.root / PROGRAM).read_bytes()
+    assert f"grading {LEARNER_FOLDER}/{PROGRAM}" in clone.run("grade", TEMPERATURE).stderr
+    assert f"Yours is {LEARNER_FOLDER}/{PROGRAM}" in clone.run("grade", TEMPERATURE, PROGRAM).stderr
+
+
+def test_a_file_that_was_only_run_in_the_clone_is_not_taken_for_changed(clone: Course) -> None:
+    (clone.root / LESSON).write_bytes(notebook("ours", "run again"))
+    assert clone.run("copy").stderr == ""
+    assert cell_of(clone.root / LEARNER_FOLDER / LESSON)["outputs"] == []
+
+
+def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`./course lab .` opens the course's own folder, and copies nothing."""
+    from course_kit.integrations import jupyter
+
+    served = []
+    monkeypatch.setattr(jupyter, "serve", lambda folder, first, arguments: served.append((folder, first, arguments)))
+    monkeypatch.setattr(workspace, "make_copy", lambda *_, **__: pytest.fail("it was copied"))
+    jupyter.run_lab([str(REPOSITORY), "--no-browser"])
+    assert served == [(REPOSITORY, jupyter.FIRST_LESSON, ["--no-browser"])]

@@ -1,0 +1,88 @@
+"""A question of a lesson as a panel: nothing tells the answer before one has chosen."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import panels
+from course_kit.quiz import guesses
+from tests.course_copy import Course
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+NAME = "01_services/late_display"
+
+
+@pytest.fixture(autouse=True)
+def progress(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("COURSE_KIT_PROGRESS", str(tmp_path / "progress.json"))
+    return tmp_path
+
+
+def test_before_the_guess_neither_words_nor_widget_tell_the_answer() -> None:
+    panel, asked = panels.guess(NAME), guesses.question(NAME)
+    seen = panel.describe() + json.dumps([panel.widget.questions, panel.widget.answers])
+    assert asked.text in seen
+    for choice in asked.choices:
+        assert choice.text in seen
+        assert choice.why not in seen
+    assert "right" not in seen
+
+
+def test_a_guess_reveals_and_explains_and_stays_when_the_cell_is_run_again() -> None:
+    asked = guesses.question(NAME)
+    wrong = next(place for place in range(3) if place != asked.right)
+    panels.guess(NAME).answer(NAME, wrong)
+    shown = panels.guess(NAME).widget.answers[NAME]
+    assert (shown["chosen"], shown["right"], shown["first_right"]) == (wrong, asked.right, False)
+    assert (shown["why"], shown["why_right"]) == (asked.choices[wrong].why, asked.choices[asked.right].why)
+    assert panels.guess(NAME).describe() == panels.guess("01_services/late_display").describe()
+
+
+def test_trying_again_hides_the_answer_and_does_not_count() -> None:
+    panel, asked = panels.guess(NAME), guesses.question(NAME)
+    panel.answer(NAME, asked.right)
+    panel.again(NAME)
+    assert panel.widget.answers == {}
+    panel.answer(NAME, (asked.right + 1) % 3)
+    assert panel.widget.answers[NAME]["first_right"] is True
+
+
+@pytest.mark.parametrize(
+    "message", [{}, {"name": NAME}, {"name": NAME, "place": 9}, {"name": NAME, "place": "0"}, {"name": "x", "place": 0}]
+)
+def test_a_message_that_makes_no_sense_changes_nothing(message: dict[str, object]) -> None:
+    panel = panels.guess(NAME)
+    panel.widget._handle_custom_msg({"do": "answer", **message}, [])
+    assert panel.widget.answers == {}
+
+
+def test_the_questions_at_the_end_are_counted_together() -> None:
+    panel = panels.check_yourself("01_services")
+    names = [question["name"] for question in panel.widget.questions]
+    for name in names[:2]:
+        panel.answer(name, guesses.question(name).right)
+    assert panel.widget.summary == f"2 of {len(names)} right at the first try, 2 answered."
+
+
+def test_an_export_folds_the_answer() -> None:
+    html = panels.guess(NAME).still()
+    before, answer, folded = html.partition("<details>")
+    assert answer
+    right = next(choice for choice in guesses.question(NAME).choices if choice.is_right)
+    assert right.text in before
+    assert right.why not in before
+    assert right.why in folded
+
+
+def test_the_list_counts_first_tries(progress: Path) -> None:
+    panel = panels.guess(NAME)
+    panel.answer(NAME, guesses.question(NAME).right)
+    course = Course(progress)
+    assert "01_services: guesses right: 1 of 11 (1 answered)" in course.run("list").stdout
+    [score] = json.loads(course.run("list", "--format", "json").stdout)["questions"]
+    assert (score["lesson"], score["right"]) == ("01_services", 1)

@@ -1,0 +1,113 @@
+"""The questions of the lessons: each has its place in a notebook, and each wrong choice its own explanation."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit.quiz import guesses
+from course_kit.quiz.bank import BankError
+from course_kit.quiz.guess_record import GuessRecord, scores
+from tests.course_copy import REPOSITORY
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.quiz.guesses import LessonQuestion
+
+LESSONS = guesses.lessons()
+CALL = re.compile(r'^panels\.(guess|check_yourself)\("(.*)"\)$', re.MULTILINE)
+TEXT = """
+[[guess]]
+id = "one"
+question = "What?"
+right = ["A", "Because."]
+wrong = [["B", "You took it for a C."], ["C", "You took it for a B."]]
+"""
+
+
+@pytest.mark.parametrize("lesson", LESSONS)
+def test_each_question_stands_in_its_notebook_once(lesson: str) -> None:
+    cells = json.loads((REPOSITORY / "notebooks" / f"{lesson}.ipynb").read_text())["cells"]
+    text = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+    calls = CALL.findall(text)
+    found = guesses.of_lesson(lesson).values()
+    assert [name for verb, name in calls if verb == "guess"] == [one.name for one in found if one.kind == "guess"]
+    assert [name for verb, name in calls if verb == "check_yourself"] == [lesson]
+
+
+@pytest.mark.parametrize("question", [one for name in LESSONS for one in guesses.of_lesson(name).values()], ids=str)
+def test_each_choice_has_its_own_explanation(question: LessonQuestion) -> None:
+    assert re.fullmatch(r"[\w/]+/[a-z][a-z0-9_]*", question.name)
+    explanations = {choice.why for choice in question.choices if choice.why.strip()}
+    assert len(explanations) == len(question.choices) or len(question.choices) == 2
+    assert sum(choice.is_right for choice in question.choices) == 1
+    for text in (question.text, *(text for choice in question.choices for text in (choice.text, choice.why))):
+        assert text.count("`") % 2 == 0, f"a backtick has no partner: {text}"
+
+
+def test_the_place_of_the_right_choice_tells_nothing() -> None:
+    places = [one.right for name in LESSONS for one in guesses.of_lesson(name).values() if len(one.choices) == 3]
+    for place in range(3):
+        assert len(places) / 6 < places.count(place) < len(places) / 2
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("01_services/nothing", "There is no question"), ("nothing/at_all", "There are no questions for 'nothing'")],
+)
+def test_a_name_that_is_wrong_is_answered_with_those_there_are(name: str, said: str) -> None:
+    with pytest.raises(BankError, match=said):
+        guesses.question(name)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[[guess", TEXT + TEXT, TEXT.replace('"C", ', '"B", '), TEXT.replace("right", "write"), "guess = 1"],
+)
+def test_a_mistake_in_the_file_is_named(text: str) -> None:
+    with pytest.raises(BankError, match="The questions of a_lesson have"):
+        guesses.parse("a_lesson", text)
+
+
+@pytest.fixture
+def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("COURSE_KIT_PROGRESS", str(tmp_path / "progress.json"))
+    return tmp_path / "guesses"
+
+
+def test_the_first_try_counts_and_the_last_is_shown(kept: Path) -> None:
+    asked = guesses.question("01_services/late_display")
+    wrong = next(place for place in range(3) if place != asked.right)
+    GuessRecord().choose(asked, wrong)
+    GuessRecord().choose(asked, asked.right)
+    known = GuessRecord().of(asked)
+    assert known is not None
+    assert (known.first, known.first_right, known.last) == (
+        asked.choices[wrong].text, False, asked.choices[asked.right].text,
+    )  # fmt: skip
+    other = guesses.question("01_services/float_for_int")
+    GuessRecord().choose(other, other.right)
+    [score] = scores()
+    assert (score.lesson, score.kind, score.right, score.answered, score.count) == ("01_services", "guess", 1, 2, 11)
+    assert sorted(path.name for path in kept.rglob("*.json")) == ["float_for_int.json", "late_display.json"]
+
+
+@pytest.mark.parametrize("damage", ["", "[]", '{"first": 1, "first_right": true, "last": "x"}', '{"first": "x"}'])
+def test_a_damaged_file_counts_for_nothing(kept: Path, damage: str) -> None:
+    asked = guesses.question("01_services/late_display")
+    (kept / "01_services").mkdir(parents=True)
+    (kept / f"{asked.name}.json").write_text(damage)
+    assert GuessRecord().of(asked) is None
+    assert scores() == []
+
+
+def test_where_nothing_is_kept_a_panel_still_knows_its_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COURSE_KIT_PROGRESS", "off")
+    asked, record = guesses.question("01_services/late_display"), GuessRecord()
+    record.choose(asked, asked.right)
+    assert record.of(asked) is not None
+    assert GuessRecord().of(asked) is None
