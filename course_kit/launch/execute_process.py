@@ -125,6 +125,8 @@ class ExecuteProcess(Action):
         """What the lines of the process begin with."""
         if self._name is not None:
             return as_text(self._name, context)
+        if self._cmd and isinstance(self._cmd[0], ExecutableInPackage):
+            return Path(self._cmd[0].name(context)).name
         words = command[-1].split() if self._shell else command
         return Path(words[0] if words else "process").name
 

@@ -240,6 +240,10 @@ class ExecutableInPackage(Substitution):
     def __init__(self, executable: Text, package: Text) -> None:
         self._executable, self._package = executable, package
 
+    def name(self, context: LaunchContext) -> str:
+        """What the program is called."""
+        return as_text(self._executable, context)
+
     def words(self, context: LaunchContext) -> list[str]:
         """The words of its command.
 
