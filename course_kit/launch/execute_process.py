@@ -13,6 +13,7 @@ from course_kit.launch.action import Action, as_entities
 from course_kit.launch.conditions import truth
 from course_kit.launch.errors import LaunchError, ProgramError
 from course_kit.launch.event_handlers import OnProcessExit, Reaction
+from course_kit.launch.expressions import ExecutableInPackage
 from course_kit.launch.process import PATIENCE_S
 from course_kit.launch.process_description import OUTPUTS, ProcessDescription
 from course_kit.launch.substitutions import Text, as_text
@@ -111,9 +112,11 @@ class ExecuteProcess(Action):
             temporary: takes the files that are made for it.
         """
         del temporary
-        words = [as_text(word, context) for word in self._cmd]
         if self._shell:
-            return [*_SHELL, " ".join(words)]
+            return [*_SHELL, " ".join(as_text(word, context) for word in self._cmd)]
+        words: list[str] = []
+        for word in self._cmd:  # a program in Python is several words: the interpreter, and what it runs
+            words += word.words(context) if isinstance(word, ExecutableInPackage) else [as_text(word, context)]
         if words and words[0] in _PYTHONS:
             words[0] = sys.executable  # the one with rclpy
         return words
@@ -122,6 +125,8 @@ class ExecuteProcess(Action):
         """What the lines of the process begin with."""
         if self._name is not None:
             return as_text(self._name, context)
+        if self._cmd and isinstance(self._cmd[0], ExecutableInPackage):
+            return Path(self._cmd[0].name(context)).name
         words = command[-1].split() if self._shell else command
         return Path(words[0] if words else "process").name
 

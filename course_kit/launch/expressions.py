@@ -240,11 +240,23 @@ class ExecutableInPackage(Substitution):
     def __init__(self, executable: Text, package: Text) -> None:
         self._executable, self._package = executable, package
 
+    def name(self, context: LaunchContext) -> str:
+        """What the program is called."""
+        return as_text(self._executable, context)
+
+    def words(self, context: LaunchContext) -> list[str]:
+        """The words of its command.
+
+        Raises:
+            LaunchError: there is no such package, or no such program in it.
+        """
+        near = [context.file.parent]
+        return find(as_text(self._package, context), as_text(self._executable, context), near)
+
     def perform(self, context: LaunchContext) -> str:
         """The path, or the command where a program has none of its own.
 
         Raises:
             LaunchError: there is no such package, or no such program in it.
         """
-        near = [context.file.parent]
-        return shlex.join(find(as_text(self._package, context), as_text(self._executable, context), near))
+        return shlex.join(self.words(context))

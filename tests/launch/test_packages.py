@@ -74,6 +74,8 @@ def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
         "say(FileContent(PathJoinSubstitution([FindPackageShare('arm'), 'arm.urdf']))),"
         "say(FileContent([FindPackageShare('arm'), '/files/two.txt'])),"
         "Node(package='arm', executable='wave.py', output='screen'),"
+        "ExecuteProcess(cmd=[ExecutableInPackage(package='arm', executable='wave.py'), 'x'], output='both'),"
+        "ExecuteProcess(cmd=[ExecutableInPackage(package='no', executable='no')]),"
         "ExecuteProcess(cmd=['python3', '-c', 'from ament_index_python.packages import *; "
         "print(get_package_share_directory(\"arm\"))'], output='screen')",
         file="ws/src/bringup/launch/it.launch.py",
@@ -84,8 +86,10 @@ def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
     assert "urdf/arm.urdf" in done
     assert "data/two.txt" in done
     assert "[wave.py-1] waving" in done
-    assert f"[python3-2] {share}" in done or f"[python-2] {share}" in done
-    assert done.endswith("ended with 0")
+    assert "[wave.py-2] waving" in done
+    assert re.search(rf"^\[python[\d.]*-3\] {re.escape(str(share))}$", done, re.MULTILINE)
+    assert "[ERROR] [launch]: it.launch.py, line " in done
+    assert done.endswith("ended with 1")
 
 
 def test_a_compiled_program_of_a_package_is_named_as_one(run: Run, folder: Path) -> None:
