@@ -46,10 +46,12 @@ def encode_string(value: str) -> bytes:
 def encode_strings(values: Sequence[str]) -> bytes:
     """Strings one after another, each with its length, NUL and what keeps the next one aligned."""
     try:
-        plain = "\0" not in "".join(values)
+        encoded = "\0".join(values).encode().split(b"\0")
+        plain = len(encoded) == len(values)
     except TypeError:  # not of str itself; with the checks off
         plain = False
-    encoded = [*map(str.encode, values)] if plain else [encode_string(value) for value in values]
+    if not plain:
+        encoded = [encode_string(value) for value in values]
     short = _SHORT
     try:
         packed = [short[len(data)](len(data) + 1, data) for data in encoded]
