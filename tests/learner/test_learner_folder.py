@@ -143,6 +143,10 @@ def test_the_folder_in_a_clone_takes_over_what_was_changed_there_and_git_ignores
     assert f"{LEARNER_FOLDER}/exercises/{TEMPERATURE}" in clone.run("list").stdout
     assert clone.run("reset", TEMPERATURE, "--yes").returncode == 0
     assert (folder / PROGRAM).read_bytes() == (clone.root / PROGRAM).read_bytes()
+    exercise_notebook = (folder / PROGRAM).with_suffix(".ipynb")
+    exercise_notebook.unlink()
+    assert clone.run("reset", TEMPERATURE, "--yes").returncode == 0
+    assert json.loads(exercise_notebook.read_text())["metadata"]["language_info"] == IPythonKernel.language_info
     assert f"grading {LEARNER_FOLDER}/{PROGRAM}" in clone.run("grade", TEMPERATURE).stderr
     assert f"Yours is {LEARNER_FOLDER}/{PROGRAM}" in clone.run("grade", TEMPERATURE, PROGRAM).stderr
 
