@@ -157,7 +157,7 @@ def test_a_file_that_was_only_run_in_the_clone_is_not_taken_for_changed(clone: C
     assert cell_of(clone.root / LEARNER_FOLDER / LESSON)["outputs"] == []
 
 
-def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """`./course lab .` opens the course's own folder, and copies nothing."""
     from course_kit.integrations import jupyter
 
@@ -166,3 +166,7 @@ def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(workspace, "make_copy", lambda *_, **__: pytest.fail("it was copied"))
     jupyter.run_lab([str(REPOSITORY), "--no-browser"])
     assert served == [(REPOSITORY, jupyter.FIRST_LESSON, ["--no-browser"])]
+    for wrong in (REPOSITORY / "notebooks", REPOSITORY / "README.md"):  # a copy in there would become a part of it
+        assert jupyter.run_lab([str(wrong)]) == 2
+        assert "cannot be your folder" in capsys.readouterr().err
+    assert len(served) == 1
