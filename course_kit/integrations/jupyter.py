@@ -38,7 +38,9 @@ def run_lab(arguments: Sequence[str]) -> int:
         return cannot("the notebooks are missing. Run ./course lab in the course's folder.")
     folder = workspace.copy_folder()
     if arguments and not arguments[0].startswith("-"):
-        folder, arguments = Path(arguments[0]).absolute(), arguments[1:]
+        folder, arguments = Path(arguments[0]).resolve(), arguments[1:]
+        if folder.is_file() or (root in folder.parents and folder != workspace.copy_folder()):
+            return cannot(f"{folder} cannot be your folder. Leave it out, or name a folder outside of {root}.")
     try:
         _make_ready(root, folder)
     except OSError as problem:

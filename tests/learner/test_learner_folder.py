@@ -143,6 +143,10 @@ def test_the_folder_in_a_clone_takes_over_what_was_changed_there_and_git_ignores
     assert f"{LEARNER_FOLDER}/exercises/{TEMPERATURE}" in clone.run("list").stdout
     assert clone.run("reset", TEMPERATURE, "--yes").returncode == 0
     assert (folder / PROGRAM).read_bytes() == (clone.root / PROGRAM).read_bytes()
+    exercise_notebook = (folder / PROGRAM).with_suffix(".ipynb")
+    exercise_notebook.unlink()
+    assert clone.run("reset", TEMPERATURE, "--yes").returncode == 0
+    assert json.loads(exercise_notebook.read_text())["metadata"]["language_info"] == IPythonKernel.language_info
     assert f"grading {LEARNER_FOLDER}/{PROGRAM}" in clone.run("grade", TEMPERATURE).stderr
     assert f"Yours is {LEARNER_FOLDER}/{PROGRAM}" in clone.run("grade", TEMPERATURE, PROGRAM).stderr
 
@@ -153,7 +157,7 @@ def test_a_file_that_was_only_run_in_the_clone_is_not_taken_for_changed(clone: C
     assert cell_of(clone.root / LEARNER_FOLDER / LESSON)["outputs"] == []
 
 
-def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """`./course lab .` opens the course's own folder, and copies nothing."""
     from course_kit.integrations import jupyter
 
@@ -162,3 +166,7 @@ def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(workspace, "make_copy", lambda *_, **__: pytest.fail("it was copied"))
     jupyter.run_lab([str(REPOSITORY), "--no-browser"])
     assert served == [(REPOSITORY, jupyter.FIRST_LESSON, ["--no-browser"])]
+    for wrong in (REPOSITORY / "notebooks", REPOSITORY / "README.md"):  # a copy in there would become a part of it
+        assert jupyter.run_lab([str(wrong)]) == 2
+        assert "cannot be your folder" in capsys.readouterr().err
+    assert len(served) == 1
