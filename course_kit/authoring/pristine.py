@@ -16,6 +16,7 @@ from course_kit.authoring import shipped_starters
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 from course_kit.learner import workspace
+from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -54,11 +55,9 @@ def main(arguments: Sequence[str]) -> int:
     try:
         written = renew(workspace.STARTERS, chosen=arguments)
     except GradingError as problem:
-        print(f"course-kit: {problem}", file=sys.stderr)
-        return 2
+        return cannot(problem)
     except OSError as problem:
-        print(f"course-kit: {problem.filename} could not be copied: {problem.strerror}.", file=sys.stderr)
-        return 2
+        return cannot(f"{problem.filename} could not be copied: {problem.strerror}.")
     for path in written:
         print(path.relative_to(environment.PACKAGE))
     return shipped_starters.main()

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
+from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -128,11 +129,9 @@ def main(arguments: Sequence[str]) -> int:
             for path in write(exercise.load(name))
         ]
     except GradingError as problem:
-        print(f"course-kit: {problem}", file=sys.stderr)
-        return 2
+        return cannot(problem)
     except OSError as problem:
-        print(f"course-kit: {problem.filename} could not be written: {problem.strerror}.", file=sys.stderr)
-        return 2
+        return cannot(f"{problem.filename} could not be written: {problem.strerror}.")
     for path in changed:
         print(path)
     return 0
