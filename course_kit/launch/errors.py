@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import inspect
 import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -40,10 +40,10 @@ class ProgramError(LaunchError):
 
 def calling_place() -> str:
     """File and line of the code outside of this package that is running now, such as "robot.launch.py, line 9"."""
-    frame = sys._getframe(1)  # noqa: SLF001 - the way in which Python tells a caller, as `warnings` does
-    while frame.f_back is not None and frame.f_code.co_filename.startswith(_KIT):
+    frame = inspect.currentframe()
+    while frame is not None and frame.f_back is not None and frame.f_code.co_filename.startswith(_KIT):
         frame = frame.f_back
-    return f"{Path(frame.f_code.co_filename).name}, line {frame.f_lineno}"
+    return "" if frame is None else f"{Path(frame.f_code.co_filename).name}, line {frame.f_lineno}"
 
 
 def place_in(file: Path, error: Exception) -> str:
