@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 from typing import TYPE_CHECKING
 
@@ -45,8 +46,6 @@ def nearest(name: str, candidates: Iterable[str], alike: float = 0.6) -> str | N
         candidates: all there are.
         alike: the ratio of difflib that a candidate must have.
     """
-    import difflib  # only when something is wrong
-
     lowered = {candidate.lower(): candidate for candidate in candidates}
     found = difflib.get_close_matches(name.lower(), lowered, n=3, cutoff=alike)
     alike_at_first = [one for one in found if one[:1] == name[:1].lower()]
