@@ -42,26 +42,14 @@ def run_lab(arguments: Sequence[str]) -> int:
         if folder.is_file() or (root in folder.parents and folder != workspace.copy_folder()):
             return cannot(f"{folder} cannot be your folder. Leave it out, or name a folder outside of {root}.")
     try:
-        _make_ready(root, folder)
+        command, environ = lab_command(folder, f"/lab/tree/{FIRST_LESSON}", arguments)
+    except (LabStartError, environment.DomainError) as problem:
+        return cannot(problem)
+    try:
+        _make_ready(root, folder)  # only where JupyterLab can start
     except OSError as problem:
         what = f"{problem.filename or folder} could not be written: {problem.strerror or problem}"
         return cannot(f"Your folder for the lessons could not be made: {what}.")
-    return serve(folder, FIRST_LESSON, arguments)
-
-
-def serve(root: Path, first: str, arguments: Sequence[str], **variables: str) -> int:
-    """Replace this process by JupyterLab; return 2 where it would refuse to start.
-
-    Args:
-        root: the folder it shows.
-        first: the notebook it opens, relative to `root`.
-        arguments: more for `jupyter lab`.
-        variables: more for its environment.
-    """
-    try:
-        command, environ = lab_command(root, f"/lab/tree/{first}", arguments, **variables)
-    except (LabStartError, environment.DomainError) as problem:
-        return cannot(problem)
     sys.stdout.flush()
     return os.execve(sys.executable, command, environ)
 

@@ -54,7 +54,7 @@ class _OfAProcess(EventHandler):
         self, kind: type[RunningProcessEvent], target: object, reaction: Reaction, *, handle_once: bool = False
     ) -> None:
         if target is not None and not isinstance(target, Action) and not callable(target):
-            raise LaunchError(f"{type(self).__name__}(target_action={target!r}): a Node or ExecuteProcess is expected.")
+            raise LaunchError(f"{type(self).__name__}(target_action={target!r}): expected a Node or an ExecuteProcess.")
 
         def is_meant(event: LaunchEvent) -> bool:
             if not isinstance(event, kind):

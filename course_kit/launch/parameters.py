@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from course_kit.launch.context import LaunchContext
 
 _PLAIN = (bool, int, float, str)
-_EXPECTED = "a bool, int, float, str or a list of one of these is expected"
+_EXPECTED = "expected a bool, int, float, str or a list of one of these"
 
 
 class ParameterValue(LaunchEntity):

@@ -108,7 +108,7 @@ def test_it_offers_no_command_of_the_instructors(student: Path) -> None:
     assert not offered & set(INSTRUCTORS_VERBS)
     for root, expected in ((REPOSITORY, True), (student, False)):
         usage = subprocess.run([root / "course", "help"], capture_output=True, text=True, timeout=60, check=True).stdout
-        assert "grade EXERCISE FILE" in usage
+        assert "grade EXERCISE  " in usage
         assert ("release TARGET" in usage) is expected
     texts = [(student / "README.md").read_text(), *(path.read_text() for path in student.glob("notebooks/**/*.ipynb"))]
     for verb in INSTRUCTORS_VERBS:

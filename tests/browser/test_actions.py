@@ -24,7 +24,7 @@ def test_lesson_two_is_run_and_its_panels_are_used(lab: JupyterLab) -> None:
     lab.open("notebooks/02_actions.ipynb")
     lab.run_all()
     lab.require_no_error("notebooks/02_actions.ipynb")
-    states = lab.page.locator(".jp-MarkdownCell", has_text="six states").locator(".jp-RenderedMermaid img")
+    states = lab.page.locator(".jp-MarkdownCell img[alt^='The states of a goal']")
     for name, drawn in (("goal", lab.page.locator(".jp-CodeCell .ck-exchange svg")), ("states", states)):
         lab.scroll_to(drawn)
         expect(drawn.first).to_be_visible()

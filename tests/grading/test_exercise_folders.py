@@ -115,7 +115,7 @@ def test_list_tells_of_every_problem_and_shows_the_rest(tmp_path: Path) -> None:
 def test_a_folder_that_is_named_twice_counts_once_and_is_said(tmp_path: Path) -> None:
     outside_exercises.write(tmp_path)
     done = course_kit("list", "--exercises", str(tmp_path), COURSE_EXERCISES=str(tmp_path))
-    assert done.stdout.count(ID) == 1
+    assert done.stdout.count(f"{ID}.ipynb") == 1
     assert f"{tmp_path} is named twice" in done.stderr
 
 

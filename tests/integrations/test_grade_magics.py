@@ -137,7 +137,6 @@ def test_below_the_pass_mark_it_ends_with_1_and_shows_the_first_hint() -> None:
     ("arguments", "sentence"),
     [
         (["grade", "temprature_service", str(SOLUTION)], "temperature_service"),
-        (["grade", "temperature_service"], "Name one thing to grade"),
         (["grade", "temperature_service", str(SOLUTION), "--attach"], "Name one thing to grade"),
         (["grade", "temperature_service", str(SOLUTION), "--seed", "x"], "invalid int value"),
         (["grad"], "invalid choice"),

@@ -37,12 +37,13 @@ def test_nobody_else_is_asked() -> None:
     assert jupyter.root_arguments([], 1000, "") == jupyter.root_arguments([], 1000, "/.dockerenv") == []
 
 
-def test_the_refusal_is_one_line_and_ends_with_2(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_the_refusal_is_one_line_and_ends_with_2_and_nothing_is_made(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     monkeypatch.setattr(os, "geteuid", lambda: 0)
     monkeypatch.setattr(environment, "sign_of_container", lambda: "")  # as on a machine of its own
-    assert jupyter.serve(Path("/"), "", []) == 2
+    assert jupyter.run_lab([str(tmp_path / "folder")]) == 2
+    assert not (tmp_path / "folder").exists()
     said = capsys.readouterr().err
     assert said.startswith("course-kit: JupyterLab does not run as root")
     assert len(said.splitlines()) == 1

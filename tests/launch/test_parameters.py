@@ -63,7 +63,7 @@ def test_names_within_names() -> None:
     ("value", "wanted"),
     [
         (given("@foo"), "'v' has the value '@foo', which YAML cannot read. To have the text as it is, write Parameter"),
-        (given("null"), "'v' has the value 'null': a bool, int, float, str or a list of one of these is expected"),
+        (given("null"), "'v' has the value 'null': expected a bool, int, float, str or a list of one of these"),
         (given("{a: 1}"), "has the value '{a: 1}'"),
         (["a", 1], "all elements of a list have one type"),
         ([], "is an empty list, whose type ROS 2 cannot know"),

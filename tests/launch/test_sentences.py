@@ -42,7 +42,7 @@ HERE = f"it.launch.py, line {FIRST_LINE}: "
         ("say(FindPackageShare('no_such'))", "Package 'no_such' not found."),
         ("say(FindExecutable(name='no_such'))", "There is no program no_such on PATH."),
         ("OpaqueFunction(function=lambda context: 1 / 0)", "ZeroDivisionError: division by zero"),
-        ("RegisterEventHandler(OnProcessExit(target_action='talker', on_exit=[]))", "a Node or ExecuteProcess is"),
+        ("RegisterEventHandler(OnProcessExit(target_action='talker', on_exit=[]))", "expected a Node or an"),
         ("__import__('ament_index_python').get_package_share_directory('no_such')", "Package 'no_such' not found."),
         ("IncludeLaunchDescription('robot.launch.xml')", "robot.launch.xml is a launch file in XML. The course reads"),
         (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 from typing import TYPE_CHECKING, Any
 
@@ -162,10 +163,16 @@ def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch, caps
     from course_kit.integrations import jupyter
 
     served = []
-    monkeypatch.setattr(jupyter, "serve", lambda folder, first, arguments: served.append((folder, first, arguments)))
+
+    def stand_in(folder: Path, opens: str, arguments: list[str]) -> tuple[list[str], dict[str, str]]:
+        served.append((folder, opens, arguments))
+        return [], {}
+
+    monkeypatch.setattr(jupyter, "lab_command", stand_in)
+    monkeypatch.setattr(os, "execve", lambda *_: 0)
     monkeypatch.setattr(workspace, "make_copy", lambda *_, **__: pytest.fail("it was copied"))
     jupyter.run_lab([str(REPOSITORY), "--no-browser"])
-    assert served == [(REPOSITORY, jupyter.FIRST_LESSON, ["--no-browser"])]
+    assert served == [(REPOSITORY, f"/lab/tree/{jupyter.FIRST_LESSON}", ["--no-browser"])]
     for wrong in (REPOSITORY / "notebooks", REPOSITORY / "README.md"):  # a copy in there would become a part of it
         assert jupyter.run_lab([str(wrong)]) == 2
         assert "cannot be your folder" in capsys.readouterr().err
