@@ -12,8 +12,8 @@ Fill in `convert`. The names and the type are right already; keep them.
   to 1e9. Every usual formula is that exact.
 - Say no when the question makes no sense. An unknown unit is refused, so are NaN and infinity, and so is anything
   colder than absolute zero: `success` is `False`. Then `message` says why: `no such unit: kelvin`. Any human language
-  will do. Check first: a question that makes no sense is refused even when both units are the same. The node lives on
-  for the next request.
+  will do. Check first: a question that makes no sense is refused even when both units are the same, such as NaN from
+  celsius to celsius. The node lives on for the next request.
 - Units are the exact words `celsius` and `fahrenheit`. `Celsius`, `C`, a word with a space before or after it and the
   empty string are unknown units.
 - Absolute zero itself is valid: -273.15 degrees Celsius. In Fahrenheit it is -459.67; no test comes closer to it than

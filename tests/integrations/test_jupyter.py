@@ -121,7 +121,8 @@ def test_jupyterlab_starts_without_a_home(tmp_path: Path) -> None:
     course = Course(tmp_path)
     environ = {name: value for name, value in course.environ().items() if not name.startswith(("JUPYTER", "XDG"))}
     environ |= {"HOME": NOWHERE, "TMPDIR": str(tmp_path)}
-    with started([*course.command("lab", str(tmp_path / "mine")), *allow_root()], tmp_path, course.root, environ) as server:
+    command = [*course.command("lab", str(tmp_path / "mine")), *allow_root()]
+    with started(command, tmp_path, course.root, environ) as server:
         kernel = server.post("kernels")["id"]
         assert server.get(f"kernels/{kernel}")["name"] == "python3"
         log = server.log.read_text()
