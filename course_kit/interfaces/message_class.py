@@ -194,10 +194,8 @@ def _is_numpy(field: MessageField) -> bool:
 
 
 def _repr(self: Message) -> str:
-    typename = [
-        *self.__class__.__module__.split(".")[:-1],
-        self.__class__.__name__,
-    ]  # also that of a learner's subclass
+    # Also that of a learner's subclass, whose module may have any depth.
+    typename = [*self.__class__.__module__.split(".")[:-1], self.__class__.__name__]
     fields = []
     for field in message_fields(type(self)):
         text = repr(getattr(self, field.name))

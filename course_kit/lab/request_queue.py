@@ -49,8 +49,8 @@ class RequestQueue:
     def leave(self, request: object) -> None:
         """The request is answered, or nobody waits for it any more; harmless if it has left already."""
         with self._changing:
-            self._waiting = deque(one for one in self._waiting if one[0] is not request)
             if request not in self._under_way:
+                self._waiting = deque(one for one in self._waiting if one[0] is not request)
                 return
             self._under_way.discard(request)
             follower = self._waiting.popleft() if self._waiting else None

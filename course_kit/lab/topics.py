@@ -167,9 +167,8 @@ async def next_messages(
     subscription = lab.node.create_subscription(message_type, topic, keep, as_offered(max(_DEPTH, count)))
     deadline = loop.call_later(timeout, finish)
     try:
-        await (
-            complete
-        )  # not with asyncio.wait_for, which until Python 3.11 loses an interrupt that comes with a message
+        # Not with asyncio.wait_for, which until Python 3.11 loses an interrupt that comes with a message.
+        await complete
         if len(received) < count:
             came = f"{len(received)} of {count} messages" if received else "No message"
             text = f"{came} came on {subscription.topic_name} within {timeout:g} s."

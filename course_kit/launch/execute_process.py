@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from course_kit.launch.conditions import Condition
     from course_kit.launch.context import LaunchContext
-    from course_kit.launch.events import ProcessExited, ProcessStarted
 
 _SHELL = ("/bin/sh", "-c")
 _PYTHONS = ("python", "python3")
@@ -84,7 +83,6 @@ class ExecuteProcess(Action):
         self._respawn, self._delay, self._retries = respawn, respawn_delay or 0.0, respawn_max_retries
         self._timeouts = (sigterm_timeout, sigkill_timeout)
         self._on_exit = on_exit
-        self.process_details: ProcessStarted | ProcessExited | None = None  # what launch has seen of it last
 
     def execute(self, context: LaunchContext) -> None:
         """Start the process; a program that is missing ends nothing but its own part of the launch.
@@ -141,25 +139,19 @@ class ExecuteProcess(Action):
         if self._prefix is not None:
             command = [*shlex.split(as_text(self._prefix, context)), *command]
         interrupt_s, terminate_s = (_seconds(value, context) for value in self._timeouts)
-        patience = (interrupt_s, terminate_s, PATIENCE_S[2])
         return ProcessDescription(
-            self,
-            context,
-            command,
-            label,
-            self._environ(context),
-            None if self._cwd is None else as_text(self._cwd, context),
-            _shown(self._output, context),
-            temporary,
-            None if patience == self._usual() else patience,
-            truth(str(self._respawn) if isinstance(self._respawn, bool) else self._respawn, context),
-            self._delay,
-            self._retries,
+            action=self,
+            command=command,
+            label=label,
+            environ=self._environ(context),
+            folder=None if self._cwd is None else as_text(self._cwd, context),
+            show=_shown(self._output, context),
+            temporary=temporary,
+            patience_s=(interrupt_s, terminate_s, PATIENCE_S[2]),
+            respawn=truth(str(self._respawn) if isinstance(self._respawn, bool) else self._respawn, context),
+            respawn_delay_s=self._delay,
+            respawn_max=self._retries,
         )
-
-    @staticmethod
-    def _usual() -> tuple[float, float, float]:
-        return PATIENCE_S
 
     def _environ(self, context: LaunchContext) -> dict[str, str]:
         environ = dict(context.environment) if self._env is None else _texts(self._env, context)

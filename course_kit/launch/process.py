@@ -44,7 +44,7 @@ class LaunchedProcess:
     ) -> None:
         self.description, self.label, self.restarts = description, label, restarts
         self.command = shlex.join(description.command)
-        self.ladder = Ladder(*(description.patience_s or PATIENCE_S))
+        self.ladder = Ladder(*description.patience_s)
         show_stdout, show_stderr = description.show
         self.process = Child(
             command or description.command,

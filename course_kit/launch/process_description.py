@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.launch.action import Action
-    from course_kit.launch.context import LaunchContext
 
 # output= -> whether stdout and stderr belong on the screen; all of it goes into the log file
 OUTPUTS = {
@@ -28,7 +27,6 @@ class ProcessDescription:
 
     Attributes:
         action: the Node or ExecuteProcess it comes from.
-        context: of that action.
         command: the program and its arguments.
         label: what its lines begin with, before the number.
         environ: its environment.
@@ -42,14 +40,13 @@ class ProcessDescription:
     """
 
     action: Action
-    context: LaunchContext
     command: list[str]
     label: str
     environ: Mapping[str, str]
-    folder: str | None = None
-    show: tuple[bool, bool] = OUTPUTS["log"]
-    temporary: list[Path] = field(default_factory=list)
-    patience_s: tuple[float, float, float] | None = None
-    respawn: bool = False
-    respawn_delay_s: float = 0.0
-    respawn_max: int = -1
+    folder: str | None
+    show: tuple[bool, bool]
+    temporary: list[Path]
+    patience_s: tuple[float, float, float]
+    respawn: bool
+    respawn_delay_s: float
+    respawn_max: int

@@ -31,8 +31,7 @@ def as_handed_out(name: str, content: bytes) -> bytes:
     for cell in notebook["cells"]:
         if cell["cell_type"] == "code":
             cell["outputs"], cell["execution_count"] = [], None
-    notebook.setdefault("metadata", {})["language_info"] = language_info()
-    return f"{json.dumps(notebook, indent=1, ensure_ascii=False)}\n".encode()
+    return _of_this_python(notebook)
 
 
 def of_this_python(content: bytes) -> bytes:
@@ -40,8 +39,7 @@ def of_this_python(content: bytes) -> bytes:
     notebook = _notebook(_NOTEBOOK, content)
     if notebook is None or notebook.get("metadata", {}).get("language_info") == language_info():
         return content
-    notebook.setdefault("metadata", {})["language_info"] = language_info()
-    return f"{json.dumps(notebook, indent=1, ensure_ascii=False)}\n".encode()
+    return _of_this_python(notebook)
 
 
 def language_info() -> dict[str, Any]:
@@ -81,6 +79,11 @@ def digest_of(path: Path) -> str | None:
         return digest(path.name, path.read_bytes())
     except FileNotFoundError:
         return None
+
+
+def _of_this_python(notebook: dict[str, Any]) -> bytes:
+    notebook.setdefault("metadata", {})["language_info"] = language_info()
+    return f"{json.dumps(notebook, indent=1, ensure_ascii=False)}\n".encode()
 
 
 def _notebook(name: str, content: bytes) -> dict[str, Any] | None:
