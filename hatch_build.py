@@ -1,4 +1,4 @@
-"""Build hook: compiles the one small C file of the live interfaces and installs the start-up file.
+"""Build hook: compiles the one small C file of the live interfaces, and puts lessons and exercises into the wheel.
 
 The C file needs neither Python's nor ROS's headers, so any C compiler will do: the system's, else the one in
 the `ziglang` wheel, which is asked for only when no other works. Whether one works is tried on the file itself: a
@@ -12,7 +12,9 @@ import platform
 import shutil
 import subprocess
 import sys
+import tempfile
 import zlib
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +26,14 @@ if TYPE_CHECKING:
 SOURCE = Path("course_kit/interfaces/native/helper.c")
 LIBRARY = SOURCE.with_name("_helper.so")
 START_UP = Path("course_kit/course_kit.pth")
+STARTERS = Path("course_kit/starters")
+# Lessons and exercises, as `course_kit.environment.course_files` looks for them; without what only instructors need.
+COURSE = Path("course_kit/course")
+HANDED_OUT = ("notebooks", "exercises")
+LEFT_OUT = (".ipynb_checkpoints", "__pycache__", "*.backup-*", "*.new-version*", "solution", "proof")
+# For whom a wheel is made that others install, as zig names them: by the oldest glibc that the ROS wheels run with.
+MACHINE = "COURSE_KIT_WHEEL_FOR"
+GLIBC = (2, 28)
 
 
 ZIG = [sys.executable, "-m", "ziglang", "cc"]
@@ -42,8 +52,15 @@ def system_compilers() -> Iterator[list[str]]:
             yield words
 
 
-def try_to_compile(compiler: list[str], root: Path, target: Path) -> str:
-    """Compile the helper and load it once; returns why that failed, or "" where it did not."""
+def try_to_compile(compiler: list[str], root: Path, target: Path, *, foreign: bool = False) -> str:
+    """Compile the helper and load it once; returns why that failed, or "" where it did not.
+
+    Args:
+        compiler: a command.
+        root: the course's folder.
+        target: the library to be made.
+        foreign: it is for another kind of machine, so it cannot be loaded.
+    """
     command = [
         *compiler,
         "-O2",
@@ -57,7 +74,8 @@ def try_to_compile(compiler: list[str], root: Path, target: Path) -> str:
         str(target),
         str(root / SOURCE),
     ]
-    for step in (command, [sys.executable, "-I", "-S", "-c", LOAD, str(target)]):
+    load = [sys.executable, "-I", "-S", "-c", LOAD, str(target)]
+    for step in [command] if foreign else [command, load]:
         try:
             done = subprocess.run(step, capture_output=True, text=True, errors="replace", timeout=300, check=False)
         except (OSError, subprocess.TimeoutExpired) as problem:
@@ -67,7 +85,9 @@ def try_to_compile(compiler: list[str], root: Path, target: Path) -> str:
     return ""
 
 
-def compile_helper(root: Path, compilers: Iterable[list[str]]) -> None:
+def compile_helper(
+    root: Path, compilers: Iterable[list[str]], library: Path = LIBRARY, *, foreign: bool = False
+) -> None:
     """Compile the helper beside its source with the first compiler that can.
 
     It is replaced whole, so that a running kernel keeps its own.
@@ -75,6 +95,8 @@ def compile_helper(root: Path, compilers: Iterable[list[str]]) -> None:
     Args:
         root: the course's folder.
         compilers: commands to try in this order.
+        library: what is made, below that folder.
+        foreign: it is for another kind of machine.
 
     Raises:
         NoCompilerError: none of them can.
@@ -83,9 +105,9 @@ def compile_helper(root: Path, compilers: Iterable[list[str]]) -> None:
     failures = []
     try:
         for compiler in compilers:
-            failure = try_to_compile(compiler, root, fresh)
+            failure = try_to_compile(compiler, root, fresh, foreign=foreign)
             if not failure:
-                fresh.replace(root / LIBRARY)
+                fresh.replace(root / library)
                 return
             failures.append(f"{' '.join(compiler)}: {failure}")
     finally:
@@ -102,21 +124,79 @@ def can_be_compiled(root: Path) -> bool:
         trial.unlink(missing_ok=True)
 
 
+def lessons_and_exercises(root: Path, spare: Path) -> dict[str, str]:
+    """By file where it lies in the wheel; starters as they are given out, whatever was done to those in the folder.
+
+    Args:
+        root: the course's folder.
+        spare: a folder for copies of starters: the wheel has each of them twice, and hatchling takes a file once.
+    """
+    found = {}
+    for name in HANDED_OUT:
+        for folder, folders, files in os.walk(root / name):
+            folders[:] = sorted(each for each in folders if not _is_left_out(each))
+            for each in sorted(files):
+                source = Path(folder, each)
+                pristine = root / STARTERS / source.parent.name / f"{each}.pristine"
+                if _is_left_out(each):
+                    continue
+                target = COURSE / source.relative_to(root)
+                if pristine.is_file():
+                    source = spare / target
+                    source.parent.mkdir(parents=True, exist_ok=True)
+                    shutil.copy(pristine, source)
+                found[str(source)] = target.as_posix()
+    return found
+
+
+def _is_left_out(name: str) -> bool:
+    return any(fnmatch(name, pattern) for pattern in LEFT_OUT)
+
+
+def compilers_for(machine: str) -> list[list[str]]:
+    """The compilers to try: for this machine any, for a wheel that is handed on zig, which knows old C libraries.
+
+    Args:
+        machine: as `platform.machine` names it; empty for the one that the wheel is made on.
+    """
+    if not machine:
+        return [*system_compilers(), ZIG]
+    return [[*ZIG, "-target", f"{machine}-linux-gnu.{'.'.join(map(str, GLIBC))}"]]
+
+
 class CustomBuildHook(BuildHookInterface):
     """Hatchling's entry point."""
 
     def dependencies(self) -> list[str]:
         """Packages the build needs beyond hatchling: a compiler where the machine has none that works."""
-        return [] if can_be_compiled(Path(self.root)) else ["ziglang>=0.13"]
+        here = self.target_name != "wheel" or (not os.environ.get(MACHINE) and can_be_compiled(Path(self.root)))
+        return [] if here else ["ziglang>=0.13"]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Compile, then add the library and the start-up file to the wheel."""
-        root = Path(self.root)
-        compile_helper(root, [*system_compilers(), ZIG])
+        """Compile, then add the library, the start-up file, lessons and exercises to the wheel."""
+        root, machine = Path(self.root), os.environ.get(MACHINE, "")
+        library = _library_for(machine)
+        compile_helper(root, compilers_for(machine), library, foreign=machine not in ("", platform.machine()))
         build_data["pure_python"] = False
-        build_data["tag"] = f"py3-none-linux_{platform.machine()}"  # C, but none of Python's ABI
+        glibc = "_".join(map(str, GLIBC))
+        platform_tag = f"manylinux_{glibc}_{machine}" if machine else f"linux_{platform.machine()}"
+        build_data["tag"] = f"py3-none-{platform_tag}"  # C, but none of Python's ABI
         if version == "editable":
             build_data["force_include_editable"][str(root / START_UP)] = START_UP.name
         else:
-            build_data["force_include"][str(root / LIBRARY)] = str(LIBRARY)
+            build_data["force_include"][str(root / library)] = str(LIBRARY)
             build_data["force_include"][str(root / START_UP)] = START_UP.name
+            self._spare = tempfile.TemporaryDirectory(prefix="course-kit-build-")
+            build_data["force_include"].update(lessons_and_exercises(root, Path(self._spare.name)))
+
+    def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
+        """Remove what was made for this wheel alone; the helper beside its source serves this folder."""
+        del build_data, artifact_path
+        if version != "editable":
+            self._spare.cleanup()
+        if machine := os.environ.get(MACHINE, ""):
+            (Path(self.root) / _library_for(machine)).unlink(missing_ok=True)
+
+
+def _library_for(machine: str) -> Path:
+    return LIBRARY.with_suffix(f".{machine}.so") if machine else LIBRARY

@@ -14,16 +14,12 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.cli import discovery_trial
-from course_kit.learner import workspace
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 VERDICTS = {"ok": "ok  ", "note": "note", "bad": "BAD "}
-_ONLY_THE_PACKAGE = (
-    "Live nodes, panels, message types and ros2 work; lab, list, grade, hint, watch and reset do not. Clone the course "
-    "and run ./course lab in its folder, or install that folder with pip install -e."
-)
+_NO_COURSE = "Live nodes, panels, message types and ros2 work; lab, list and grade do not. Install the course again."
 _PLENTY_OF_SHM = 64 * 2**20  # bytes
 _OTHER_RMW = f"Set RMW_IMPLEMENTATION={environment.middleware.SUPPORTED} and start again."
 _TRIED = "rclpy 7.1.6 to 7.1.11, with which the course was tried"
@@ -121,15 +117,17 @@ def packages() -> Finding:
 
 def course_folder() -> Finding:
     """The lessons and exercises, and whether this user can work on them where they are."""
-    root = environment.checkout()
+    root, mine = environment.course_files(), environment.learner_folder() or environment.usual_learner_folder()
     if root is None or not (root / "exercises").is_dir():
         missing = "lessons and exercises" if root is None else "exercises"
-        found = f"the {missing} are missing; there is only the package in {environment.PACKAGE}"
-        return Finding("course folder", found, "bad", _ONLY_THE_PACKAGE)
-    if workspace.is_shared(root):
-        advice = f"{environment.command()} lab opens your own copy: {workspace.copy_folder()}"
+        return Finding("course folder", f"the {missing} are missing in {environment.PACKAGE}", "bad", _NO_COURSE)
+    if environment.checkout() is None:
+        made = "" if mine.is_dir() else f", which {environment.command()} lab makes"
+        return Finding("course folder", f"installed as a package; you work in {mine}{made}")
+    if environment.is_shared(root):
+        advice = f"{environment.command()} lab opens your own copy: {mine}"
         return Finding("course folder", f"{root}, read-only for you", "note", advice)
-    return Finding("course folder", f"{root}; you work in {workspace.copy_folder().relative_to(root)}")
+    return Finding("course folder", f"{root}; you work in {mine.relative_to(root) if root in mine.parents else mine}")
 
 
 def own_files() -> Finding:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import added_exercises, autograde, drills_command, streams
+from course_kit.cli import added_exercises, autograde, drills_command, folder_commands, streams
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,14 +30,7 @@ def build_parser() -> argparse.ArgumentParser:
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
     for_instructors = find_spec("course_kit.authoring") is not None  # the student edition comes without it
 
-    lab = verbs.add_parser(
-        "lab",
-        help="open the course in JupyterLab",
-        usage="course-kit lab [DIR] [OPTIONS]",
-        description="DIR is your folder, made or brought up to date; left out, it is my-course in the course's folder.",
-        epilog="OPTIONS go to `jupyter lab`.",
-    )
-    lab.set_defaults(run=_lab, others=[])
+    folder_commands.add_to(verbs)
 
     grade = verbs.add_parser("grade", help="grade a solution of an exercise", epilog=_ON_LIMITS)
     grade.add_argument("exercise", help="the exercise's id, as `course-kit list` shows it")
@@ -98,10 +91,6 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     reset.add_argument("--progress", action="store_true", help="also forget its best score, tries and hints")
     reset.set_defaults(run=_reset)
 
-    copy = verbs.add_parser("copy", help="make your folder of lessons and exercises, or complete it")
-    copy.add_argument("path", nargs="?", type=Path, help="the folder; if left out, the one that `lab` opens")
-    copy.set_defaults(run=_copy)
-
     solution = verbs.add_parser("solution", help="show the solution of an exercise you have passed")
     solution.add_argument("exercise", help="the exercise's id")
     solution.add_argument("--copy", type=Path, metavar="PATH", help="write it to a new file instead")
@@ -161,12 +150,6 @@ def spelled_out(arguments: Sequence[str]) -> Sequence[str]:
     """`class regrade DIR` is `regrade DIR`; a class run into a folder `--out` may be of a folder called `regrade`."""
     is_regrade = list(arguments[:2]) == ["class", "regrade"] and not any(one.startswith("--o") for one in arguments)
     return arguments[1:] if is_regrade else arguments
-
-
-def _lab(options: argparse.Namespace) -> int:
-    from course_kit.integrations import jupyter
-
-    return jupyter.run_lab(options.others)
 
 
 def _doctor(options: argparse.Namespace) -> int:
@@ -267,12 +250,6 @@ def _reset(options: argparse.Namespace) -> int:
         return starters.reset(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
     except GradingError as problem:
         return _cannot(problem)
-
-
-def _copy(options: argparse.Namespace) -> int:
-    from course_kit.learner import workspace
-
-    return workspace.copy(options.path)
 
 
 def _solution(options: argparse.Namespace) -> int:

@@ -37,7 +37,7 @@ def run(words: Sequence[str]) -> int:
     from course_kit.presentation import session
     from course_kit.presentation.errors import PresentationError
 
-    root = environment.checkout()
+    root = environment.course_files()
     if root is None:
         return cannot("the demos are missing. Run ./course present in the course's folder.")
     named = next((count for count, word in enumerate(words) if word.startswith("-")), len(words))

@@ -11,34 +11,44 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from course_kit.environment import middleware
+from course_kit.environment import log_folder, middleware
 from course_kit.environment.container import sign_of_container
 from course_kit.environment.domains import Lease, NoDomainError, exclusive_domain, share
 from course_kit.environment.errors import DomainError, SettingsError
 from course_kit.environment.files import remove_half_written, write_atomically, write_new
 from course_kit.environment.interrupts import heed_interrupts
 from course_kit.environment.paths import (
+    COPIED,
+    FOLDER_VARIABLE,
     LEARNER_FOLDER,
+    MANIFEST,
     PACKAGE,
     PROGRESS_VARIABLE,
     checkout,
     command,
+    course_files,
     guess_folder,
     home,
+    is_shared,
     is_writable,
+    learner_folder,
     lesson,
     own_run_dir,
     progress_file,
     run_dir,
     state_dir,
+    usual_learner_folder,
     usual_state_dir,
 )
 from course_kit.environment.search_path import put_scripts_first, scripts_folder, with_scripts_first
 
 __all__ = [
+    "COPIED",
     "FAST_DISCOVERY_PROFILE",
+    "FOLDER_VARIABLE",
     "LEARNER_FOLDER",
     "LOOPBACK_PROFILE",
+    "MANIFEST",
     "PACKAGE",
     "PRIVATE_NETWORK_PROFILE",
     "PROGRESS_VARIABLE",
@@ -51,13 +61,16 @@ __all__ = [
     "child_environment",
     "choose_graph",
     "command",
+    "course_files",
     "defaults",
     "domain_of_user",
     "exclusive_domain",
     "guess_folder",
     "heed_interrupts",
     "home",
+    "is_shared",
     "is_writable",
+    "learner_folder",
     "lesson",
     "middleware",
     "own_run_dir",
@@ -69,6 +82,7 @@ __all__ = [
     "sign_of_container",
     "state_dir",
     "trusted_python",
+    "usual_learner_folder",
     "usual_state_dir",
     "write_atomically",
     "write_new",
@@ -83,7 +97,6 @@ _CHOSEN_BY_KIT = "COURSE_KIT_DOMAIN_ID"
 # A name for a graph of its own beside the course's. In the environment, so that child processes join it, too.
 _GRAPH = "COURSE_KIT_GRAPH"
 _WITH_OWN_GRAPH = "demos"  # the folder of notebooks that fail on purpose: a node of another one would repair them
-_LOGS_KEPT = 40
 _HIGHEST_DOMAIN = 232  # the ports of a higher one would lie past 65535
 
 
@@ -236,8 +249,8 @@ def _apply_defaults() -> dict[str, str]:
         if os.environ.get(name) in _PROFILES:  # inherited from a process in which the user had chosen otherwise
             del os.environ[name]
         os.environ.setdefault(name, value)
-    if not _has_a_log_folder():
-        os.environ["ROS_LOG_DIR"] = str(_log_folder())
+    if not log_folder.is_chosen():
+        os.environ["ROS_LOG_DIR"] = str(log_folder.made())
     return made
 
 
@@ -263,29 +276,3 @@ def _hold_domain() -> None:
         _Held.lease = share(f"{os.getuid()}:{folder}{f':{graph}' if graph else ''}")
         _Held.process_id = os.getpid()
     os.environ["ROS_DOMAIN_ID"] = os.environ[_CHOSEN_BY_KIT] = str(_Held.lease.domain_id)
-
-
-def _has_a_log_folder() -> bool:
-    """Whether the user has chosen one that can be written, by themselves: without any, ROS does not start."""
-    home = os.environ.get("ROS_HOME", "")
-    chosen = os.environ.get("ROS_LOG_DIR") or (f"{home}/log" if home else "")
-    return bool(chosen) and is_writable(Path(os.path.expanduser(chosen)))  # noqa: PTH111 - unlike Path's, never raises
-
-
-def _log_folder() -> Path:
-    """Where ROS writes a file per process; the oldest are removed so that the folder does not grow for ever."""
-    folder = state_dir() / "log"
-    folder.mkdir(parents=True, exist_ok=True)
-    with os.scandir(folder) as entries:
-        files = [entry for entry in entries if entry.name.endswith(".log")]
-    if len(files) > 2 * _LOGS_KEPT:
-        for old in sorted(files, key=_time_of)[:-_LOGS_KEPT]:
-            Path(old.path).unlink(missing_ok=True)
-    return folder
-
-
-def _time_of(entry: os.DirEntry[str]) -> float:
-    try:
-        return entry.stat().st_mtime
-    except FileNotFoundError:  # another process has just removed it
-        return 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
@@ -12,7 +13,11 @@ import platformdirs
 
 PACKAGE = Path(__file__).resolve().parent.parent
 LEARNER_FOLDER = "my-course"  # in a clone: where a learner works; `course_kit.learner.workspace` makes it
+MANIFEST = ".course.json"  # marks a learner's folder: what was handed out there
+FOLDER_VARIABLE = "COURSE_KIT_FOLDER"  # the learner's folder that JupyterLab was opened on
 PROGRESS_VARIABLE = "COURSE_KIT_PROGRESS"
+COPIED = ("notebooks", "exercises")  # from the course into a learner's folder
+_NAME = "ros2-course"
 _OFF = "off"
 _APPLICATION = "ros2-course-kit"
 
@@ -23,6 +28,38 @@ def checkout() -> Path | None:
     return root if (root / "notebooks").is_dir() and (root / "pyproject.toml").is_file() else None
 
 
+def course_files() -> Path | None:
+    """The folder with the lessons and exercises as they are handed out; None where there are none.
+
+    In a clone that is its own folder; an installed package has them inside.
+    """
+    packaged = PACKAGE / "course"
+    return checkout() or (packaged if (packaged / "notebooks").is_dir() else None)
+
+
+def is_shared(root: Path) -> bool:
+    """Whether this user cannot work in a course's folder."""
+    return not all(is_writable(root / name, make=False) for name in COPIED if (root / name).is_dir())
+
+
+def usual_learner_folder() -> Path:
+    """Where a learner works: in the course's folder, or where that is shared in their home; it may not be there yet."""
+    root = checkout()
+    if root is not None and not is_shared(root):
+        return root / LEARNER_FOLDER
+    found = home()
+    return state_dir() / _NAME if found is None else found / _NAME
+
+
+def learner_folder() -> Path | None:
+    """The learner's folder one is in, or that JupyterLab was opened on, or the usual one; None if there is none."""
+    places = [Path(chosen)] if (chosen := os.environ.get(FOLDER_VARIABLE, "")) else []
+    with suppress(OSError):  # the working directory was removed
+        here = Path.cwd()
+        places = [here, *here.parents, *places]
+    return next((place for place in (*places, usual_learner_folder()) if (place / MANIFEST).is_file()), None)
+
+
 def lesson(notebook: str, base: Path | None = None) -> Path | None:
     """A notebook of the course, None where it is not here.
 
@@ -30,7 +67,7 @@ def lesson(notebook: str, base: Path | None = None) -> Path | None:
         notebook: its path below the course's folder.
         base: look from this folder upwards first: a learner may have a copy, and no way to the course's folder.
     """
-    root = checkout()
+    root = course_files()
     folders = [*([base, *base.parents] if base else []), *([root] if root else [])]
     return next((folder / notebook for folder in folders if (folder / notebook).is_file()), None)
 
@@ -39,7 +76,9 @@ def command() -> str:
     """How the user calls the course from where they are: `./course` where that stands, `course-kit` elsewhere."""
     root = checkout()
     try:
-        return "./course" if root is not None and (root / "course").samefile("course") else "course-kit"
+        if root is None:
+            return "./course" if Path(MANIFEST).is_file() and Path("course").is_file() else "course-kit"
+        return "./course" if (root / "course").samefile("course") else "course-kit"
     except OSError:  # none stands here, or the working directory was removed
         return "course-kit"
 
@@ -93,8 +132,14 @@ def run_dir() -> Path:
 
 
 def own_run_dir() -> Path:
-    """This user's folder for what belongs to this checkout alone: `run_dir`, or one a course they cannot write."""
-    root, folder = checkout(), run_dir()
+    """Where the progress of the learner's folder one is in is kept: there, or for that of a clone in the clone.
+
+    Elsewhere it is a folder of this user's for this course alone.
+    """
+    root, mine = checkout(), learner_folder()
+    if mine is not None and (root is None or root not in mine.parents) and is_writable(mine / ".course"):
+        return mine / ".course"
+    folder = run_dir()
     if root is None or folder.is_relative_to(root):
         return folder
     elsewhere = folder / hashlib.sha256(os.fsencode(root)).hexdigest()[:16]

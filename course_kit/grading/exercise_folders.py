@@ -51,7 +51,7 @@ class FoundExercises:
 
 def course_folder() -> Path | None:
     """The course's own folder of exercises; None where only the package is installed."""
-    root = environment.checkout()
+    root = environment.course_files()
     return None if root is None or not (root / "exercises").is_dir() else root / "exercises"
 
 

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 FIRST_LESSON = "notebooks/00_welcome.ipynb"
+_CONFIG_PATH, _WORKSPACES = "JUPYTER_CONFIG_PATH", "JUPYTERLAB_WORKSPACES_DIR"
+_CONFIG = environment.PACKAGE / "jupyter_config"  # with labconfig: what JupyterLab asks at its first start is answered
 _ALLOW_ROOT = "--allow-root"
 
 
@@ -33,13 +35,14 @@ def run_lab(arguments: Sequence[str]) -> int:
     Args:
         arguments: the folder to open, if the first is no option, then options of `jupyter lab`.
     """
-    root = environment.checkout()
+    root = environment.course_files()
     if root is None:
-        return cannot("the notebooks are missing. Run ./course lab in the course's folder.")
-    folder = workspace.copy_folder()
+        return cannot("the lessons are missing in this installation. Install the course again.")
+    usual = environment.usual_learner_folder()
+    folder = environment.learner_folder() or usual
     if arguments and not arguments[0].startswith("-"):
         folder, arguments = Path(arguments[0]).resolve(), arguments[1:]
-        if folder.is_file() or (root in folder.parents and folder != workspace.copy_folder()):
+        if folder.is_file() or (root in folder.parents and folder != usual):
             return cannot(f"{folder} cannot be your folder. Leave it out, or name a folder outside of {root}.")
     try:
         command, environ = lab_command(folder, f"/lab/tree/{FIRST_LESSON}", arguments)
@@ -71,7 +74,10 @@ def lab_command(
         DomainError: there is no ROS domain for it.
     """
     as_root = root_arguments(arguments, os.geteuid(), environment.sign_of_container(), verb)
-    environ = environment.child_environment(**{**_folders(), **_interfaces(), **terminals.variables(), **variables})
+    of_folder = {environment.FOLDER_VARIABLE: str(root), _WORKSPACES: str(root / ".course" / "workspaces")}
+    of_machine = {**_folders(), **_interfaces(), **terminals.variables()}
+    environ = environment.child_environment(**{**of_folder, **of_machine, **variables})
+    environ[_CONFIG_PATH] = os.pathsep.join(filter(None, (environ.get(_CONFIG_PATH), str(_CONFIG))))
     tell(environment.middleware.unsupported())
     command = [
         sys.executable,
@@ -121,7 +127,7 @@ def _make_ready(root: Path, folder: Path) -> None:
         return
     is_new = not folder.exists()
     workspace.make_copy(root, folder)
-    if workspace.is_shared(root):
+    if environment.checkout() is not None and environment.is_shared(root):
         tell(f"{root} is read-only for you, so JupyterLab opens your copy: {folder}. Your changes there are kept.")
     elif is_new:
         tell(f"Your lessons and exercises are in {folder}. What you change there is kept when the course is updated.")

@@ -102,9 +102,8 @@ def _folders(near: Sequence[Path]) -> Iterator[Path]:
 
 
 def _courses() -> list[Path]:
-    """The learner's folder in a course's, and that."""
-    checkout = environment.checkout()
-    return [] if checkout is None else [checkout / environment.LEARNER_FOLDER, checkout]
+    """The learner's folder, and the course's."""
+    return [folder for folder in (environment.learner_folder(), environment.course_files()) if folder is not None]
 
 
 def _installed() -> Iterator[Path]:

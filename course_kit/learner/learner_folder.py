@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-MANIFEST = ".course.json"
 BESIDE = "new-version"
 _FORMAT_VERSION = 1
 
@@ -89,7 +88,7 @@ def update(folder: Path, course: Mapping[str, bytes], own: Mapping[str, bytes], 
     given = {path: handed_out.digest(path, content) for path, content in course.items()}
     if given != known:
         manifest = {"format_version": _FORMAT_VERSION, "handed_out": given}
-        environment.write_atomically(folder / MANIFEST, f"{json.dumps(manifest, indent=1)}\n")
+        environment.write_atomically(folder / environment.MANIFEST, f"{json.dumps(manifest, indent=1)}\n")
     return done
 
 
@@ -125,7 +124,7 @@ def _lay_beside(file: Path, content: bytes) -> str:
 def _read_manifest(folder: Path) -> dict[str, str] | None:
     """By path the hash of what was handed out; None where nobody knows."""
     try:
-        content: Any = json.loads((folder / MANIFEST).read_bytes())
+        content: Any = json.loads((folder / environment.MANIFEST).read_bytes())
         found = content["handed_out"]
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None

@@ -30,7 +30,7 @@ def next_step(passed: str, root: Path | None = None) -> str:
         left = next((row.task.id for row in drills if not row.known.passed and row.task is not drill), None)
         way = f"Next: {environment.command()} drills {left}." if left else "That was the last drill."
         return f"{way}{_comparison(drill)}"
-    root = root or environment.checkout()
+    root = root or environment.course_files()
     tasks = _in_order()
     number = next((task.order for task in tasks if task.id == passed), 0)
     following = next((task for task in tasks if task.order > number), None)

@@ -1,14 +1,16 @@
 """Where a learner's own files are: in a learner's folder, made from the course the first time they start it.
 
 In a clone it lies inside, where git ignores it: lessons that have been run never make the clone differ from its
-commit. A course may also be installed once for many, and belong to somebody else; then it lies in the learner's home
-directory. `watch`, `reset` and the like find the files there, or where one stands.
+commit. Where the course is an installed package, or a folder that belongs to somebody else, it lies in the learner's
+home directory. `watch`, `reset` and the like find the files there, or where one stands.
 """
 
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
+import sys
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,9 +28,18 @@ if TYPE_CHECKING:
 
 STARTERS = environment.PACKAGE / "starters"
 PRISTINE = ".pristine"
-COPIED = ("notebooks", "exercises")
-_NAME = "ros2-course"
 _COMMAND = "course"
+_MARK = "#!/bin/sh\n# The course's command, made by it.\n"
+_INSTALLED_COMMAND = (
+    _MARK
+    + """python={python}
+[ -x "$python" ] || exec course-kit "$@"
+exec "$python" -c 'import sys
+sys.path[:] = filter(None, sys.path)
+from course_kit.cli.main import main
+sys.exit(main())' "$@"
+"""
+)
 # A student edition comes without it. Students may hand in by git, so git does not ignore their folder there.
 _IN_AUTHORS_COURSE = (environment.PACKAGE / "authoring").is_dir()
 _WORK = (".ipynb", ".py")  # what a learner changes
@@ -37,41 +48,33 @@ _LEFT_OUT = shutil.ignore_patterns(
 )
 
 
-def copy_folder() -> Path:
-    """The learner's folder: in the course's own, or where that is shared in their home; it may not be there yet."""
-    root = environment.checkout()
-    if root is not None and not is_shared(root):
-        return root / environment.LEARNER_FOLDER
-    home = environment.home()
-    return environment.state_dir() / _NAME if home is None else home / _NAME
-
-
-def is_shared(root: Path) -> bool:
-    """Whether this user cannot work in a course's folder."""
-    return not all(environment.is_writable(root / name, make=False) for name in COPIED if (root / name).is_dir())
-
-
-def copy(target: Path | None) -> int:
+def copy(target: Path | None, *, restore: bool = True) -> int:
     """Make a learner's folder, or bring one up to date, and say where it is; 2 where that cannot be done.
 
     Args:
-        target: the folder, which may be there already; `copy_folder` when None.
+        target: the folder, which may be there already; the one that one is in, or the usual one, when None.
+        restore: bring back what the learner has deleted, too.
     """
-    root = environment.checkout()
+    root = environment.course_files()
     if root is None:
-        return cannot("the lessons and exercises are missing; there is only the package.")
-    target = (copy_folder() if target is None else target).absolute()
+        return cannot("the lessons and exercises are missing in this installation. Install the course again.")
+    target = (target or environment.learner_folder() or environment.usual_learner_folder()).absolute()
     if target != root / environment.LEARNER_FOLDER and (target == root or root in target.parents):
         return cannot(f"{target} is inside the course's folder. Name another folder.")
+    if not restore and not target.is_dir():
+        return cannot(f"there is no folder {target} to update. Make one with: {environment.command()} lab {target}")
     try:
-        make_copy(root, target, restore=True)
+        changes = make_copy(root, target, restore=restore)
     except OSError as problem:
         return cannot(f"{problem.filename or target} could not be written: {problem.strerror or problem}.")
-    print(f"The lessons and exercises are in {target}. What you have changed there stays as it is.")
+    if restore:
+        print(f"The lessons and exercises are in {target}. What you have changed there stays as it is.")
+    elif not changes:
+        print(f"{target} is up to date.")
     return 0
 
 
-def make_copy(root: Path, target: Path, *, restore: bool = False) -> None:
+def make_copy(root: Path, target: Path, *, restore: bool = False) -> bool:
     """Make a learner's folder, or bring one up to date; says what that means for the learner's files.
 
     Args:
@@ -79,12 +82,15 @@ def make_copy(root: Path, target: Path, *, restore: bool = False) -> None:
         target: the learner's folder.
         restore: bring back what the learner has deleted, too.
 
+    Returns:
+        whether there was something to say.
+
     Raises:
         OSError: it cannot be written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     in_clone = target.parent == root
-    committed = own_versions.committed(root, COPIED)
+    committed = {} if environment.checkout() is None else own_versions.committed(root, environment.COPIED)
     course, own = {}, {}
     for source in _files(root):
         path = source.relative_to(root).as_posix()
@@ -93,15 +99,28 @@ def make_copy(root: Path, target: Path, *, restore: bool = False) -> None:
         course[path] = handed_out.as_handed_out(source.name, content if shipped is None else shipped)
         if in_clone and shipped and source.suffix in _WORK and _differ(path, shipped, content):
             own[path] = handed_out.of_this_python(content) if source.suffix == ".ipynb" else content
-    for sentence in learner_folder.update(target, course, own, restore=restore).sentences(target):
+    told = learner_folder.update(target, course, own, restore=restore).sentences(target)
+    for sentence in told:
         tell(sentence)
-    command = target / _COMMAND
-    if command.is_symlink() or not command.exists():  # so that `./course` works there as the lessons say it
-        command.unlink(missing_ok=True)
-        command.symlink_to(root / _COMMAND)
+    _put_command(root, target)
     ignored = target / ".gitignore"
     if in_clone and _IN_AUTHORS_COURSE and not ignored.exists():
         environment.write_atomically(ignored, "*\n")
+    return bool(told)
+
+
+def _put_command(root: Path, target: Path) -> None:
+    """Have `./course` work in a learner's folder as the lessons say it; a file of the learner's own stays."""
+    command = target / _COMMAND
+    if environment.checkout() is None:
+        text = _INSTALLED_COMMAND.format(python=shlex.quote(sys.executable))
+        mine = not command.exists() or (command.read_bytes()[: len(_MARK)] == _MARK.encode())
+        if mine and (not command.exists() or command.read_text(encoding="utf-8") != text):
+            environment.write_atomically(command, text)
+            command.chmod(0o755)
+    elif command.is_symlink() or not command.exists():
+        command.unlink(missing_ok=True)
+        command.symlink_to(root / _COMMAND)
 
 
 def _differ(path: str, one: bytes, other: bytes) -> bool:
@@ -109,7 +128,7 @@ def _differ(path: str, one: bytes, other: bytes) -> bool:
 
 
 def _files(root: Path) -> Iterator[Path]:
-    for name in COPIED:
+    for name in environment.COPIED:
         for folder, folders, files in os.walk(root / name):
             left_out = _LEFT_OUT(folder, [*folders, *files])
             folders[:] = [each for each in folders if each not in left_out]
@@ -131,7 +150,7 @@ def exercise_folder(task: Exercise) -> Path | None:
     here = _working_folder()
     own = exercise_folders.course_folder()
     around = course if own is None or exercise_folders.is_added(course) else own.parent
-    mine = copy_folder()
+    mine = environment.usual_learner_folder()
     if here is None or (here.is_relative_to(around) and not here.is_relative_to(mine)):
         found = None  # within the course: another folder there may hold a file of this name that is no starter
     else:
@@ -141,15 +160,19 @@ def exercise_folder(task: Exercise) -> Path | None:
     copied = mine / "exercises" / exercise_folders.place(course)
     if not exercise_folders.is_added(course) and _has_one(copied, task):
         return copied
-    return course if environment.is_writable(course, make=False) else None
+    its_own = environment.checkout() is not None or exercise_folders.is_added(course)  # nobody works in a package
+    return course if its_own and environment.is_writable(course, make=False) else None
 
 
 def no_files_of(task: Exercise, verb: str) -> GradingError:
     """What to tell a user of whose files `exercise_folder` knows nothing; `verb` is what they wanted."""
     command = environment.command()
+    why = f"There is no {task.starter} of yours here"
+    if environment.checkout() is not None:
+        why = f"The course's folder is read-only for you, and there is no {task.starter} of yours here"
     return GradingError(
-        f"The course's folder is read-only for you, and there is no {task.starter} of yours here. Make your own copy "
-        f"of the course with {command} copy, or name your file: {command} {verb} {task.id} FILE."
+        f"{why}. Make your own copy of the course with {command} copy, or name your file: "
+        f"{command} {verb} {task.id} FILE."
     )
 
 
@@ -175,7 +198,7 @@ def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
     if path is None:
         own = str(shown(own_file(exercise.load(exercise_id), "grade")))
         return own, f"grading {own}"
-    course, mine = exercise_folders.course_folder(), copy_folder() / "exercises"
+    course, mine = exercise_folders.course_folder(), environment.usual_learner_folder() / "exercises"
     here = Path(path).absolute()
     if course is None or not here.is_relative_to(course):
         return path, ""

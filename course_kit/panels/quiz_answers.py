@@ -97,9 +97,8 @@ def _is_ours(questions: Questions, path: Path) -> bool:
 
 def _how_to_grade(path: Path, questions: Questions) -> str:
     seed = "" if questions.seed == quiz.DEFAULT_SEED else f" --seed {questions.seed}"
-    root = environment.checkout()
     command, path = "course-kit", path.resolve()
-    for folder in () if root is None else (root / environment.LEARNER_FOLDER, root):  # each has `./course`
+    for folder in filter(None, (environment.learner_folder(), environment.checkout())):  # each has `./course`
         if path.is_relative_to(folder):
             command, path = "./course", path.relative_to(folder)
             break

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from ipykernel.ipkernel import IPythonKernel
 
+from course_kit import environment
 from course_kit.environment import LEARNER_FOLDER
 from course_kit.learner import handed_out, learner_folder, workspace
 from tests.course_copy import REPOSITORY, TEMPERATURE, Course, copy_course
@@ -105,7 +106,7 @@ def test_a_damaged_manifest_costs_no_work(damage: str, tmp_path: Path) -> None:
     folder = tmp_path / "mine"
     learner_folder.update(folder, given((LESSON, "old")), {})
     (folder / LESSON).write_bytes(notebook("mine"))
-    (folder / learner_folder.MANIFEST).write_text(damage)
+    (folder / environment.MANIFEST).write_text(damage)
     learner_folder.update(folder, given((LESSON, "old")), {})
     assert cell_of(folder / LESSON)["source"] == ["mine"]
 

@@ -12,8 +12,8 @@ from tests.unprivileged import as_somebody, forbid_writing, give, reachable_fold
 ASK = """
 import sys
 from pathlib import Path
-from course_kit.learner import workspace
-print(workspace.is_shared(Path(sys.argv[1])))
+from course_kit import environment
+print(environment.is_shared(Path(sys.argv[1])))
 """
 
 

@@ -73,12 +73,15 @@ def named(words: Iterable[str], folder: str) -> list[str]:
 
 
 def _view(places: Iterable[str], wanted: Iterable[str] = ()) -> FileView:
-    root = _PACKAGE.parent
-    checkout = (root,) if (root / "pyproject.toml").is_file() else ()
     kit = [str(_PACKAGE / part) for part in _PARTS_OF_KIT]
     shown = {path for path in places if _is_safe(path)} | set(wanted)
-    masked = () if str(root) in shown else (str(_PACKAGE), *map(str, checkout), os.path.expanduser("~"))  # noqa: PTH111
+    masked = () if set(_checkout()) & shown else (str(_PACKAGE), *_checkout(), os.path.expanduser("~"))  # noqa: PTH111
     return FileView(tuple(sorted({*_system(), *shown, *kit})), masked)
+
+
+def _checkout() -> tuple[str, ...]:
+    """The course's folder, where the package lies in one and not among other libraries."""
+    return (str(_PACKAGE.parent),) if (_PACKAGE.parent / "pyproject.toml").is_file() else ()
 
 
 def _system() -> list[str]:
@@ -109,7 +112,7 @@ def _mapped() -> set[str]:
 
 def _is_safe(path: str) -> bool:
     """Whether a folder that a variable names may be shown; one around a home, this kit or /tmp would show too much."""
-    guarded = [_PACKAGE.parent, Path(tempfile.gettempdir()), Path(os.path.expanduser("~"))]  # noqa: PTH111 - never fails
+    guarded = [*map(Path, _checkout()), Path(tempfile.gettempdir()), Path(os.path.expanduser("~"))]  # noqa: PTH111 - never fails
     return path != "/" and not any(path == str(place) or Path(path) in place.parents for place in guarded)
 
 
