@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading import exercise_folders
-from course_kit.integrations import jupyter_folders, terminals
+from course_kit.integrations import first_screen, jupyter_folders, terminals
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.learner import workspace
 from course_kit.text.console import cannot, tell
@@ -74,7 +74,10 @@ def lab_command(
         DomainError: there is no ROS domain for it.
     """
     as_root = root_arguments(arguments, os.geteuid(), environment.sign_of_container(), verb)
-    of_folder = {environment.FOLDER_VARIABLE: str(root), _WORKSPACES: str(root / ".course" / "workspaces")}
+    of_folder = {
+        environment.FOLDER_VARIABLE: str(root),
+        _WORKSPACES: os.environ.get(_WORKSPACES) or str(_workspaces(root)),
+    }
     of_machine = {**_folders(), **_interfaces(), **terminals.variables()}
     environ = environment.child_environment(**{**of_folder, **of_machine, **variables})
     environ[_CONFIG_PATH] = os.pathsep.join(filter(None, (environ.get(_CONFIG_PATH), str(_CONFIG))))
@@ -127,10 +130,16 @@ def _make_ready(root: Path, folder: Path) -> None:
         return
     is_new = not folder.exists()
     workspace.make_copy(root, folder)
+    first_screen.prepare(_workspaces(folder))
     if environment.checkout() is not None and environment.is_shared(root):
         tell(f"{root} is read-only for you, so JupyterLab opens your copy: {folder}. Your changes there are kept.")
     elif is_new:
         tell(f"Your lessons and exercises are in {folder}. What you change there is kept when the course is updated.")
+
+
+def _workspaces(folder: Path) -> Path:
+    """Where JupyterLab keeps how a learner's window looked: with the folder, so that another one's tabs stay there."""
+    return folder / ".course" / "workspaces"
 
 
 def _interfaces() -> dict[str, str]:
