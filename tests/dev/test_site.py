@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+import json
+import re
 import subprocess
 import sys
 import threading
@@ -130,10 +132,9 @@ def test_each_panel_is_a_picture_and_answers_are_folded(pages: Pages, site: Path
     answers = lesson.find_all("details")
     assert len(answers) > 20
     assert not [one for one in answers if one.has_attr("open") or len(one.get_text()) < 40]
-    for path, page in pages.items():
-        text = page.get_text()
-        assert "Loading widget" not in text, path
-        assert WIDGET not in str(page), path
+    assert not [path for path, page in pages.items() if "Loading widget" in page.get_text() or WIDGET in str(page)]
+    program = next(one for one in lesson.find_all("pre") if one.get_text().startswith("%%ros_script"))
+    assert "import" in [one.get_text() for one in program.select(".kn")]  # its lines have colours
 
 
 @pytest.mark.browser
@@ -182,3 +183,26 @@ def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path, capsys
         assert command.main(["--to", str(place)]) == 2
         assert f"{place} is no site that this command has made" in capsys.readouterr().err
     assert [one.name for one in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_without_sphinx_it_says_how_to_get_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(command, "NEEDS", ("sphinx", "no_such_extension_of_sphinx"))
+    assert command.main(["--to", str(tmp_path / "site")]) == 2
+    assert 'pip install -e ".[site]"' in capsys.readouterr().err
+    assert not (tmp_path / "site").exists()
+
+
+@pytest.mark.parametrize("path", notebooks.with_outputs(REPOSITORY), ids=lambda path: path.stem)
+def test_a_page_that_strips_pictures_and_styles_from_a_notebook_still_has_words(path: Path) -> None:
+    """GitHub does so; nbviewer shows the pictures. Neither has a widget to load."""
+    outputs = [one for cell in json.loads(path.read_text())["cells"] for one in cell.get("outputs", [])]
+    assert outputs
+    for shown in (one["data"] for one in outputs if "data" in one):
+        assert WIDGET not in shown
+        page = bs4.BeautifulSoup("".join(shown.get("text/html", shown["text/plain"])), "html.parser")
+        for left_out in page(["style", "script", "svg"]):
+            left_out.decompose()
+        words = set(re.findall(r"[a-z]{3,}", "".join(shown["text/plain"]).lower()) if "text/html" in shown else [])
+        assert len(words - set(re.findall(r"[a-z]{3,}", page.get_text().lower()))) <= len(words) / 2, words

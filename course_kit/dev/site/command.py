@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _USUAL = "artifacts/site"  # in the course's folder; git ignores it
 _SIGN = ".buildinfo"  # Sphinx writes it into what it has made
-_NEEDS = ("sphinx", "myst_nb", "furo", "sphinx_argparse_cli")
+NEEDS = ("sphinx", "myst_nb", "furo", "sphinx_argparse_cli")
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -38,7 +38,7 @@ def main(arguments: Sequence[str]) -> int:
     root = environment.checkout()
     if root is None:
         return cannot("the site is made of the course's folder. Run this in a clone of the course.")
-    if not all(find_spec(name) for name in _NEEDS):
+    if not all(find_spec(name) for name in NEEDS):
         return cannot(
             'Sphinx and its extensions are missing. Run .venv/bin/python -m pip install -e ".[site]", then this again.'
         )

@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from importlib import metadata
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit.dev.site.lexer import LessonLexer
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
 
 project = "ROS 2 course kit"
 author = "the authors of the ROS 2 course kit"
@@ -26,7 +32,6 @@ default_role = "literal"  # docstrings quote code with single backticks
 highlight_language = "none"  # where a block does not say, it is a terminal
 smartquotes = False  # texts stay as they are written: two hyphens begin an option
 napoleon_numpy_docstring = False
-autodoc_class_signature = "separated"
 
 html_theme = "furo"
 html_title = project
@@ -36,3 +41,8 @@ html_js_files = ["site.js"]
 html_copy_source = False
 html_show_sphinx = False
 html_theme_options = {"navigation_with_keys": True}
+
+
+def setup(app: Sphinx) -> None:
+    """Called by Sphinx."""
+    app.add_lexer(LessonLexer.aliases[0], LessonLexer)

@@ -32,7 +32,7 @@ _MARKDOWN = (
     "course_kit/launch/OWN_PACKAGE.md",
 )
 _FOLDERS = ("course_kit/guides", "notebooks/pictures")
-_LEXER = "ipython3"  # code with magics; a stored notebook does not say so
+_LEXER = "lesson"  # see `lexer`
 _ANCHOR = re.compile(r"(\.ipynb#)([^)\s]+)")
 _END_OF_FOLDED = re.compile(r"[ \t]*\n*</details>")
 

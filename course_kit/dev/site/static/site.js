@@ -2,7 +2,7 @@
 addEventListener("DOMContentLoaded", () => {
   document.querySelector(".sidebar-drawer")?.setAttribute("aria-label", "All pages");
   document.querySelector(".toc-drawer")?.setAttribute("aria-label", "This page");
-  for (const question of document.querySelectorAll(".ck-guess-still")) question.role = "group"; // no landmark each
+  document.querySelectorAll(".ck-guess-still").forEach((one, at) => one.setAttribute("aria-label", `Question ${at + 1}`));
   for (const corner of document.querySelectorAll("th.head"))
     if (!corner.textContent.trim()) corner.outerHTML = "<td></td>"; // it heads nothing
   const makeReachable = () => {
