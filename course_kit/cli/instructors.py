@@ -16,6 +16,8 @@ from course_kit.cli import (
 )
 from course_kit.integrations import otter
 
+_TOOLS = ("check", "container", "matrix", "notebooks", "otter", "site")
+
 
 def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add them to the command line's parser."""
@@ -31,7 +33,7 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     present.add_to(verbs)
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
-    dev.add_argument("tool", choices=("check", "container", "matrix", "notebooks", "otter"))
+    dev.add_argument("tool", choices=_TOOLS)
     dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
     dev.set_defaults(run=_dev)
 
@@ -39,12 +41,7 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 def _dev(options: argparse.Namespace) -> int:
     from course_kit.authoring import check
     from course_kit.dev import container_image, matrix, notebooks, otter
+    from course_kit.dev.site import command as site
 
-    main_of = {
-        "check": check.main,
-        "container": container_image.main,
-        "matrix": matrix.main,
-        "notebooks": notebooks.main,
-        "otter": otter.main,
-    }
-    return main_of[options.tool](options.rest)
+    mains = (check.main, container_image.main, matrix.main, notebooks.main, otter.main, site.main)
+    return dict(zip(_TOOLS, mains, strict=True))[options.tool](options.rest)

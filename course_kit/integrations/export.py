@@ -33,11 +33,16 @@ class StillAndFolded(Preprocessor):
         """Called by nbconvert for each cell."""
         if cell.cell_type == "markdown":
             cell.source = folded(cell.source)
-        for output in cell.get("outputs", []):
-            data = output.get("data", {})
-            if "text/html" in data:
-                data.pop(_WIDGET, None)
+        show_pictures(cell)
         return cell, resources
+
+
+def show_pictures(cell: NotebookNode) -> None:
+    """Have the pictures of a cell's panels take the places of their widgets, which are nothing without a kernel."""
+    for output in cell.get("outputs", []):
+        data = output.get("data", {})
+        if "text/html" in data:
+            data.pop(_WIDGET, None)
 
 
 def folded(source: str) -> str:
