@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from course_kit.cli import (
+    bundle_command,
     class_command,
     export_command,
     new_command,
@@ -27,18 +28,18 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     prove_command.add_to(verbs)
     otter.add_to(verbs)
     new_command.add_to(verbs)
-
+    bundle_command.add_to(verbs)
     present.add_to(verbs)
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
-    dev.add_argument("tool", choices=("check", "matrix", "notebooks", "otter"))
+    dev.add_argument("tool", choices=("check", "lock", "matrix", "notebooks", "otter"))
     dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
     dev.set_defaults(run=_dev)
 
 
 def _dev(options: argparse.Namespace) -> int:
     from course_kit.authoring import check
-    from course_kit.dev import matrix, notebooks, otter
+    from course_kit.dev import lock, matrix, notebooks, otter
 
-    main_of = {"check": check.main, "matrix": matrix.main, "notebooks": notebooks.main, "otter": otter.main}
-    return main_of[options.tool](options.rest)
+    tools = {"check": check, "lock": lock, "matrix": matrix, "notebooks": notebooks, "otter": otter}
+    return tools[options.tool].main(options.rest)
