@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from packaging.markers import Marker, default_environment
+from packaging.markers import Marker
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -46,7 +46,6 @@ class LockedPackage:
 
 def _holds(marker: str, python: str, micro: int, system: str) -> bool:
     environment = {
-        **default_environment(),
         "python_version": python,
         "python_full_version": f"{python}.{micro}",
         "sys_platform": system.lower(),
@@ -55,7 +54,7 @@ def _holds(marker: str, python: str, micro: int, system: str) -> bool:
         "implementation_name": "cpython",
         "platform_python_implementation": "CPython",
     }
-    return Marker(marker).evaluate({**environment, "extra": ""})
+    return Marker(marker).evaluate(environment)
 
 
 def parse(text: str) -> list[LockedPackage]:

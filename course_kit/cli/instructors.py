@@ -41,5 +41,11 @@ def _dev(options: argparse.Namespace) -> int:
     from course_kit.authoring import check
     from course_kit.dev import lock, matrix, notebooks, otter
 
-    tools = {"check": check, "lock": lock, "matrix": matrix, "notebooks": notebooks, "otter": otter}
-    return tools[options.tool].main(options.rest)
+    main_of = {
+        "check": check.main,
+        "lock": lock.main,
+        "matrix": matrix.main,
+        "notebooks": notebooks.main,
+        "otter": otter.main,
+    }
+    return main_of[options.tool](options.rest)
