@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -65,7 +63,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--upgrade", action="store_true", help="take the newest version of each package that fits")
     options = parser.parse_args(arguments)
     root = environment.checkout()
-    uv = shutil.which("uv", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
+    uv = pythons.find_uv()
     if root is None:
         return cannot("the lock belongs to the course's folder; run this in a clone of it.")
     if uv is None:

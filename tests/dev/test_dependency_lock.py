@@ -116,6 +116,6 @@ def test_a_new_lock_says_what_it_changes() -> None:
 def test_without_uv_the_command_says_how_to_get_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(lock.shutil, "which", lambda _name, path: None)  # noqa: ARG005
+    monkeypatch.setattr(pythons, "find_uv", lambda: None)
     assert lock.main([]) == 2
     assert "there is no uv" in capsys.readouterr().err
