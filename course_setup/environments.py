@@ -20,6 +20,7 @@ KINDS = ("wheels", "jazzy")
 _REMOVED, _LINK = "removed", "link"  # how names begin that last for a moment
 _STAMP = ".course-stamp"  # what it was made from; ./course compares it on each use
 _PYTHON = ".course-python"  # the COURSE_PYTHON it was made with; ./course compares that, too
+_UNLOCKED = ".course-unlocked"  # it was resolved afresh instead of installed from the lock; ./course looks for it, too
 _OLD_MARKS = (_STAMP, ".course-unfinished")  # of the time when .venv was a folder
 
 
@@ -45,6 +46,11 @@ class Environment:
         """The COURSE_PYTHON it was made with, or ""."""
         return _read(self.path / _PYTHON)
 
+    @property
+    def unlocked(self) -> bool:
+        """Whether it was resolved afresh instead of installed from the lock."""
+        return (self.path / _UNLOCKED).exists()
+
     def has(self, extra: str) -> bool:
         """Whether an extra of the kit is installed in it; "" always is."""
         return not extra or (self.path / f".course-has-{extra}").exists()
@@ -57,8 +63,10 @@ class Environment:
         """Version and home of its Python, or "" if it does not start."""
         return identity(str(self.python))
 
-    def finish(self, stamp: str, extra: str, made_with: str) -> None:
+    def finish(self, stamp: str, extra: str, made_with: str, *, unlocked: bool = False) -> None:
         """Note that it is whole, and what it was made from."""
+        if unlocked:
+            (self.path / _UNLOCKED).touch()
         if extra:
             (self.path / f".course-has-{extra}").touch()
         for name, text in ((_PYTHON, made_with), (_STAMP, stamp)):

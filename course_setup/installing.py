@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from course_setup import locked_packages
 from course_setup.portable import PROMPT, make_portable
 from course_setup.problems import SetUpError, unfinished
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from course_setup.environments import Environment
 
 _OLDEST_PIP = 22  # older ones cannot install a course from its folder so that edits count at once
+_ONLINE = "It needs a network connection."
 # What the user has set for other installations would lead this one astray.
 _NOT_PASSED_ON = {
     "PYTHONPATH",
@@ -28,8 +30,11 @@ _NOT_PASSED_ON = {
     "PIP_TARGET",
     "PIP_PREFIX",
     "PIP_ROOT",
+    "PIP_CONSTRAINT",
     "UV_TARGET",
     "UV_PREFIX",
+    "UV_CONSTRAINT",
+    "UV_OVERRIDE",
 }
 
 
@@ -41,6 +46,8 @@ class Installer:
     python: str
     uv: str  # the uv to use, or "" for venv and pip
     kind: str  # "jazzy": the sourced ROS 2 brings rclpy, and the numpy it was compiled for; or "wheels"
+    unlocked: bool = False  # resolve afresh instead of installing the packages of the lock
+    find_links: str = ""  # the folder to install from, without the network, or ""
 
     @property
     def system_ros(self) -> bool:
@@ -66,7 +73,8 @@ class Installer:
                 PROMPT,
                 *(["--system-site-packages"] if self.system_ros else []),
             ]
-        self._run([*command, str(environment.path)], environment, "the Python environment could not be made")
+        failed = ("the Python environment could not be made", _ONLINE)
+        self._run([*command, str(environment.path)], environment, failed)
 
     def install(self, environment: Environment, *, with_tests: bool) -> None:
         """Install the course, and ROS 2 where there is none, or bring what is there up to date.
@@ -77,18 +85,35 @@ class Installer:
         extras = [] if self.system_ros else ["ros"]
         if with_tests:
             extras += ["test"] if self.system_ros else ["test-ros", "test"]
-        # Installers are run in the course's folder: its name may hold what they would take for something else.
-        wanted = ["-e", f".[{','.join(extras)}]" if extras else "."]
-        if self.system_ros:
+        if self.unlocked:
+            self._install_newest(environment, extras)
+        else:
+            self._install_locked(environment, extras)
+        self._mend_overwritten(environment)
+        if with_tests:
+            _hide_test_tools(environment)
+        make_portable(environment.path)
+
+    def _install_locked(self, environment: Environment, extras: Sequence[str]) -> None:
+        numpy = locked_packages.numpy_beside(self._numpy_of_ros()) if self.system_ros else "numpy"
+        if not self.uv:
+            self._install(environment, locked_packages.pip())  # which knows --build-constraint
+        tools = ["--build-constraints" if self.uv else "--build-constraint", locked_packages.build_tools()]
+        self._install(environment, [*tools, *locked_packages.packages(extras, numpy)])
+        # By itself, because the course has no hash, and who asks for hashes asks for all.
+        self._install(environment, [*tools, "--no-deps", *_course(extras)])
+
+    def _install_newest(self, environment: Environment, extras: Sequence[str]) -> None:
+        wanted = _course(extras)
+        if self.system_ros and (self._numpy_of_ros() or (1,)) < (2,):
             wanted.append("numpy<2")
         if self.uv:
             wanted.insert(0, "pip")  # for the user; environments of uv come without
         self._require_new_pip(environment)
         self._install(environment, wanted)
-        self._mend_overwritten(environment)
-        if with_tests:
-            _hide_test_tools(environment)
-        make_portable(environment.path)
+
+    def _numpy_of_ros(self) -> tuple[int, ...] | None:
+        return locked_packages.version_of_numpy(self.python)
 
     def _require_venv(self) -> None:
         asked = subprocess.run([self.python, "-c", "import ensurepip, venv"], capture_output=True, check=False)
@@ -119,9 +144,11 @@ class Installer:
             command = [str(environment.python), "-m", "pip", "install", "--disable-pip-version-check"]
             if not sys.stderr.isatty():
                 command += ["--quiet", "--progress-bar", "off"]
-        self._run([*command, *wanted], environment, "the installation did not finish")
+        if self.find_links:
+            command += ["--no-index", "--find-links", self.find_links]
+        self._run([*command, *wanted], environment, ("the installation did not finish", self._source()))
 
-    def _run(self, command: list[str], environment: Environment, failed: str) -> None:
+    def _run(self, command: list[str], environment: Environment, failed: tuple[str, str]) -> None:
         # Temporary files beside the environment: /tmp may be small, or let no compiler run.
         work = environment.path.with_name(f"{environment.path.name}.work")
         work.mkdir(exist_ok=True)
@@ -130,7 +157,15 @@ class Installer:
         finally:
             shutil.rmtree(work, ignore_errors=True)
         if done.returncode:
-            raise SetUpError(unfinished(failed, self.root, self.kind))
+            raise SetUpError(unfinished(*failed, self.root, self.kind))
+
+    def _source(self) -> str:
+        """Where an installation gets its packages, as a sentence for when it did not work."""
+        if self.find_links:
+            return f"Everything has to be in {self.find_links}, for this Python; ./course bundle makes such a folder."
+        if self.unlocked:
+            return _ONLINE
+        return f"{_ONLINE} If a version is missing or a hash differs, COURSE_UNLOCKED=1 installs the newest packages."
 
     def _variables(self, work: Path) -> dict[str, str]:
         kept = {name: value for name, value in os.environ.items() if name not in _NOT_PASSED_ON}
@@ -146,6 +181,11 @@ class Installer:
         if self.uv and not _can_write(_cache_of_uv()):
             changed["UV_NO_CACHE"] = "1"  # pip does without by itself
         return {**kept, **changed}
+
+
+def _course(extras: Sequence[str]) -> list[str]:
+    # Installers are run in the course's folder: its name may hold what they would take for something else.
+    return ["-e", f".[{','.join(extras)}]" if extras else "."]
 
 
 def _cache_of_uv() -> Path:

@@ -14,7 +14,7 @@ from course_setup import portable
 from course_setup.environments import Environment, Environments, identity
 from course_setup.installing import Installer
 from course_setup.lock import held, held_if_free
-from course_setup.problems import SetUpError, describe, require_usable, say, size
+from course_setup.problems import SetUpError, describe, require_usable, require_wheels, say, size
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -46,6 +46,17 @@ class Request:
     def made_with(self) -> str:
         """The Python the user asks for, or ""."""
         return os.environ.get("COURSE_PYTHON", "")
+
+    @property
+    def unlocked(self) -> bool:
+        """Whether the user asks for the newest packages instead of those of the lock."""
+        return bool(os.environ.get("COURSE_UNLOCKED"))
+
+    @property
+    def find_links(self) -> str:
+        """The folder to install from, without the network, or ""."""
+        folder = os.environ.get("COURSE_FIND_LINKS", "")
+        return folder and os.path.abspath(folder)  # noqa: PTH100 - as the user names it, links and all
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -90,6 +101,7 @@ def set_up(request: Request) -> None:
     root = Path(request.root)
     environments = Environments(root, request.kind)
     require_usable(root, environments.folder)
+    require_wheels(request.find_links)
     with held(environments.lock):
         environments.take_over_old_layout()
         found = environments.current()
@@ -139,6 +151,8 @@ def _can_be_kept(found: Environment, environments: Environments, request: Reques
     """Whether an environment can be the base of what is wanted. Who has deleted `.venv` wants another one."""
     if not environments.face.is_symlink() or not found.works():
         return False
+    if request.unlocked and not found.unlocked:  # in a copy an installer would leave what fits, however old it is
+        return False
     return request.made_with in ("", found.made_with) or identity(request.made_with) == found.identity()
 
 
@@ -176,7 +190,7 @@ def _bring_up_to_date(environments: Environments, old: Environment, request: Req
 def _install(installer: Installer, fresh: Environment, old: Environment | None, request: Request) -> None:
     extra = "test" if old is not None and old.has("test") else request.extra  # once wanted, kept
     installer.install(fresh, with_tests=extra == "test")
-    fresh.finish(request.stamp, extra, request.made_with)
+    fresh.finish(request.stamp, extra, request.made_with, unlocked=request.unlocked)
 
 
 def _drop_unless_in_force(fresh: Environment, environments: Environments) -> None:
@@ -185,7 +199,7 @@ def _drop_unless_in_force(fresh: Environment, environments: Environments) -> Non
 
 
 def _installer(request: Request) -> Installer:
-    return Installer(Path(request.root), request.python, request.uv, request.kind)
+    return Installer(Path(request.root), request.python, request.uv, request.kind, request.unlocked, request.find_links)
 
 
 def _what(request: Request) -> str:

@@ -6,10 +6,7 @@ import errno
 import os
 import secrets
 import sys
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from pathlib import Path
 
 _SIZES_MB = {"wheels": 500, "jazzy": 250}  # of an environment in use; a sourced ROS brings the rest
 _FULL = (errno.ENOSPC, errno.EDQUOT)
@@ -52,11 +49,12 @@ def disk_full(root: Path, kind: str) -> str:
     )
 
 
-def unfinished(what: str, root: Path, kind: str) -> str:
+def unfinished(what: str, source: str, root: Path, kind: str) -> str:
     """What to say of a step that failed, after its installer has said why in words of its own.
 
     Args:
         what: the beginning of the sentence, such as "the installation did not finish".
+        source: a sentence about where the step gets what it needs.
         root: the course's folder.
         kind: that of the environment, "wheels" or "jazzy".
     """
@@ -64,8 +62,8 @@ def unfinished(what: str, root: Path, kind: str) -> str:
     free = status.f_bavail * status.f_frsize // 2**20
     if free < _FULL_MB:
         return f"{what}. {disk_full(root, kind)}"
-    room = f", and disk space: {free} MB are free, but the course needs {size(kind)}" if free < _SIZES_MB[kind] else ""
-    return f"{what}; the lines above say why. It needs a network connection{room}. Then run the same command again."
+    room = f" Only {free} MB are free, but the course needs {size(kind)}." if free < _SIZES_MB[kind] else ""
+    return f"{what}; the lines above say why. {source}{room} Then run the same command again."
 
 
 def require_usable(root: Path, environments: Path) -> None:
@@ -89,6 +87,22 @@ def require_usable(root: Path, environments: Path) -> None:
         )
     environments.mkdir(exist_ok=True)
     _require_links(root, environments)
+
+
+def require_wheels(folder: str) -> None:
+    """Look whether there are wheels in the folder to install from.
+
+    Args:
+        folder: as an absolute path; "" where the network is to be used.
+
+    Raises:
+        SetUpError: there are none.
+    """
+    if folder and not any(Path(folder).glob("*.whl")):
+        raise SetUpError(
+            f"There are no wheels in {folder}, which --find-links or COURSE_FIND_LINKS names. `./course bundle DIR` "
+            "makes a folder of them, on a machine with a network connection."
+        )
 
 
 def _require_links(root: Path, environments: Path) -> None:

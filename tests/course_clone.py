@@ -24,7 +24,8 @@ env >"$STAND_IN_LOG.variables"
 case $1 in
   run) echo "$STAND_IN_PYTHON" ;;
   venv) for last; do :; done; exec "$STAND_IN_PYTHON" -m venv --without-pip --prompt course "$last" ;;
-  pip) if [ -n "${STAND_IN_PIPE:-}" ]; then echo blocked >"$STAND_IN_PIPE"; read -r _ <"$STAND_IN_PIPE"; fi
+  pip) case "$*" in *"--no-deps -e "*) STAND_IN_PIPE='' ;; esac # it waits before it installs the packages of the lock
+       if [ -n "${STAND_IN_PIPE:-}" ]; then echo blocked >"$STAND_IN_PIPE"; read -r _ <"$STAND_IN_PIPE"; fi
        if [ -n "${STAND_IN_RESULT:-}" ]; then exit "$STAND_IN_RESULT"; fi
        environment=${4%/bin/python}
        rm -f "$environment"/lib/python3*/site-packages/*.pth "$environment/bin/program"
@@ -41,10 +42,11 @@ END
 esac
 """
 # Stands in for the Python of a sourced ROS 2 Jazzy: has rclpy, and a venv and a pip that note what they are asked for.
-# STAND_IN_PIP is the version of that pip.
+# STAND_IN_PIP is the version of that pip, STAND_IN_NUMPY that of its numpy, such as "1 26"; it has none by itself.
 STAND_IN_ROS_PYTHON = f"""#!/bin/sh
 case "$*" in
   "-c import rclpy" | "-c import ensurepip, venv") exit 0 ;;
+  "-c import numpy"*) if [ -n "${{STAND_IN_NUMPY:-}}" ]; then echo "$STAND_IN_NUMPY"; else exit 1; fi ;;
   "-m venv "*) for last; do :; done
      echo "$@" >>"$STAND_IN_LOG"
      mkdir -p "$last/bin" "$last/lib/python3.10/site-packages/pip-${{STAND_IN_PIP:-26.0}}.dist-info"
@@ -140,7 +142,11 @@ class Clone:
         return started
 
     def calls(self) -> list[str]:
-        return [line.split()[0] for line in self.log.read_text().splitlines()]
+        """The installers' calls; of a locked installation that for its packages, not those for pip and the course."""
+        lines = [
+            line for line in self.log.read_text().splitlines() if not line.endswith("-r course_setup/locked/pip.txt")
+        ]
+        return [line.split()[0] for line in lines if not {"--no-deps", "-e"} <= set(line.split())]
 
     @property
     def environment(self) -> Path:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.cli import discovery_trial
+from course_kit.ros2cli import checkup
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -165,7 +166,8 @@ def rclpy_itself() -> Finding:
     try:
         return Finding("rclpy", f"{importlib.metadata.version('ros-rclpy')} from PyPI wheels")
     except importlib.metadata.PackageNotFoundError:
-        return Finding("rclpy", f"from the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {said}")
+        version = checkup.version_of_package("rclpy") or "of unknown version"
+        return Finding("rclpy", f"{version} from the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {said}")
 
 
 def rclpy_names() -> Finding:
@@ -186,6 +188,8 @@ def middleware() -> Finding:
     name = get_rmw_implementation_identifier()
     if name != environment.middleware.SUPPORTED:
         return Finding("RMW", name, "bad", environment.middleware.unsupported() or _OTHER_RMW)
+    version = checkup.version_of_package(name) if os.environ.get("ROS_DISTRO") else ""  # wheels have their own numbers
+    name = f"{name} {version}" if version else name
     if not (replaced := environment.middleware.replaced()):
         return Finding("RMW", name)
     advice = f"You need not do anything. Unset {replaced.partition('=')[0]} to remove this note."

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from course_kit.cli import (
+    bundle_command,
     class_command,
     export_command,
     new_command,
@@ -16,7 +17,7 @@ from course_kit.cli import (
 )
 from course_kit.integrations import otter
 
-_TOOLS = ("check", "container", "matrix", "notebooks", "otter", "site")
+_TOOLS = ("check", "container", "lock", "matrix", "notebooks", "otter", "site")
 
 
 def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -29,7 +30,7 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     prove_command.add_to(verbs)
     otter.add_to(verbs)
     new_command.add_to(verbs)
-
+    bundle_command.add_to(verbs)
     present.add_to(verbs)
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
@@ -40,8 +41,8 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 def _dev(options: argparse.Namespace) -> int:
     from course_kit.authoring import check
-    from course_kit.dev import container_image, matrix, notebooks, otter
+    from course_kit.dev import container_image, lock, matrix, notebooks, otter
     from course_kit.dev.site import command as site
 
-    mains = (check.main, container_image.main, matrix.main, notebooks.main, otter.main, site.main)
+    mains = (check.main, container_image.main, lock.main, matrix.main, notebooks.main, otter.main, site.main)
     return dict(zip(_TOOLS, mains, strict=True))[options.tool](options.rest)

@@ -74,7 +74,7 @@ def main(arguments: Sequence[str]) -> int:
     here = [one.minor for one in found]
     if absent := [version for version in options.python or () if version not in here]:
         return cannot(f"there is no Python {', '.join(absent)} here; there is {', '.join(here)}.")
-    uv = _find_uv()
+    uv = pythons.find_uv()
     chosen, notes = choose(found, options, has_uv=uv is not None)
     for note in notes:
         print(f"course: {note}", flush=True)
@@ -218,10 +218,6 @@ def environ_of(combination: Combination, folder: Path, uv: str | None) -> dict[s
         environ["COURSE_NO_UV"] = "1"
     environ["PATH"] = os.pathsep.join(path)
     return environ
-
-
-def _find_uv() -> str | None:
-    return shutil.which("uv", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -74,6 +75,11 @@ def find() -> list[Interpreter]:
         if known is None or (found.has_venv, found.version) > (known.has_venv, known.version):
             best[found.minor] = found
     return sorted(best.values(), key=lambda one: one.version)
+
+
+def find_uv() -> str | None:
+    """The uv of this environment, or the one on PATH; None where there is none."""
+    return shutil.which("uv", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
 
 
 def _candidates() -> Iterator[Path]:

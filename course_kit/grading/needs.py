@@ -7,7 +7,9 @@ is said before anything is graded, with what to do about it.
 from __future__ import annotations
 
 import os
+import platform
 import resource
+import sys
 from contextlib import suppress
 from itertools import chain
 from pathlib import Path
@@ -15,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading import limits, machine
 from course_kit.grading.errors import GradingError
-from course_kit.process import tree
+from course_kit.process import parent, tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -63,6 +65,16 @@ def lacking(promised: Limits, *, guest: bool, disk: str = "") -> str:
         guest: whether submissions run as a user who has nothing else running.
         disk: the folder for what they write, where that is on a disk.
     """
+    if not sys.platform.startswith("linux"):
+        return (
+            f"Grading takes a Linux, and this is {platform.system()}: only there can the grader count and end a "
+            "submission's processes. Grade in a container or a virtual machine."
+        )
+    if why := parent.lacking():
+        return (
+            f"This system does not allow prctl ({why}), by which the grader keeps hold of a submission's processes. "
+            f"Allow it, as Docker's own seccomp profile does{_AGAIN}"
+        )
     if not _PROC.exists():
         return (
             "/proc is missing here, but the grader needs it to count and end a submission's processes. Mount it "

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import course_kit
+from course_kit.environment.memory_file import file_in_memory
 from course_kit.grading.errors import GradingError
 from course_kit.grading.submission import Facts, Submission, SyntaxFault, UnreadableError
 from course_kit.process.child import INTO_STDOUT, Child
@@ -230,7 +231,7 @@ def _file_in_memory() -> BinaryIO:
         GradingError: this process may open no more.
     """
     try:
-        return open(os.memfd_create("reader", os.MFD_CLOEXEC), "w+b", buffering=0)  # noqa: PTH123 - a descriptor
+        return open(file_in_memory("reader"), "w+b", buffering=0)  # noqa: PTH123 - a descriptor
     except OSError as problem:
         raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
 

@@ -12,6 +12,7 @@ import stat
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from course_kit.environment.memory_file import file_in_memory
 from course_kit.grading.errors import GradingError
 from course_kit.process.closing import Closing
 from course_kit.reader.text import NOTEBOOK, PROGRAM, kind
@@ -129,7 +130,7 @@ class Copy(Closing):
         """
         self.name, self.size = path.name, 0
         try:
-            self._file = open(os.memfd_create("submission", os.MFD_CLOEXEC), "wb")  # noqa: PTH123, SIM115
+            self._file = open(file_in_memory("submission"), "wb")  # noqa: PTH123, SIM115
             try:
                 self.digest = self._fill(path, whole=whole)
             except BaseException:

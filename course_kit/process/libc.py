@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import errno
 import os
 
 _libc = ctypes.CDLL(None, use_errno=True)
@@ -17,9 +18,13 @@ def call(function: str, *arguments: object, what: str = "") -> int:
         what: what is done with it, for the message; the name alone otherwise.
 
     Raises:
-        OSError: it has failed.
+        OSError: it has failed, or this system has no such function.
     """
-    result = int(getattr(_libc, function)(*arguments))
+    try:
+        found = getattr(_libc, function)
+    except AttributeError:  # no Linux
+        raise OSError(errno.ENOSYS, f"{what or function}: {os.strerror(errno.ENOSYS)}") from None
+    result = int(found(*arguments))
     if result < 0:
         number = ctypes.get_errno()
         raise OSError(number, f"{what or function}: {os.strerror(number)}")

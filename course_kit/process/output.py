@@ -6,6 +6,8 @@ import fcntl
 import os
 from contextlib import suppress
 
+from course_kit.environment.memory_file import file_in_memory
+
 
 class LineReader:
     """The lines that come through a pipe, as far as they are there: its other end is never waited for."""
@@ -45,7 +47,7 @@ class LastWords:
         Raises:
             OSError: this process may open no more.
         """
-        self.file = open(os.memfd_create("last words", os.MFD_CLOEXEC), "w+b", buffering=0)  # noqa: PTH123, SIM115 - a descriptor
+        self.file = open(file_in_memory("last words"), "w+b", buffering=0)  # noqa: PTH123, SIM115 - a descriptor
 
     def last_line(self) -> str:
         """What it has printed last; nothing when the file is closed."""

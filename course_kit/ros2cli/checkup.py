@@ -100,9 +100,18 @@ def _package_items() -> Items:
     for prefix in map(Path, prefixes()):
         with suppress(OSError):
             for entry in (prefix / _INDEX).iterdir():
-                version = _VERSION.search(_read(prefix / "share" / entry.name / "package.xml"))
-                found.setdefault(entry.name, f"local={version[1] if version else 'unknown'}")
+                found.setdefault(entry.name, f"local={_version_in(prefix, entry.name) or 'unknown'}")
     return sorted(found.items())
+
+
+def version_of_package(name: str) -> str:
+    """The version of a package of a sourced ROS 2, as its package.xml has it; "" where there is none."""
+    return next(filter(None, (_version_in(Path(prefix), name) for prefix in prefixes())), "")
+
+
+def _version_in(prefix: Path, name: str) -> str:
+    found = _VERSION.search(_read(prefix / "share" / name / "package.xml"))
+    return found[1] if found else ""
 
 
 def _platform_check() -> CheckupResult:

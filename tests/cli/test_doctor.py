@@ -5,11 +5,13 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 
 from course_kit import environment
+from course_kit.cli import doctor as command
 from tests.course_copy import REPOSITORY, Course, copy_course
 from tests.environment.overwritten import overwrite_lark
 from tests.unprivileged import as_somebody, forbid_writing
@@ -85,6 +87,22 @@ def test_a_middleware_that_is_not_installed_is_noted_and_the_course_works() -> N
     assert line_about("RMW", done.stdout).startswith("note")
     assert "because RMW_IMPLEMENTATION=rmw_of_nobody is not installed" in " ".join(done.stdout.split())
     assert len(done.stderr.splitlines()) == 1
+
+
+def test_the_versions_of_a_sourced_ros_are_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder stands in for the sourced ROS, and the wheels' record of rclpy is hidden."""
+    for name, version in {"rclpy": "7.1.9", "rmw_fastrtps_cpp": "8.4.4"}.items():
+        (tmp_path / "share" / name).mkdir(parents=True)
+        (tmp_path / "share" / name / "package.xml").write_text(f"<package><version>{version}</version></package>")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
+    monkeypatch.setenv("ROS_DISTRO", "jazzy")
+    monkeypatch.setattr(metadata, "version", hide_the_wheels)
+    assert command.rclpy_itself().found.startswith("7.1.9 from the ROS 2 jazzy in ")
+    assert command.middleware().found == "rmw_fastrtps_cpp 8.4.4"
+
+
+def hide_the_wheels(name: str) -> str:
+    raise metadata.PackageNotFoundError(name)
 
 
 def test_a_course_that_this_user_may_not_write_is_noted(tmp_path: Path) -> None:

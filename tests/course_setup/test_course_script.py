@@ -9,15 +9,12 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from course_kit.cli.main import build_parser
 from tests.course_clone import BASE_PYTHON, Clone
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def test_first_use_sets_up_and_passes_the_command_on_and_later_uses_do_not(clone: Clone) -> None:
@@ -121,8 +118,79 @@ def test_a_sourced_jazzy_is_used_instead_of_the_wheels(clone: Clone) -> None:
     assert done.returncode == 0, done.stderr
     log = clone.log.read_text()
     assert "--system-site-packages" in log
-    assert "numpy<2" in log
+    assert "-r course_setup/locked/numpy-1.txt" in log
     assert "[ros" not in log
+
+
+@pytest.mark.parametrize(
+    ("numpy", "locked", "newest"),
+    [("", "numpy-1.txt", "numpy<2"), ("1 21", "numpy-1.txt", "numpy<2"), ("1 26", "", "numpy<2"), ("2 3", "", "")],
+)
+def test_the_numpy_of_a_sourced_jazzy_stays_as_its_messages_need_it(
+    clone: Clone, numpy: str, locked: str, newest: str
+) -> None:
+    for unlocked, word in (("", locked), ("1", newest)):
+        clone.log.write_text("")
+        done = clone.course("doctor", STAND_IN_NUMPY=numpy, COURSE_UNLOCKED=unlocked, **clone.sourced())
+        assert done.returncode == 0, done.stderr
+        words = [Path(one).name for one in clone.log.read_text().split() if one.startswith(("numpy", "course_setup/"))]
+        assert [one for one in words if one.startswith("numpy")] == ([word] if word else [])
+
+
+def test_the_packages_of_the_lock_are_installed_and_nothing_else(clone: Clone) -> None:
+    clone.course("test")
+    packages, course = [line.split() for line in clone.log.read_text().splitlines() if line.startswith("pip")]
+    files = [name.removeprefix("course_setup/locked/") for name in packages if name.endswith(".txt")]
+    assert files == ["build.txt", "pip.txt", "course.txt", "numpy.txt", "ros.txt", "test-ros.txt", "test.txt"]
+    assert {"--no-deps", "--require-hashes"} <= set(packages)
+    assert course[-5:] == [
+        "--build-constraints",
+        "course_setup/locked/build.txt",
+        "--no-deps",
+        "-e",
+        ".[ros,test-ros,test]",
+    ]
+    clone.course("test")
+    (clone.root / "course_setup/locked/test.txt").write_text("")
+    assert "ready" in clone.course("test").stderr  # a lock that has changed
+
+
+def test_the_newest_packages_are_installed_where_somebody_asks_and_stay(clone: Clone) -> None:
+    clone.course("doctor")
+    clone.course("doctor", COURSE_UNLOCKED="1")
+    assert clone.calls() == ["venv", "pip", "venv", "pip"]  # an environment of its own: what fits would stay old
+    assert clone.log.read_text().splitlines()[-1].endswith("pip -e .[ros]")
+    for unlocked in ("1", ""):
+        assert clone.course("doctor", COURSE_UNLOCKED=unlocked).stderr == ""
+    with (clone.root / "pyproject.toml").open("a") as file:
+        file.write("# edited\n")
+    clone.course("doctor")
+    assert "--require-hashes" in clone.log.read_text().splitlines()[-2]
+    assert "ready" in clone.course("doctor", COURSE_UNLOCKED="1").stderr
+
+
+@pytest.mark.parametrize("words", [["--find-links", "../a bundle"], ["--find-links=../a bundle"], []])
+def test_a_set_up_from_a_bundle_uses_no_network(clone: Clone, tmp_path: Path, words: list[str]) -> None:
+    bundle = tmp_path / "a bundle"
+    bundle.mkdir()
+    (bundle / "pip-26.0-py3-none-any.whl").touch()
+    variables = {} if words else {"COURSE_FIND_LINKS": str(bundle)}
+    done = clone.course("grade", *words, "temperature_service", **variables)
+    assert done.stdout == f"cli {clone.environment} grade temperature_service\n", done.stderr
+    installs = [line for line in clone.log.read_text().splitlines() if line.startswith("pip")]
+    assert [line for line in installs if f"--no-index --find-links {bundle} " not in line] == []
+    assert clone.course(*words, "doctor", **variables).stderr == ""
+
+
+def test_a_bundle_that_is_none_or_not_whole_is_told(clone: Clone, tmp_path: Path) -> None:
+    refused = clone.course("lab", "--find-links", str(tmp_path / "nowhere"))
+    assert (refused.returncode, len(refused.stderr.splitlines())) == (2, 1)
+    assert f"There are no wheels in {tmp_path}/nowhere" in refused.stderr
+    assert "--find-links needs the name of a folder" in clone.course("lab", "--find-links").stderr
+    assert clone.calls() == []
+    (tmp_path / "pip-26.0-py3-none-any.whl").touch()
+    failed = clone.course("lab", f"--find-links={tmp_path}", STAND_IN_RESULT="1")
+    assert f"Everything has to be in {tmp_path}, for this Python" in failed.stderr
 
 
 def test_the_python_of_a_sourced_jazzy_is_the_one_in_path(clone: Clone) -> None:

@@ -197,7 +197,7 @@ def test_test_tools_once_wanted_stay(clone: Clone) -> None:
     used(clone.course("doctor"))
     (clone.root / ".venv").unlink()
     used(clone.course("doctor"))
-    installs = [line.split()[-1] for line in clone.log.read_text().splitlines() if line.startswith("pip")]
+    installs = [line.split()[-1] for line in clone.log.read_text().splitlines() if " -e " in line]
     assert installs == [".[ros,test-ros,test]"] * 3
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import platform
 import subprocess
 import sys
 from dataclasses import replace
@@ -13,7 +15,7 @@ import pytest
 from course_kit.grading import machine, needs
 from course_kit.grading.limits import Limits
 from course_kit.grading.sandbox import isolation
-from course_kit.process import tree
+from course_kit.process import libc, tree
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.refused import WITHOUT_NAMESPACES
 from tests.unprivileged import as_somebody, give, reachable_folder
@@ -127,6 +129,35 @@ def test_a_file_system_that_is_missing_or_full(place: str, then: str, said: str)
         assert not isolation.status().files
     else:
         assert said in told(done)
+
+
+def test_without_files_in_memory_it_grades_all_the_same() -> None:
+    without = "import os\ndel os.memfd_create\n"  # stands in for a system that has none
+    done = run([sys.executable, "-c", without + COMMAND, "grade", EXERCISE, str(SOLUTION), "--format", "json"])
+    assert done.returncode == 0, done.stderr
+    assert '"score": 10.0' in done.stdout
+
+
+def test_a_system_that_refuses_prctl_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stand_in_that_refuses(*_arguments: object, what: str) -> int:
+        raise OSError(errno.EPERM, os.strerror(errno.EPERM), what)
+
+    assert needs.lacking(Limits(), guest=True) == ""
+    monkeypatch.setattr(libc, "prctl", stand_in_that_refuses)
+    said = needs.lacking(Limits(), guest=True)
+    assert said.startswith("This system does not allow prctl (Operation not permitted), by which the grader")
+    assert said.endswith("seccomp profile does, then grade again.")
+
+
+def test_a_system_that_is_no_linux_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "platform", "darwin")  # stands in for a Mac
+    monkeypatch.setattr(platform, "system", lambda: "Darwin")
+    assert needs.lacking(Limits(), guest=True).startswith("Grading takes a Linux, and this is Darwin: ")
+
+
+def test_a_function_that_only_linux_has_is_an_error_of_the_system() -> None:
+    with pytest.raises(OSError, match="for a test: Function not implemented"):
+        libc.call("prctl_of_another_system", what="for a test")
 
 
 def test_a_full_disk_is_found_before_a_submission_meets_it(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ import zlib
 from pathlib import Path
 from typing import Any
 
+from course_kit.environment.memory_file import file_in_memory
 from course_kit.interfaces.errors import NativeHelperError
 from course_kit.interfaces.native.memory import keep_object
 
@@ -125,7 +126,7 @@ def load_another_helper() -> ctypes.PyDLL:
     The loader knows a library again by its file, so the copy is a file in memory under a name that stays its own:
     its descriptor is kept open.
     """
-    descriptor = os.memfd_create("course-kit-helper")
+    descriptor = file_in_memory("course-kit-helper")
     copy = Path(f"/proc/self/fd/{descriptor}")
     copy.write_bytes(LIBRARY.read_bytes())
     return load_helper(copy)

@@ -1,0 +1,109 @@
+"""Downloads every file a set-up needs, so that it can be done where there is no network.
+
+The files are those of the lock, checked by their hashes. pip asks for another Python's files, but reads markers for
+its own; so they are read here.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from packaging.tags import cpython_tags
+
+from course_kit.authoring import lock_file
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from course_kit.authoring.lock_file import LockedPackage
+
+_PARTS = ("pip", "course", "numpy", "ros", "build")
+_TEST_PARTS = ("test-ros", "test")
+_ONLY_AS_SOURCE = "empy"  # its people make no wheel; it is Python alone, and the bundle has what builds it
+_GLIBC = range(28, 4, -1)  # from 2.28, which `./course` asks for, down to the oldest that wheels are made for
+_DEADLINE_S = 3600.0
+
+
+class BundleError(RuntimeError):
+    """The files could not be downloaded; the text is for the user."""
+
+
+def packages(root: Path, python: str, *, tests: bool = False) -> list[LockedPackage]:
+    """What a set-up on a Python such as "3.12" installs where no ROS 2 is sourced.
+
+    Args:
+        root: the course's folder.
+        python: the version.
+        tests: what `./course test` installs, too.
+
+    Raises:
+        BundleError: the lock cannot be read.
+    """
+    try:
+        found = lock_file.read(root, [*_PARTS, *(_TEST_PARTS if tests else ())])
+    except (OSError, ValueError) as problem:
+        raise BundleError(f"The lock in {root / lock_file.FOLDER} cannot be read: {problem}") from problem
+    return list(dict.fromkeys(package for package in found if package.is_for(python)))
+
+
+def download(wanted: Sequence[LockedPackage], python: str, folder: Path) -> None:
+    """Download the files of packages into a folder; what is there already is not downloaded again.
+
+    Args:
+        wanted: the packages.
+        python: the version of the Python that they are for.
+        folder: an existing one.
+
+    Raises:
+        BundleError: pip could not; it has said why.
+    """
+    for batch in _batches(wanted):
+        _download(batch, python, folder)
+
+
+def _batches(wanted: Sequence[LockedPackage]) -> Iterator[list[LockedPackage]]:
+    """Lists in which no package has two versions, as 3.11.4 and 3.11.5 may need: pip would refuse that."""
+    left = list(wanted)
+    while left:
+        batch = list({package.name: package for package in left}.values())
+        yield batch
+        left = [package for package in left if package not in batch]
+
+
+def _download(wanted: Sequence[LockedPackage], python: str, folder: Path) -> None:
+    with tempfile.TemporaryDirectory() as work:
+        requirements = Path(work, "requirements.txt")
+        requirements.write_text("".join(f"{one.line(with_marker=False)}\n" for one in wanted), encoding="utf-8")
+        command = [
+            *(sys.executable, "-m", "pip", "download", "--disable-pip-version-check", "--quiet"),
+            *("--no-deps", "--require-hashes", "--requirement", str(requirements)),
+            *("--dest", str(folder), "--find-links", str(folder)),
+            *("--only-binary=:all:", f"--no-binary={_ONLY_AS_SOURCE}", "--ignore-requires-python"),
+            *_kind_of_wheels(python),
+        ]
+        try:
+            code = subprocess.run(command, stdout=sys.stderr, timeout=_DEADLINE_S, check=False).returncode
+        except (OSError, subprocess.TimeoutExpired) as problem:
+            raise BundleError(f"pip did not come to an end: {problem}") from problem
+    if code:
+        raise BundleError(
+            f"The download for Python {python} did not finish; the lines above say why. It needs a network connection. "
+            "Then run the same command again: what is in the folder stays."
+        )
+
+
+def _kind_of_wheels(python: str) -> list[str]:
+    """Options by which pip takes the wheels that work on every Linux the course is for, not on this one alone."""
+    version = tuple(map(int, python.split(".")))
+    legacy = [f"manylinux{name}_x86_64" for name in ("2014", "2010", "1")]
+    platforms = [*(f"manylinux_2_{minor}_x86_64" for minor in _GLIBC), *legacy, "linux_x86_64"]
+    abis = dict.fromkeys(tag.abi for tag in cpython_tags(version, platforms=["any"]))
+    return [
+        *("--implementation", "cp", "--python-version", python),
+        *(f"--platform={one}" for one in platforms),
+        *(f"--abi={one}" for one in abis),
+    ]
