@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from importlib import metadata
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from packaging.requirements import Requirement
@@ -17,6 +17,9 @@ if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
 
 FILES = sorted(path.stem for path in (REPOSITORY / lock_file.FOLDER).glob("*.txt"))
 INSTALLED_TOGETHER = {
@@ -42,10 +45,17 @@ def asked_of(part: str) -> list[str]:
     if part == "build":
         return list(project["build-system"]["requires"])
     extras: dict[str, list[str]] = project["project"]["optional-dependencies"]
-    wanted: list[str] = [*project["project"]["dependencies"]]
-    for extra in INSTALLED_TOGETHER[part]:
-        wanted += extras.get(extra, [])
-    return wanted
+    return [*project["project"]["dependencies"], *flattened(extras, INSTALLED_TOGETHER[part])]
+
+
+def flattened(extras: dict[str, list[str]], names: Iterable[str]) -> Iterator[str]:
+    """What extras ask for; one may ask for others, as `ros2-course-kit[site]`."""
+    for line in (line for name in names for line in extras.get(name, [])):
+        requirement = Requirement(line)
+        if requirement.name == "ros2-course-kit":
+            yield from flattened(extras, requirement.extras)
+        else:
+            yield line
 
 
 @pytest.mark.parametrize("part", [part for part in INSTALLED_TOGETHER if "sourced" not in part])
