@@ -236,6 +236,8 @@ def _apply_defaults() -> dict[str, str]:
         if os.environ.get(name) in _PROFILES:  # inherited from a process in which the user had chosen otherwise
             del os.environ[name]
         os.environ.setdefault(name, value)
+    if not os.environ.get("AMENT_PREFIX_PATH"):  # else nothing finds the share folder of a package that pip installed
+        os.environ["AMENT_PREFIX_PATH"] = sys.prefix
     if not _has_a_log_folder():
         os.environ["ROS_LOG_DIR"] = str(_log_folder())
     return made
