@@ -178,7 +178,7 @@ class Page:
             shown = program.is_running()
         if STARTS.match(" ".join(rest)) and program.is_running():
             time.sleep(SETTLES_S)  # as long as a reader takes to open the next terminal
-            shown = shown and not re.search(r"Traceback|has died", program.output)
+            shown = shown and program.is_running() and not re.search(r"Traceback|has died", program.output)
         if into:
             (self._workspace / into).write_text(program.output)
         if stays and program.is_running():
