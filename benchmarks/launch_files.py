@@ -48,6 +48,7 @@ class Reader(LaunchService):
             about = (description.action, description.label, description.command)
             self.emit(events.ProcessStarted(*about))
             self.emit(events.ProcessExited(*about))
+            self.emit(events.ExecutionComplete(description.action))
         for path in description.temporary:
             path.unlink(missing_ok=True)
 

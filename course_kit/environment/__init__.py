@@ -249,6 +249,8 @@ def _apply_defaults() -> dict[str, str]:
         if os.environ.get(name) in _PROFILES:  # inherited from a process in which the user had chosen otherwise
             del os.environ[name]
         os.environ.setdefault(name, value)
+    if not os.environ.get("AMENT_PREFIX_PATH"):  # else nothing finds the share folder of a package that pip installed
+        os.environ["AMENT_PREFIX_PATH"] = sys.prefix
     if not log_folder.is_chosen():
         os.environ["ROS_LOG_DIR"] = str(log_folder.made())
     return made

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from course_kit.launch.description import LaunchDescription
 from course_kit.launch.entity import LaunchEntity
 from course_kit.launch.errors import LaunchError, in_a_sentence
+from course_kit.launch.events import ExecutionComplete
 
 if TYPE_CHECKING:
     from course_kit.launch.conditions import Condition
@@ -22,15 +23,19 @@ class Action(LaunchEntity):
     """
 
     condition: Condition | None = None
+    done_at_once: ClassVar[bool] = True  # else somebody says later when it is
 
     def __init__(self, *, condition: Condition | None = None) -> None:
         self.condition = condition
 
     def visit(self, context: LaunchContext) -> object:
         """Do it if its condition holds; what is to be done after it, as `execute` returns it."""
-        if self.condition is None or self.condition.evaluate(context):
-            return self.execute(context)
-        return None
+        if self.condition is not None and not self.condition.evaluate(context):
+            return None
+        following = self.execute(context)
+        if self.done_at_once and context.running is not None:
+            context.running.emit(ExecutionComplete(self))
+        return following
 
     def execute(self, context: LaunchContext) -> object:
         """Do it.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.launch.errors import LaunchError
 
 if TYPE_CHECKING:
+    from course_kit.launch.events import LaunchEvent
     from course_kit.launch.service import LaunchService
     from course_kit.launch.substitutions import Substitution
 
@@ -28,6 +29,7 @@ class LaunchContext:
         depth: how many launch files include this one, each by the next.
         declared: the names of the arguments that have been declared so far.
         running: what runs the processes; None where a file is only read.
+        event: what is being handled; None outside of an event handler's actions.
     """
 
     launch_configurations: dict[str, str] = field(default_factory=dict)
@@ -39,6 +41,7 @@ class LaunchContext:
     depth: int = 0
     declared: set[str] = field(default_factory=set)
     running: LaunchService | None = None
+    event: LaunchEvent | None = None
 
     @property
     def service(self) -> LaunchService:
@@ -59,6 +62,10 @@ class LaunchContext:
     def inside(self, file: Path) -> LaunchContext:
         """The context for an included file; its values are the same ones."""
         return replace(self, file=file, depth=self.depth + 1)
+
+    def handling(self, event: LaunchEvent) -> LaunchContext:
+        """The context for what is done about an event; its values are the same ones."""
+        return replace(self, event=event)
 
     def scoped(self, *, forwarding: bool = True) -> LaunchContext:
         """The context within a group: what is set there is forgotten behind it.

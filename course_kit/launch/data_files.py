@@ -27,7 +27,7 @@ def installed(folder: Path) -> Iterator[tuple[PurePosixPath, Path]]:
             tree = ast.parse(file.read(_LARGEST))
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
         return
-    reader = _Reader(folder, tree)
+    reader = SetupReader(folder, tree)
     for node in ast.walk(tree):
         if isinstance(node, ast.Tuple) and len(node.elts) == len(("where to", "files")):
             target, files = (reader.value(part) for part in node.elts)
@@ -35,8 +35,13 @@ def installed(folder: Path) -> Iterator[tuple[PurePosixPath, Path]]:
                 yield from ((PurePosixPath(target), folder / name) for name in files if (folder / name).is_file())
 
 
-class _Reader:
-    """Finds what expressions of a setup.py mean; None for what it does not know."""
+class SetupReader:
+    """Finds what expressions of a setup.py mean; None for what it does not know.
+
+    Args:
+        folder: where the setup.py lies.
+        tree: what it says.
+    """
 
     def __init__(self, folder: Path, tree: ast.Module) -> None:
         self._folder = folder

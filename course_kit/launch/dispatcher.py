@@ -55,5 +55,6 @@ class EventDispatcher:
             for handler, context in [entry for entry in self._handlers if entry[0].matches(event)]:
                 if handler.handle_once:
                     self.unregister(handler)
-                execute_all(handler.handle(event, context), context)
+                inside = context.handling(event)
+                execute_all(handler.handle(event, inside), inside)
             yield event

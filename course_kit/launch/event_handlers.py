@@ -9,6 +9,7 @@ from course_kit.launch.action import Action, as_entities
 from course_kit.launch.entity import LaunchEntity
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.events import (
+    ExecutionComplete,
     LaunchEvent,
     Matcher,
     ProcessExited,
@@ -47,11 +48,16 @@ class EventHandler(LaunchEntity):
         return self.reaction(event, context) if callable(self.reaction) else self.reaction
 
 
-class _OfAProcess(EventHandler):
-    """Actions for an event of one process, or of any."""
+class _OfAnAction(EventHandler):
+    """Actions for an event of one action, such as one that starts a process, or of any."""
 
     def __init__(
-        self, kind: type[RunningProcessEvent], target: object, reaction: Reaction, *, handle_once: bool = False
+        self,
+        kind: type[RunningProcessEvent | ExecutionComplete],
+        target: object,
+        reaction: Reaction,
+        *,
+        handle_once: bool = False,
     ) -> None:
         if target is not None and not isinstance(target, Action) and not callable(target):
             raise LaunchError(f"{type(self).__name__}(target_action={target!r}): expected a Node or an ExecuteProcess.")
@@ -64,7 +70,20 @@ class _OfAProcess(EventHandler):
         super().__init__(matcher=is_meant, entities=reaction, handle_once=handle_once)
 
 
-class OnProcessStart(_OfAProcess):
+class OnExecutionComplete(_OfAnAction):
+    """Actions for when another action is done; one that starts a process is done when the process has ended.
+
+    Args:
+        on_completion: the actions, or a function of the event and the context that returns them.
+        target_action: the action; any if None.
+        handle_once: whether only for the first time.
+    """
+
+    def __init__(self, *, on_completion: Reaction, target_action: object = None, handle_once: bool = False) -> None:
+        super().__init__(ExecutionComplete, target_action, on_completion, handle_once=handle_once)
+
+
+class OnProcessStart(_OfAnAction):
     """Actions for the start of a process.
 
     Args:
@@ -77,7 +96,7 @@ class OnProcessStart(_OfAProcess):
         super().__init__(ProcessStarted, target_action, on_start, handle_once=handle_once)
 
 
-class OnProcessExit(_OfAProcess):
+class OnProcessExit(_OfAnAction):
     """Actions for the end of a process.
 
     Args:
@@ -90,7 +109,7 @@ class OnProcessExit(_OfAProcess):
         super().__init__(ProcessExited, target_action, on_exit, handle_once=handle_once)
 
 
-class OnProcessIO(_OfAProcess):
+class OnProcessIO(_OfAnAction):
     """Functions for what a process writes.
 
     Args:

@@ -32,6 +32,17 @@ class Shutdown(LaunchEvent):
 
 
 @dataclass
+class ExecutionComplete(LaunchEvent):
+    """An action is done; one that starts a process, when that has ended.
+
+    Attributes:
+        action: the action.
+    """
+
+    action: Action
+
+
+@dataclass
 class RunningProcessEvent(LaunchEvent):
     """Something about a process.
 

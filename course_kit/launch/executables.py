@@ -198,7 +198,7 @@ def _not_found(package: str, executable: str, folders: list[Path]) -> ProgramErr
         hint = did_you_mean(executable, known) or f" It has {', '.join(known)}."
         return ProgramError(f"No executable found: package '{package}' has no '{executable}'.{hint}")
     if _OF_AN_INSTALLATION.match(package):
-        return ProgramError(f"Package '{package}' not found: it comes with a full ROS 2 installation, not the course.")
+        return ProgramError(missing(package))
     if source := sources_near(folders[:1]).get(package):
         return ProgramError(
             f"Package '{package}' has no Python program '{executable}' in {source}. A compiled one needs a full ROS 2 "
@@ -209,6 +209,13 @@ def _not_found(package: str, executable: str, folders: list[Path]) -> ProgramErr
     return ProgramError(
         f"Package '{package}' not found, nor a script {executable}.py in {places}. {hint.strip()}".rstrip()
     )
+
+
+def missing(package: str) -> str:
+    """What to say of a package of which nothing is there."""
+    if _OF_AN_INSTALLATION.match(package):
+        return f"Package '{package}' not found: it comes with a full ROS 2 installation, not the course."
+    return f"Package '{package}' not found.{did_you_mean(package, sorted({*packages(), *sources_near([])}))}"
 
 
 def package_folders(package: str) -> list[Path]:

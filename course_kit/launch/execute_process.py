@@ -52,6 +52,7 @@ class ExecuteProcess(Action):
         condition: it is only started if this holds then.
     """
 
+    done_at_once: ClassVar[bool] = False
     OUTSIDE: ClassVar[frozenset[str]] = frozenset({"cached_output", "output_format"})
 
     def __init__(  # noqa: PLR0913 - launch has them

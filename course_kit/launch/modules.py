@@ -19,6 +19,7 @@ _SUBSTITUTIONS = {
     "IfElseSubstitution": "logic",
     "LaunchConfiguration": "substitutions",
     "LaunchLogDir": "expressions",
+    "LocalSubstitution": "substitutions",
     "NotEqualsSubstitution": "logic",
     "NotSubstitution": "logic",
     "OrSubstitution": "logic",
@@ -68,12 +69,13 @@ CONTENTS: dict[str, dict[str, str]] = {
         "UnlessCondition": "conditions",
     },
     "launch.event_handlers": {
+        "OnExecutionComplete": "event_handlers",
         "OnProcessExit": "event_handlers",
         "OnProcessIO": "event_handlers",
         "OnProcessStart": "event_handlers",
         "OnShutdown": "event_handlers",
     },
-    "launch.events": {"Shutdown": "events", "matches_action": "events"},
+    "launch.events": {"ExecutionComplete": "events", "Shutdown": "events", "matches_action": "events"},
     "launch.events.process": {
         "ProcessExited": "events",
         "ProcessIO": "events",

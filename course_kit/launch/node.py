@@ -120,9 +120,12 @@ class Node(ExecuteProcess):
             parameters = parameters.path
         if isinstance(parameters, (str, PurePath, Substitution, list, tuple)):
             path = context.file.parent / as_text(parameters, context)
-            if not path.is_file():
-                raise LaunchError(f"There is no parameter file {path}.")
-            return ["--params-file", str(path)]
+            if path.is_file():
+                return ["--params-file", str(path)]
+            context.service.say(
+                f"[WARNING] [launch]: {self.place}: there is no parameter file {path}; the node starts without it."
+            )
+            return []
         raise LaunchError(f"Node(parameters=[{parameters!r}]): expected a dict of values or the path of a file.")
 
 

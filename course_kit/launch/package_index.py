@@ -28,7 +28,9 @@ VARIABLE = "AMENT_PREFIX_PATH"
 PACKAGE_PATH = "COURSE_KIT_PACKAGE_PATH"
 _INDEX = Path("share", "ament_index", "resource_index", "packages")
 _MOST = 300  # packages; a workspace has fewer
-_LEVELS = ("package.xml", "*/package.xml", "*/*/package.xml", "*/*/*/package.xml")
+_IN_SRC = 5  # levels: src/examples/rclpy/topics/minimal_publisher, of a repository that has been cloned there
+_MOST_FOLDERS = 3000  # looked into; what lies in a workspace's `src` are packages, and few folders above them
+_NO_SOURCES = ("build", "install", "log", "node_modules", "site-packages")
 _NAME = re.compile(r"<name>\s*([A-Za-z0-9][\w-]*)\s*</name>")
 
 
@@ -65,11 +67,33 @@ def sources_near(near: Iterable[Path]) -> dict[str, Path]:
     """The packages whose source lies in the workspace around folders, and in the current folder's: names to folders."""
     found: dict[str, Path] = {}
     for root, levels in _roots(near):
-        descriptions = (path for level in _LEVELS[:levels] for path in root.glob(level))
-        with suppress(OSError):
-            for description in islice(descriptions, _MOST):
-                found.setdefault(_name_in(description), description.parent)
+        for description in islice(_descriptions(root, levels), _MOST):
+            found.setdefault(_name_in(description), description.parent)
     return found
+
+
+def _descriptions(root: Path, levels: int) -> Iterator[Path]:
+    """The package.xml of each package, the upper ones first; as for colcon, no package lies within another one.
+
+    Args:
+        root: the folder to begin with.
+        levels: of folders looked into, that one included.
+    """
+    folders = [root]
+    for _ in range(levels):
+        below: list[Path] = []
+        for folder in folders[:_MOST_FOLDERS]:
+            with suppress(OSError):  # one that may not be read, or has just gone
+                if (folder / "package.xml").is_file():
+                    yield folder / "package.xml"
+                elif not (folder / "COLCON_IGNORE").exists():
+                    with os.scandir(folder) as entries:
+                        below += sorted(Path(entry) for entry in entries if entry.is_dir() and _is_sought(entry.name))
+        folders = below
+
+
+def _is_sought(name: str) -> bool:
+    return not name.startswith(".") and name not in _NO_SOURCES
 
 
 def _roots(near: Iterable[Path]) -> Iterator[tuple[Path, int]]:
@@ -81,9 +105,9 @@ def _roots(near: Iterable[Path]) -> Iterator[tuple[Path, int]]:
             continue
         yield own, 1
         source = next((place for place in own.parents if place.name == "src"), None)
-        yield (own.parent, 3) if source is None else (source, 4)
+        yield (own.parent, 3) if source is None else (source, _IN_SRC)
     yield here, 2
-    yield here / "src", 3
+    yield here / "src", _IN_SRC
     for named in os.environ.get(PACKAGE_PATH, "").split(os.pathsep):
         if named:
             yield Path(named), 3

@@ -184,6 +184,8 @@ class LaunchService:
             self._tell(events.ProcessExited, child, returncode=code)
             if child.may_restart() and not self.stopping:
                 self.later(child.description.respawn_delay_s, partial(self._restart, child))
+            else:
+                self.emit(events.ExecutionComplete(child.description.action))
 
     def _restart(self, child: LaunchedProcess) -> None:
         try:

@@ -7,6 +7,8 @@ import configparser
 import re
 from typing import TYPE_CHECKING
 
+from course_kit.launch.data_files import SetupReader
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
@@ -51,22 +53,23 @@ def _of_setup_py(path: Path) -> Iterator[str]:
         for target in node.targets
         if isinstance(target, ast.Name)
     }
+    reader = SetupReader(path.parent, tree)
     for call in ast.walk(tree):
         if isinstance(call, ast.Call):
             for keyword in call.keywords:
                 if keyword.arg == "entry_points":
-                    yield from _scripts_in(_resolved(keyword.value, named), named)
+                    yield from _scripts_in(_resolved(keyword.value, named), named, reader)
 
 
-def _scripts_in(points: ast.expr, named: dict[str, ast.expr]) -> Iterator[str]:
+def _scripts_in(points: ast.expr, named: dict[str, ast.expr], reader: SetupReader) -> Iterator[str]:
     if not isinstance(points, ast.Dict):
         return
     for key, value in zip(points.keys, points.values, strict=True):
         scripts = _resolved(value, named)
         if isinstance(key, ast.Constant) and key.value == _SCRIPTS and isinstance(scripts, (ast.List, ast.Tuple)):
             for one in scripts.elts:
-                if isinstance(one, ast.Constant) and isinstance(one.value, str):
-                    yield one.value
+                if isinstance(text := reader.value(one), str):  # often made of `package_name +`
+                    yield text
 
 
 def _resolved(value: ast.expr, named: dict[str, ast.expr]) -> ast.expr:

@@ -49,6 +49,39 @@ class TextSubstitution(Substitution):
         return repr(self.text)
 
 
+class LocalSubstitution(Substitution):
+    """What an event handler knows of its event, such as LocalSubstitution("event.reason").
+
+    Args:
+        expression: "event", and names of attributes behind dots.
+        description: how it is described.
+    """
+
+    def __init__(self, expression: str, description: str | None = None) -> None:
+        self._expression, self._description = expression, description
+
+    def perform(self, context: LaunchContext) -> str:
+        """The value.
+
+        Raises:
+            LaunchError: there is no such value, or no event is being handled.
+        """
+        first, *names = self._expression.split(".")
+        if first != "event" or context.event is None:
+            raise LaunchError(f"{self.describe()}: only an event handler's actions have one, and it is called 'event'.")
+        value: object = context.event
+        for name in names:
+            known = [each for each in dir(value) if not each.startswith("_")]
+            if name not in known:
+                raise LaunchError(f"{self.describe()}: it has no '{name}'.{did_you_mean(name, known)}")
+            value = getattr(value, name)
+        return str(value)
+
+    def describe(self) -> str:
+        """The value's name."""
+        return self._description or f"LocalVar({self._expression!r})"
+
+
 class LaunchConfiguration(Substitution):
     """The value of a launch argument.
 

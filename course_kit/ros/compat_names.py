@@ -74,7 +74,12 @@ GOAL_RECORDING = Feature(
 )
 EXECUTIONS = Feature(
     "An execute callback keeps everything else in the lab waiting, and its errors are shown as rclpy shows them",
-    ("lab/runtime/actions.py", "lab/runtime/execution.py", "lab/recording/execution_hooks.py"),
+    (
+        "lab/runtime/actions.py",
+        "lab/runtime/goal_callbacks.py",
+        "lab/runtime/execution.py",
+        "lab/recording/execution_hooks.py",
+    ),
     (_SERVER + "_execute_goal", _SERVER + "_node"),
 )
 GOAL_ENDS = Feature(

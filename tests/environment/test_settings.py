@@ -37,6 +37,16 @@ def test_any_python_that_imports_rclpy_gets_the_settings() -> None:
     assert Path(found["ROS_LOG_DIR"]).is_dir()
 
 
+def test_any_program_finds_what_a_package_shares() -> None:
+    asked = (
+        "import rclpy; from ament_index_python import get_package_share_directory as share; "
+        "rclpy.init(); print(share('rcl_interfaces'))"
+    )
+    shown = Path(in_fresh_process(asked, AMENT_PREFIX_PATH="").stdout.strip())
+    assert shown == Path(sys.prefix, "share", "rcl_interfaces")
+    assert dumped(AMENT_PREFIX_PATH="/opt/mine")["AMENT_PREFIX_PATH"] == "/opt/mine"
+
+
 def test_two_programs_of_one_checkout_meet_in_one_domain() -> None:
     assert dumped()["ROS_DOMAIN_ID"] == dumped()["ROS_DOMAIN_ID"]
 

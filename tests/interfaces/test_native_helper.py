@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import ctypes
 import shutil
+import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
@@ -53,6 +56,37 @@ def test_a_type_in_another_copy_works(monkeypatch: pytest.MonkeyPatch) -> None:
     type(built.classes["Ask"]).__import_type_support__()
     request = built.classes["Ask_Request"](a=[1, 2**40])
     assert deserialize_message(serialize_message(request), type(request)) == request
+
+
+def test_a_python_whose_lists_are_laid_out_differently(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the helper would read from a list's memory is packed in Python then, to the same bytes."""
+    from course_kit.interfaces import type_support
+
+    text = "bool[] flags\nbyte[] octets\nbyte[3] few\n"
+    values = {"flags": [True, False, True], "octets": [b"a", b"\xff"], "few": [b"x", b"\x00", b"y"]}
+
+    def message(package: str) -> Any:
+        built = Library(lambda _: text).get(TypeName(package, "msg", "Packed"))
+        type(built.classes["Packed"]).__import_type_support__()
+        return built.classes["Packed"](**values)
+
+    usual = message("usual_python")
+    assert 0 not in loader._probe_python()
+    assert loader.load_another_helper().live_octets(values["octets"]) == b"a\xff"
+    with monkeypatch.context() as another:
+        another.setattr(sys, "implementation", SimpleNamespace(name="another"))
+        assert loader._probe_python() == (0, 0)
+    monkeypatch.setattr(loader, "_probe_python", lambda: (0, 0))
+    copy = loader.load_another_helper()
+    assert copy.live_octets(values["octets"]) is None
+    assert copy.live_booleans(values["flags"]) is None
+    monkeypatch.setattr(native, "load_helper", lambda: copy)
+    other = native.Helper()
+    monkeypatch.setattr(type_support, "_helper", lambda: other)
+    unusual = message("another_python")
+    wire = serialize_message(unusual)
+    assert wire == serialize_message(usual)
+    assert deserialize_message(wire, type(unusual)) == unusual
 
 
 def test_the_helper_is_missing(tmp_path: Path) -> None:

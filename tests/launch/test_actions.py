@@ -88,6 +88,36 @@ def test_one_program_after_the_other(run: Run) -> None:
     assert done.endswith("ended with 0")
 
 
+def test_what_an_event_handler_knows_of_its_event(run: Run) -> None:
+    done = run(
+        "(first := ExecuteProcess(cmd=['sh', '-c', 'exit 3'])),"
+        "RegisterEventHandler(OnProcessExit(target_action=first, on_exit=["
+        "say('code ', LocalSubstitution('event.returncode')), Shutdown(reason='enough')])),"
+        "RegisterEventHandler(OnShutdown(on_shutdown=[say('because ', LocalSubstitution('event.reason'))]))"
+    )
+    assert "code 3\n" in done
+    assert "because enough\n" in done
+    mistyped = "RegisterEventHandler(OnShutdown(on_shutdown=[say(LocalSubstitution('event.reson'))])), Shutdown()"
+    assert "LocalVar('event.reson'): it has no 'reson'. Did you mean reason?" in run(mistyped)
+    assert "only an event handler's actions have one" in run("say(LocalSubstitution('event.reason'))")
+
+
+def test_what_comes_when_another_action_is_done(run: Run) -> None:
+    """A process is done when it has ended, and has not been started again; anything else at once."""
+    done = run(
+        "(first := ExecuteProcess(cmd=['sh', '-c', 'exit 3'], respawn=True, respawn_max_retries=1)),"
+        "(word := say('word')),"
+        "RegisterEventHandler(OnExecutionComplete(target_action=first, on_completion=[say('first is done')])),"
+        "RegisterEventHandler(OnExecutionComplete(target_action=word, on_completion="
+        "lambda event, context: say('word is done' if event.action is word else 'what?')))"
+    )
+    order = [done.index(text) for text in ("word\n", "word is done", "process has died", "first is done")]
+    assert order == sorted(order)
+    assert done.count("process has died") == 2
+    assert done.index("first is done") > done.rindex("process has died")
+    assert done.count("is done") == 2
+
+
 @pytest.mark.parametrize(
     "how",
     [

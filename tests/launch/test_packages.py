@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, launch
-from course_kit.launch import data_files, package_index
+from course_kit.launch import data_files, package_index, source_packages
 from course_kit.launch.errors import LaunchError
 
 if TYPE_CHECKING:
@@ -90,6 +90,30 @@ def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
     assert re.search(rf"^\[python[\d.]*-3\] {re.escape(str(share))}$", done, re.MULTILINE)
     assert "[ERROR] [launch]: it.launch.py, line " in done
     assert done.endswith("ended with 1")
+
+
+def test_programs_are_read_from_a_setup_py_that_puts_their_names_together(tmp_path: Path) -> None:
+    (tmp_path / "setup.py").write_text(
+        "package_name = 'arm'\nsetup(name=package_name, entry_points={'console_scripts': [\n"
+        "    'wave = ' + package_name + '.wave:main', f'nod = {package_name}.nod:main', 'bow = ' 'arm.bow:main',\n"
+        "    'never = ' + what_nobody_knows(),\n]})"
+    )
+    found = source_packages.programs(tmp_path)
+    assert found == {"wave": ("arm.wave", "main"), "nod": ("arm.nod", "main"), "bow": ("arm.bow", "main")}
+
+
+def test_packages_are_found_as_deep_as_in_a_repository_that_was_cloned_into_src(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = tmp_path / "src"
+    deep = make_package(source / "examples" / "rclpy" / "topics", "talking")
+    for unsought in (deep / "inner", source / "build" / "copied", source / ".git" / "hidden", source / "off" / "out"):
+        unsought.mkdir(parents=True)
+        (unsought / "package.xml").write_text("<package/>")
+    (source / "off" / "COLCON_IGNORE").touch()
+    monkeypatch.chdir(tmp_path)
+    assert package_index.sources_near([]) == {"talking": deep}
+    assert package_index.sources_near([deep / "launch"])["talking"] == deep
 
 
 def test_a_compiled_program_of_a_package_is_named_as_one(run: Run, folder: Path) -> None:

@@ -12,6 +12,8 @@ from course_kit.launch.errors import LaunchError
 from course_kit.launch.parameters import ParameterValue, values_of
 from course_kit.launch.substitutions import LaunchConfiguration, TextSubstitution
 
+from .conftest import FIRST_LINE
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
@@ -98,3 +100,11 @@ def test_one_parameter_and_a_file_by_their_classes(run: Run, folder: Path) -> No
     )
     assert "'-p', 'speed:=2.0', '--params-file', '" in done
     assert "more.yaml']" in done
+
+
+def test_a_node_starts_without_a_parameter_file_that_is_missing(run: Run, folder: Path) -> None:
+    done = run("Node(executable='tell.py', output='screen', parameters=['no.yaml', {'speed': 2.5}])")
+    warning = f"there is no parameter file {folder / 'no.yaml'}; the node starts without it."
+    assert f"[WARNING] [launch]: it.launch.py, line {FIRST_LINE}: {warning}\n" in done
+    assert "speed: 2.5" in done
+    assert done.endswith("ended with 0")

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
 
 from course_kit.ros2cli.cli import run
+from course_kit.ros2cli.verbs import param
 from tests.background import IN_BACKGROUND
 
-from .commands import OURS, interrupt, lines_until
+from .commands import GOLDEN, OURS, interrupt, lines_until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -80,6 +82,8 @@ rclpy.spin(Faulty())
         ),
         (("interface", "show", "std_srvs/srv/SetBol"), 1, "Did you mean std_srvs/srv/SetBool?"),
         (("interface", "package", "std_srv"), 1, "Did you mean std_srvs?"),
+        (("launch", "nowhere", "it.launch.py"), 1, "Package 'nowhere' not found."),
+        (("launch", "turtlesim", "it.launch.py"), 1, "Package 'turtlesim' not found: it comes with a full ROS 2"),
         (("run", "nowhere", "nothing"), 1, "Package 'nowhere' not found"),
         (("launch", "nowhere.launch.py"), 1, "There is no launch file nowhere.launch.py."),
     ],
@@ -164,3 +168,15 @@ def test_a_reader_that_has_seen_enough_is_no_error(robot: Ros2) -> None:
     done = subprocess.run(pipe, shell=True, env=robot.environ, capture_output=True, text=True, timeout=60, check=True)  # noqa: S602
     assert "data: hello" in done.stdout
     assert done.stderr == ""
+
+
+@pytest.mark.usefixtures("robots_domain")
+def test_a_node_that_is_just_starting_is_waited_for(
+    robot: Ros2, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A tutorial's launch file starts turtlesim and a `ros2 param set` for it at the same time."""
+    monkeypatch.setattr(param, "_STARTS_WITHIN", 60.0)  # on a busy machine, too
+    late = robot.begin(sys.executable, str(GOLDEN / "demo_node.py"), "--ros-args", "-r", "__node:=late")
+    assert run(("param", "set", "/late", "max_velocity", "2.0", "--timeout", "60")) == 0
+    assert capsys.readouterr().out == "Set parameter successful\n"
+    late.kill()

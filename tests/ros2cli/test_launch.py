@@ -141,7 +141,6 @@ def test_a_child_does_not_survive_a_launch_that_is_killed(ros2: Ros2) -> None:
         ("Node(package='my_package', executable='tel')", "package 'my_package' has no 'tel'. Did you mean tell?"),
         ("Node(package='my_packge', executable='tall')", "'my_packge' not found"),
         ("Node(package='my_package', executable='tell', cached_output=True)", "Node(cached_output=...) is not part of"),
-        ("Node(package='my_package', executable='tell', parameters=['no.yaml'])", "There is no parameter file"),
         ("Node(package='my_package', executable='tell', output='loud')", "the course kit knows screen"),
         ("LogInfo(msg=LaunchConfiguration('speed'))", "no DeclareLaunchArgument('speed') stands before it"),
         ("DeclareLaunchArgument('speed')", "add speed:=value"),

@@ -24,7 +24,9 @@ _PAGES = Path(__file__).parent / "pages"
 _FRONT_END = "end_of_index.md"
 _MARKDOWN = (
     "CHANGELOG.md",
+    "CODE_OF_CONDUCT.md",
     "CONTRIBUTING.md",
+    "SECURITY.md",
     "course_kit/authoring/AUTHORING.md",
     "course_kit/authoring/CHECKS.md",
     "course_kit/classroom/PRIVACY.md",

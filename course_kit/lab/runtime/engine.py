@@ -20,7 +20,7 @@ from course_kit.lab.overrides import callbacks, rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
 from course_kit.lab.recording.execution_hooks import hook_execution
 from course_kit.lab.recording.hooks import MessageHooks
-from course_kit.lab.runtime import actions, timeout_reasons
+from course_kit.lab.runtime import actions, goal_callbacks, timeout_reasons
 from course_kit.lab.runtime.describe import actions_of
 from course_kit.lab.runtime.execution import Executions, abort_goals, turn_of
 from course_kit.lab.runtime.executor import Turn
@@ -94,6 +94,7 @@ class Engine:
             ActionHooks(self._hooks, self._patches)  # before the sending of goals is held back
         if self._found.has(compat_names.EXECUTIONS):
             actions.execute_apart(self._patches, self.executions, self._failures.callback_crashed)
+            goal_callbacks.answer_for_broken_ones(self._patches, self._failures.callback_crashed)
             hook_execution(self._patches, self._hooks)  # after it, so that it sees the thread of the callback itself
         if self._found.has(compat_names.REPLIES):
             actions.keep_replies(self._patches)

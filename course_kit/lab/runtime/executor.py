@@ -40,13 +40,15 @@ class Turn(NamedTuple):
         entity: what it was called for; None for a future's callback and for the execution of a goal.
         node: its node.
         since: when it began, by time.monotonic.
-        callback: the execute callback of a goal.
+        callback: of a goal, such as its execute callback.
+        follows: what its error has led to, when that is seen to already.
     """
 
     entity: Any
     node: Node | None
     since: float
     callback: Any = None
+    follows: str = ""
 
 
 class LabExecutor(Executor):

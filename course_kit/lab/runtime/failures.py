@@ -98,6 +98,8 @@ def _pending(client: Client, sequence: int) -> Future | None:
 
 
 def _consequence(error: BaseException, turn: Turn) -> str:
+    if turn.follows:
+        return turn.follows
     if isinstance(error, DeadlockError):
         return "Nothing hangs here; in a separate program this callback would wait for ever."
     if turn.entity is not None and hasattr(turn.entity, "send_response"):

@@ -82,13 +82,16 @@ def _file_and_arguments(first: str, words: list[str]) -> tuple[Path, dict[str, s
 
 
 def _in_package(package: str, name: str) -> Path:
-    from course_kit.launch.executables import package_folders
+    from course_kit.launch.executables import missing, package_folders
 
     known: list[str] = []
-    for folder in package_folders(package):
+    folders = package_folders(package)
+    for folder in folders:
         files = [file for place in (folder, folder / "launch") if place.is_dir() for file in place.glob("*launch.py")]
         known += [file.name for file in files]
         for place in (folder, folder / "launch"):
             if (place / name).is_file():
                 return (place / name).resolve()
+    if not any(folder.is_dir() for folder in folders):
+        raise CommandError(missing(package))
     raise CommandError(f"Package '{package}' has no launch file '{name}' here.{did_you_mean(name, known)}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+import time
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros import parameters
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
     from course_kit.ros2cli.parser import Run, Verbs
     from course_kit.ros2cli.session import Session
+
+_STARTS_WITHIN = 1.5  # seconds; launch files start a node and `ros2 param set` for it at the same time
+_LOOK_EVERY = 0.1
 
 
 def add_to(place: ArgumentParser) -> None:
@@ -56,6 +60,10 @@ def _add(verbs: Verbs, name: str, run: Run, purpose: str, *, node: bool = True) 
 def _client(options: Namespace, session: Session) -> ParameterClient:
     name = checked_name(options.node_name)
     graph = graph_of(options, session)
+    ends = time.monotonic() + min(_STARTS_WITHIN, options.timeout)
+    while name not in graph.nodes and time.monotonic() < ends:
+        time.sleep(_LOOK_EVERY)
+        graph = graph_of(options, session)
     return ParameterClient(session, find_node(name, graph), options.timeout)
 
 
