@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import added_exercises, autograde, drills_command, streams
+from course_kit.cli import added_exercises, autograde, drills_command, hub_command, streams
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,6 +38,7 @@ def build_parser() -> argparse.ArgumentParser:
         epilog="OPTIONS go to `jupyter lab`.",
     )
     lab.set_defaults(run=_lab, others=[])
+    hub_command.add_to(verbs)
 
     grade = verbs.add_parser("grade", help="grade a solution of an exercise", epilog=_ON_LIMITS)
     grade.add_argument("exercise", help="the exercise's id, as `course-kit list` shows it")

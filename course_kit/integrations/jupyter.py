@@ -46,7 +46,7 @@ def run_lab(arguments: Sequence[str]) -> int:
     except (LabStartError, environment.DomainError) as problem:
         return cannot(problem)
     try:
-        _make_ready(root, folder)  # only where JupyterLab can start
+        make_ready(root, folder)  # only where JupyterLab can start
     except OSError as problem:
         what = f"{problem.filename or folder} could not be written: {problem.strerror or problem}"
         return cannot(f"Your folder for the lessons could not be made: {what}.")
@@ -71,21 +71,37 @@ def lab_command(
         DomainError: there is no ROS domain for it.
     """
     as_root = root_arguments(arguments, os.geteuid(), environment.sign_of_container(), verb)
-    environ = environment.child_environment(**{**_folders(), **_interfaces(), **terminals.variables(), **variables})
+    environ = environment.child_environment(**{**server_variables(), **variables})
     tell(environment.middleware.unsupported())
     command = [
         sys.executable,
         "-m",
         "jupyter",
         "lab",
-        f"--ServerApp.root_dir={root}",
+        *server_options(root),
         f"--LabApp.default_url={opens}",
-        "--LabApp.expose_app_in_browser=True",  # panels ask it for a view of their own beside the notebook
         *_terminals(),
         *as_root,
         *arguments,
     ]
     return command, environ
+
+
+def server_options(root: Path) -> list[str]:
+    """What every Jupyter server of the course is started with, a hub's included.
+
+    Args:
+        root: the folder it shows.
+    """
+    return [
+        f"--ServerApp.root_dir={root}",
+        "--LabApp.expose_app_in_browser=True",  # panels ask it for a view of their own beside the notebook
+    ]
+
+
+def server_variables() -> dict[str, str]:
+    """What its environment has beside the settings of ROS."""
+    return {**_folders(), **_interfaces(), **terminals.variables()}
 
 
 def root_arguments(arguments: Sequence[str], user: int, container: str, verb: str = "lab") -> list[str]:
@@ -111,8 +127,12 @@ def root_arguments(arguments: Sequence[str], user: int, container: str, verb: st
     )
 
 
-def _make_ready(root: Path, folder: Path) -> None:
+def make_ready(root: Path, folder: Path) -> None:
     """Bring a learner's folder up to date; the course's own folder, which an author opens, stays as it is.
+
+    Args:
+        root: the course's folder.
+        folder: the one that JupyterLab opens.
 
     Raises:
         OSError: it could not be written.
