@@ -48,9 +48,13 @@ def run(arguments: Sequence[str]) -> int:
     root = environment.checkout()
     if root is None:
         return cannot("the notebooks are missing. c.Spawner.cmd has to name the program in the course's folder.")
+    try:
+        as_root = jupyter.root_arguments(arguments, os.geteuid(), environment.sign_of_container(), VERB)
+    except jupyter.LabStartError as problem:
+        return cannot(problem)
     folder = workspace.copy_folder()
     lesson = jupyter.FIRST_LESSON if _is_made_ready(root, folder) else ""
-    command, environ = server_command(folder, lesson, arguments)
+    command, environ = server_command(folder, lesson, [*as_root, *arguments])
     sys.stdout.flush()
     return os.execve(sys.executable, command, environ)
 
