@@ -31,14 +31,20 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     present.add_to(verbs)
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
-    dev.add_argument("tool", choices=("check", "matrix", "notebooks", "otter"))
+    dev.add_argument("tool", choices=("check", "hub", "matrix", "notebooks", "otter"))
     dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
     dev.set_defaults(run=_dev)
 
 
 def _dev(options: argparse.Namespace) -> int:
     from course_kit.authoring import check
-    from course_kit.dev import matrix, notebooks, otter
+    from course_kit.dev import hub, matrix, notebooks, otter
 
-    main_of = {"check": check.main, "matrix": matrix.main, "notebooks": notebooks.main, "otter": otter.main}
+    main_of = {
+        "check": check.main,
+        "hub": hub.main,
+        "matrix": matrix.main,
+        "notebooks": notebooks.main,
+        "otter": otter.main,
+    }
     return main_of[options.tool](options.rest)

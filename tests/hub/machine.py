@@ -160,7 +160,8 @@ def hub(folder: Path, course: Path) -> Iterator[Hub]:
     config = service / "jupyterhub_config.py"
     configured = guide.moved(guide.block("Configure the hub", "python"), folder)
     config.write_text(f"""{configured}
-c.JupyterHub.bind_url = "http://127.0.0.1:{ports[0]}/jupyter/"
+c.JupyterHub.ip = "127.0.0.1"
+c.JupyterHub.port = {ports[0]}
 c.JupyterHub.hub_port = {ports[1]}
 c.ConfigurableHTTPProxy.api_url = "http://127.0.0.1:{ports[2]}"
 c.JupyterHub.authenticator_class = "dummy"
