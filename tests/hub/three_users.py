@@ -85,8 +85,8 @@ def run_instead(lab: JupyterLab, before: str, code: str) -> None:
 def test_three_users_work_at_once_each_with_files_and_nodes_of_their_own(here: Machine) -> None:
     with here.at_work(*here.users) as labs:
         for lab in labs:
+            expect(lab.page).to_have_url(f"{lab.address}/lab/tree/{FIRST_LESSON}")
             expect(lab.page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
-            assert lab.page.url == f"{lab.address}/lab/tree/{FIRST_LESSON}"
         for lab in labs:
             lab.page.goto(f"{lab.address}/lab/tree/{LESSON_1}?reset")
         for lab in labs:
@@ -144,7 +144,9 @@ def test_a_link_of_nbgitpuller_brings_a_notebook_that_uses_the_course(here: Mach
     with served_repository(here) as repository:
         link = f"/hub/user-redirect/git-pull?repo={repository}&branch=main&urlpath=lab/tree/own/{TEMPERATURE}.ipynb"
         with here.at_work(user, first=link) as (lab,):
+            expect(lab.page).to_have_url(f"{lab.address}/lab/tree/own/{TEMPERATURE}.ipynb")
             expect(lab.page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
+            lab.open(f"own/{TEMPERATURE}.ipynb")  # without the lesson that was open before
             lab.run_all()
             expect(lab.scroll_to(lab.page.get_by_text(re.compile("of 10 points")))).to_be_visible()
     assert (user.home / "ros2-course" / "own" / f"{TEMPERATURE}.ipynb").is_file()
