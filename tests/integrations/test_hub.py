@@ -15,11 +15,30 @@ import pytest
 from course_kit import environment
 from course_kit.cli import main
 from course_kit.integrations import hub
+from course_kit.learner import workspace
 from tests.hub import guide
 
 FOLDER = Path("/home/ada/ros2-course")
 LESSON = "notebooks/00_welcome.ipynb"
 URL = "JUPYTERHUB_SERVICE_URL"
+
+
+class Started(Exception):  # noqa: N818 - no error
+    """Stands in for the server that would take this process's place."""
+
+
+@pytest.fixture
+def on_a_hub(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a JupyterHub brings, and a stand-in for what is started."""
+
+    def start(path: str, command: list[str], environ: dict[str, str]) -> None:
+        raise Started(path, command, environ)
+
+    monkeypatch.setenv(URL, "http://127.0.0.1:1/user/ada/")
+    monkeypatch.delenv("JUPYTERHUB_ROOT_DIR", raising=False)
+    monkeypatch.delenv("JUPYTERHUB_DEFAULT_URL", raising=False)
+    monkeypatch.setattr(hub, "find_spec", lambda _: "found")
+    monkeypatch.setattr(os, "execve", start)
 
 
 @pytest.mark.parametrize(
@@ -70,10 +89,11 @@ def test_without_a_domain_left_the_server_starts_and_the_log_says_so(
     assert "ROS_DOMAIN_ID is set to 'no number'" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("on_a_hub")
 def test_outside_of_a_hub_it_says_what_to_run_instead(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.delenv(URL, raising=False)
+    monkeypatch.delenv(URL)
     assert main.main([hub.VERB]) == 2
     said = capsys.readouterr().err
     assert "only a JupyterHub can start hub-singleuser" in said
@@ -81,13 +101,36 @@ def test_outside_of_a_hub_it_says_what_to_run_instead(
     assert len(said.splitlines()) == 1
 
 
+@pytest.mark.usefixtures("on_a_hub")
 def test_without_jupyterhub_beside_the_course_it_says_how_to_install_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setenv(URL, "http://127.0.0.1:1/user/ada/")
-    monkeypatch.setattr(hub, "find_spec", lambda _: None)  # whatever is installed here
+    monkeypatch.setattr(hub, "find_spec", lambda _: None)
     assert main.main([hub.VERB]) == 2
     assert f'{sys.executable} -m pip install -e ".[hub]"' in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("on_a_hub")
+def test_root_is_refused_as_jupyter_refuses_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    monkeypatch.setattr(environment, "sign_of_container", lambda: "")
+    assert main.main([hub.VERB]) == 2
+    assert "hub-singleuser --allow-root" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("on_a_hub")
+def test_where_the_folder_cannot_be_made_the_server_starts_without_the_lessons(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(workspace, "copy_folder", lambda: Path("/proc/nonexistent/ros2-course"))
+    with pytest.raises(Started) as started:
+        main.main([hub.VERB, "--allow-root"])
+    _, command, environ = started.value.args
+    assert command[-1] == "--allow-root"
+    assert environ["JUPYTERHUB_DEFAULT_URL"] == "/lab"
+    assert "The folder for the lessons could not be made: /proc/nonexistent" in capsys.readouterr().err
 
 
 def test_users_of_one_installation_have_domains_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
