@@ -10,7 +10,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 import urllib.request
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from course_kit import environment
 from course_kit.dev import matrix
 from course_kit.ros2cli import delegation
 from tests.hub import guide
+from tests.jupyter_server import wait_until_up
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -30,9 +30,8 @@ if TYPE_CHECKING:
 
 PASSWORD = "only for this test"  # noqa: S105 - of users who live as long as it
 _BEGIN = "course-hub-"  # of the names of the users
-_INSTALL_S, _UP_S, _DOWN_S = 900.0, 120.0, 60.0
+_INSTALL_S, _DOWN_S = 900.0, 60.0
 _OURS = ("COURSE", "ROS", "_ROS", "RMW", "FAST", "PYTEST", "PYTHON", "JUPYTER", "VIRTUAL", "XDG", "IPYTHON")
-_SYSTEM_PYTHON = "/usr/bin/python3"
 
 
 @dataclass(frozen=True)
@@ -177,7 +176,7 @@ c.JupyterHub.load_roles.append({{"name": "test", "services": ["test"], "scopes":
         )  # fmt: skip
         try:
             made = Hub(f"http://127.0.0.1:{ports[0]}/jupyter", token, log)
-            _wait_until_up(made, process)
+            wait_until_up(f"{made.address}/hub/login", process, log)
             yield made
         finally:
             process.send_signal(signal.SIGTERM)  # it stops the servers and the proxy
@@ -186,23 +185,6 @@ c.JupyterHub.load_roles.append({{"name": "test", "services": ["test"], "scopes":
             with suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
             process.wait()
-
-
-def _wait_until_up(made: Hub, process: subprocess.Popen[bytes]) -> None:
-    deadline = time.monotonic() + _UP_S
-    while not _answers(f"{made.address}/hub/login"):
-        assert process.poll() is None, f"JupyterHub ended:\n{made.log.read_text()}"
-        assert time.monotonic() < deadline, f"JupyterHub did not start:\n{made.log.read_text()}"
-        with suppress(subprocess.TimeoutExpired):
-            process.wait(0.2)
-
-
-def _answers(address: str) -> bool:
-    try:
-        with urllib.request.urlopen(address, timeout=5):  # noqa: S310 - an http address of this machine
-            return True
-    except OSError:
-        return False
 
 
 def free_ports(count: int) -> list[int]:
