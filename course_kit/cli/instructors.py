@@ -17,7 +17,7 @@ from course_kit.cli import (
 )
 from course_kit.integrations import otter
 
-_TOOLS = ("check", "container", "lock", "matrix", "notebooks", "otter", "site")
+_TOOLS = ("check", "container", "hub", "lock", "matrix", "notebooks", "otter", "site")
 
 
 def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -41,8 +41,8 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 def _dev(options: argparse.Namespace) -> int:
     from course_kit.authoring import check
-    from course_kit.dev import container_image, lock, matrix, notebooks, otter
+    from course_kit.dev import container_image, hub, lock, matrix, notebooks, otter
     from course_kit.dev.site import command as site
 
-    mains = (check.main, container_image.main, lock.main, matrix.main, notebooks.main, otter.main, site.main)
+    mains = (check.main, container_image.main, hub.main, lock.main, matrix.main, notebooks.main, otter.main, site.main)
     return dict(zip(_TOOLS, mains, strict=True))[options.tool](options.rest)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import added_exercises, autograde, drills_command, folder_commands, streams
+from course_kit.cli import added_exercises, autograde, drills_command, folder_commands, hub_command, streams
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,6 +31,7 @@ def build_parser() -> argparse.ArgumentParser:
     for_instructors = find_spec("course_kit.authoring") is not None  # the student edition comes without it
 
     folder_commands.add_to(verbs)
+    hub_command.add_to(verbs)
 
     grade = verbs.add_parser("grade", help="grade a solution of an exercise", epilog=_ON_LIMITS)
     grade.add_argument("exercise", help="the exercise's id, as `course-kit list` shows it")

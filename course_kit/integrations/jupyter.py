@@ -49,7 +49,7 @@ def run_lab(arguments: Sequence[str]) -> int:
     except (LabStartError, environment.DomainError) as problem:
         return cannot(problem)
     try:
-        _make_ready(root, folder)  # only where JupyterLab can start
+        make_ready(root, folder)  # only where JupyterLab can start
     except OSError as problem:
         what = f"{problem.filename or folder} could not be written: {problem.strerror or problem}"
         return cannot(f"Your folder for the lessons could not be made: {what}.")
@@ -74,27 +74,45 @@ def lab_command(
         DomainError: there is no ROS domain for it.
     """
     as_root = root_arguments(arguments, os.geteuid(), environment.sign_of_container(), verb)
-    of_folder = {
-        environment.FOLDER_VARIABLE: str(root),
-        _WORKSPACES: os.environ.get(_WORKSPACES) or str(_workspaces(root)),
-    }
-    of_machine = {**_folders(), **_interfaces(), **terminals.variables()}
-    environ = environment.child_environment(**{**of_folder, **of_machine, **variables})
-    environ[_CONFIG_PATH] = os.pathsep.join(filter(None, (environ.get(_CONFIG_PATH), str(_CONFIG))))
+    environ = environment.child_environment(**{**server_variables(root), **variables})
     tell(environment.middleware.unsupported())
     command = [
         sys.executable,
         "-m",
         "jupyter",
         "lab",
-        f"--ServerApp.root_dir={root}",
+        *server_options(root),
         f"--LabApp.default_url={opens}",
-        "--LabApp.expose_app_in_browser=True",  # panels ask it for a view of their own beside the notebook
         *_terminals(),
         *as_root,
         *arguments,
     ]
     return command, environ
+
+
+def server_options(root: Path) -> list[str]:
+    """What every Jupyter server of the course is started with, a hub's included.
+
+    Args:
+        root: the folder it shows.
+    """
+    return [
+        f"--ServerApp.root_dir={root}",
+        "--LabApp.expose_app_in_browser=True",  # panels ask it for a view of their own beside the notebook
+    ]
+
+
+def server_variables(folder: Path) -> dict[str, str]:
+    """What its environment has beside the settings of ROS.
+
+    Args:
+        folder: the learner's.
+    """
+    found = {**_folders(), **_interfaces(), **terminals.variables(), environment.FOLDER_VARIABLE: str(folder)}
+    before = found.get(_CONFIG_PATH) or os.environ.get(_CONFIG_PATH)
+    found[_CONFIG_PATH] = os.pathsep.join(filter(None, (before, str(_CONFIG))))
+    found[_WORKSPACES] = os.environ.get(_WORKSPACES) or str(_workspaces(folder))
+    return found
 
 
 def root_arguments(arguments: Sequence[str], user: int, container: str, verb: str = "lab") -> list[str]:
@@ -120,8 +138,12 @@ def root_arguments(arguments: Sequence[str], user: int, container: str, verb: st
     )
 
 
-def _make_ready(root: Path, folder: Path) -> None:
+def make_ready(root: Path, folder: Path) -> None:
     """Bring a learner's folder up to date; the course's own folder, which an author opens, stays as it is.
+
+    Args:
+        root: the course's folder.
+        folder: the one that JupyterLab opens.
 
     Raises:
         OSError: it could not be written.

@@ -1,0 +1,159 @@
+"""What a JupyterHub starts for each user, up to the moment at which JupyterHub itself takes over.
+
+The whole, with a real hub and three users, is `course-kit dev hub` (tests/hub).
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from course_kit import environment
+from course_kit.cli import main
+from course_kit.integrations import hub
+from tests.hub import guide
+
+FOLDER = Path("/home/ada/ros2-course")
+LESSON = "notebooks/00_welcome.ipynb"
+URL = "JUPYTERHUB_SERVICE_URL"
+
+
+class Started(Exception):  # noqa: N818 - no error
+    """Stands in for the server that would take this process's place."""
+
+
+@pytest.fixture
+def on_a_hub(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a JupyterHub brings, and a stand-in for what is started."""
+
+    def start(path: str, command: list[str], environ: dict[str, str]) -> None:
+        raise Started(path, command, environ)
+
+    monkeypatch.setenv(URL, "http://127.0.0.1:1/user/ada/")
+    monkeypatch.delenv("JUPYTERHUB_ROOT_DIR", raising=False)
+    monkeypatch.delenv("JUPYTERHUB_DEFAULT_URL", raising=False)
+    monkeypatch.setattr(hub, "find_spec", lambda _: "found")
+    monkeypatch.setattr(os, "execve", start)
+
+
+@pytest.mark.parametrize(
+    ("root_dir", "lesson", "shown", "opens"),
+    [
+        (None, LESSON, FOLDER, f"/lab/tree/{LESSON}"),
+        ("/home/ada", LESSON, Path("/home/ada"), f"/lab/tree/ros2-course/{LESSON}"),
+        ("/", LESSON, Path("/"), f"/lab/tree/home/ada/ros2-course/{LESSON}"),
+        ("/", "", Path("/"), "/lab"),  # the folder could not be made
+    ],
+)
+def test_the_server_shows_the_learners_folder_or_the_one_of_the_administrator_that_holds_it(
+    root_dir: str | None, lesson: str, shown: Path, opens: str
+) -> None:
+    environ = {} if root_dir is None else {"JUPYTERHUB_ROOT_DIR": root_dir}
+    assert hub.shown(FOLDER, lesson, environ) == (shown, opens)
+
+
+def test_a_folder_without_the_lessons_is_not_shown_and_the_log_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert hub.shown(FOLDER, LESSON, {"JUPYTERHUB_ROOT_DIR": "/srv"}) == (FOLDER, f"/lab/tree/{LESSON}")
+    assert "c.Spawner.notebook_dir is /srv, and the lessons are in /home/ada/ros2-course" in capsys.readouterr().err
+
+
+def test_a_home_is_meant_by_its_sign(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", "/home/ada")
+    assert hub.shown(FOLDER, LESSON, {"JUPYTERHUB_ROOT_DIR": "~"})[0] == Path("/home/ada")
+
+
+def test_the_command_is_the_hubs_own_on_the_users_folder_and_domain(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("JUPYTERHUB_DEFAULT_URL", raising=False)
+    command, environ = hub.server_command(FOLDER, LESSON, ["--debug"])
+    assert command[:3] == [sys.executable, "-m", "jupyterhub.singleuser"]
+    assert f"--ServerApp.root_dir={FOLDER}" in command
+    assert command[-1] == "--debug"
+    assert environ["JUPYTERHUB_DEFAULT_URL"] == f"/lab/tree/{LESSON}"
+    assert environ["ROS_DOMAIN_ID"] == str(environment.apply().domain_id)
+    monkeypatch.setenv("JUPYTERHUB_DEFAULT_URL", "/tree")  # c.Spawner.default_url
+    assert hub.server_command(FOLDER, LESSON, [])[1]["JUPYTERHUB_DEFAULT_URL"] == "/tree"
+
+
+def test_without_a_domain_left_the_server_starts_and_the_log_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "no number")
+    command, environ = hub.server_command(FOLDER, LESSON, [])
+    assert "jupyterhub.singleuser" in command
+    assert environ["JUPYTERHUB_DEFAULT_URL"].endswith(LESSON)
+    assert "ROS_DOMAIN_ID is set to 'no number'" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("on_a_hub")
+def test_outside_of_a_hub_it_says_what_to_run_instead(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv(URL)
+    assert main.main([hub.VERB]) == 2
+    said = capsys.readouterr().err
+    assert "only a JupyterHub can start hub-singleuser" in said
+    assert said.rstrip().endswith("lab.")
+    assert len(said.splitlines()) == 1
+
+
+@pytest.mark.usefixtures("on_a_hub")
+def test_without_jupyterhub_beside_the_course_it_says_how_to_install_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(hub, "find_spec", lambda _: None)
+    assert main.main([hub.VERB]) == 2
+    assert f'{sys.executable} -m pip install -e ".[hub]"' in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("on_a_hub")
+def test_root_is_refused_as_jupyter_refuses_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    monkeypatch.setattr(environment, "sign_of_container", lambda: "")
+    assert main.main([hub.VERB]) == 2
+    assert "hub-singleuser --allow-root" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("on_a_hub")
+def test_where_the_folder_cannot_be_made_the_server_starts_without_the_lessons(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(environment, "usual_learner_folder", lambda: Path("/proc/nonexistent/ros2-course"))
+    with pytest.raises(Started) as started:
+        main.main([hub.VERB, "--allow-root"])
+    _, command, environ = started.value.args
+    assert command[-1] == "--allow-root"
+    assert environ["JUPYTERHUB_DEFAULT_URL"] == "/lab"
+    assert "The folder for the lessons could not be made: /proc/nonexistent" in capsys.readouterr().err
+
+
+def test_users_of_one_installation_have_domains_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As many as a large class: the kernel is asked for each user's, one after the other."""
+    from course_kit.environment.domains import Leases
+
+    leases = Leases(f"class {os.getpid()}")
+    held = []
+    for user in range(60):
+        monkeypatch.setattr(os, "getuid", lambda user=user: 10_000 + user)
+        held.append(leases.share(f"{user}:/opt/ros2-course"))
+    try:
+        assert len({lease.domain_id for lease in held}) == len(held)
+    finally:
+        for lease in held:
+            lease.release()
+
+
+def test_the_configuration_of_the_guide_starts_what_the_guide_installs() -> None:
+    configured = ast.parse(guide.block("Configure the hub", "python"))
+    settings = {ast.unparse(one.targets[0]): one.value for one in configured.body if isinstance(one, ast.Assign)}
+    assert ast.literal_eval(settings["c.Spawner.cmd"]) == [f"{guide.COURSE}/course", hub.VERB]
+    proxy = ast.literal_eval(settings["c.ConfigurableHTTPProxy.command"])
+    assert proxy == [f"{guide.TOOLS}/node_modules/.bin/configurable-http-proxy"]
+    installed = guide.block("Install it once", "sh")
+    assert f"npm install --prefix {guide.TOOLS} " in installed
+    assert '-m pip install -e ".[hub]"' in installed
