@@ -102,6 +102,11 @@ def test_where_none_works_it_says_what_each_said(root: Path, compiler: Callable[
     assert not (root / hatch_build.LIBRARY).exists()
 
 
+def test_what_cites_the_course_names_its_version() -> None:
+    version = WheelBuilder(str(REPOSITORY)).metadata.version
+    assert f"\nversion: {version}\n" in (REPOSITORY / "CITATION.cff").read_text(encoding="utf-8")
+
+
 def test_a_wheel_has_every_file_of_the_package_templates_and_style_sheets_included() -> None:
     packed = {Path(file.distribution_path) for file in WheelBuilder(str(REPOSITORY)).recurse_included_files()}
     here = {path.relative_to(REPOSITORY) for path in (REPOSITORY / "course_kit").rglob("*") if path.is_file()}

@@ -98,7 +98,8 @@ class Cluster:
             raise GradingError(
                 'Grading on a cluster needs Dask. Install it with: .venv/bin/python -m pip install -e ".[cluster]"'
             ) from problem
-        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what it says with tracebacks, we say
+        for name in ("distributed", "distributed.client"):  # what they say with tracebacks, we say
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
             self._client = distributed.Client(address, timeout=_CONNECT_S, set_as_default=False)
         except (OSError, ValueError, TypeError) as problem:

@@ -14,9 +14,9 @@ from importlib.util import find_spec
 from course_kit import environment
 from course_kit.dev import browser, notebooks
 
-# Tests wait for nodes more than they compute: one more than there are cores leaves none idle. Files stay together:
-# their fixtures are dear.
-SIDE_BY_SIDE = ["-n", str(min(4, (os.cpu_count() or 1) + 1)), "--dist", "loadfile"]
+# Tests wait for nodes more than they compute, but with more workers than cores some of them wait too long. Files stay
+# together: their fixtures are dear.
+SIDE_BY_SIDE = ["-n", "auto", "--maxprocesses", "4", "--dist", "loadfile"]
 MATRIX = "--matrix"
 
 

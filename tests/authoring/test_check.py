@@ -43,7 +43,8 @@ def course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     variants.mkdir(parents=True)
     for number in range(rules.FEWEST_VARIANTS):
         shutil.copy(solution(tmp_path), variants / f"copy_{number}.py")
-    monkeypatch.setattr(environment, "checkout", lambda: tmp_path)
+    for name in ("checkout", "course_files"):
+        monkeypatch.setattr(environment, name, lambda: tmp_path)
     return tmp_path
 
 
