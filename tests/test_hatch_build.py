@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from hatchling.builders.sdist import SdistBuilder
 from hatchling.builders.wheel import WheelBuilder
 
 import hatch_build
@@ -100,6 +101,17 @@ def test_where_none_works_it_says_what_each_said(root: Path, compiler: Callable[
     with pytest.raises(hatch_build.NoCompilerError, match=r"(?s)No C compiler here.*gcc: .*stdbool\.h: No such file"):
         hatch_build.compile_helper(root, [*hatch_build.system_compilers(), [sys.executable, "-m", "no_such_module"]])
     assert not (root / hatch_build.LIBRARY).exists()
+
+
+def test_a_source_distribution_holds_the_tests_and_nothing_of_a_learners(tmp_path: Path) -> None:
+    for name in ("pyproject.toml", "hatch_build.py", ".gitignore", "tests/test_layers.py"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        shutil.copy(REPOSITORY / name, tmp_path / name)
+    (tmp_path / "my-course").mkdir()
+    (tmp_path / "my-course" / "mine.py").touch()
+    (tmp_path / "my-course" / ".gitignore").write_text("*\n")
+    packed = {file.distribution_path for file in SdistBuilder(str(tmp_path)).recurse_included_files()}
+    assert packed == {"pyproject.toml", "hatch_build.py", ".gitignore", "tests/test_layers.py"}
 
 
 def test_what_cites_the_course_names_its_version() -> None:

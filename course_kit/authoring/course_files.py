@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _GENERATED = {
     ".git", ".venv", ".venvs", ".course", ".hypothesis", ".mypy_cache", ".pytest_cache", ".ruff_cache",
-    ".ipynb_checkpoints", "__pycache__", "artifacts", "build", "dist",
+    ".ipynb_checkpoints", "__pycache__", "artifacts", "build", "dist", "PKG-INFO",
     environment.LEARNER_FOLDER,
 }  # fmt: skip
 _GENERATED_ENDINGS = (".so", ".pyc", ".tmp", ".zip")
