@@ -15,6 +15,7 @@ from hatchling.builders.wheel import WheelBuilder
 
 import hatch_build
 from tests.course_copy import REPOSITORY, SOLUTION, TEMPERATURE
+from tests.environment.overwritten import overwrite_lark
 
 MINE = Path("exercises", TEMPERATURE, f"{TEMPERATURE}.py")
 SPY = """
@@ -129,6 +130,14 @@ def test_an_update_of_the_package_brings_new_lessons_and_leaves_what_is_the_lear
     assert (folder / MINE).read_text() == "# mine\n"
     assert (folder / MINE).with_name(f"{TEMPERATURE}.new-version.py").read_text() == "# a new starter\n"
     assert (folder / "notebooks" / "07_new.ipynb").is_file()
+
+
+def test_an_overwritten_package_is_no_reason_not_to_begin(installed: Installed) -> None:
+    overwrite_lark(installed.packages)
+    said = " ".join(installed.run("doctor").split())
+    assert "note packages lark-parser has overwritten files of lark==1.3.1" in said
+    assert "--no-deps lark==1.3.1" in said
+    assert "installed as a package; you work in" in said
 
 
 def test_a_submission_sees_no_grader_and_no_lesson(installed: Installed) -> None:

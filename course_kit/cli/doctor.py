@@ -111,7 +111,7 @@ def packages() -> Finding:
     return Finding(
         "packages",
         f"{other} has overwritten files of {requirement}, which JupyterLab uses",
-        "bad",
+        "note" if environment.checkout() is None else "bad",  # only ./course has the say in what is installed
         f"Install {requirement} again: {installed.remedy(requirement)}",
     )
 
