@@ -13,6 +13,7 @@ from hatchling.builders.wheel import WheelBuilder
 
 import hatch_build
 from course_kit.interfaces.native.loader import load_helper
+from course_kit.learner import workspace
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -112,6 +113,12 @@ def test_a_source_distribution_holds_the_tests_and_nothing_of_a_learners(tmp_pat
     (tmp_path / "my-course" / ".gitignore").write_text("*\n")
     packed = {file.distribution_path for file in SdistBuilder(str(tmp_path)).recurse_included_files()}
     assert packed == {"pyproject.toml", "hatch_build.py", ".gitignore", "tests/test_layers.py"}
+
+
+def test_a_wheel_hands_out_what_a_clone_does(tmp_path: Path) -> None:
+    packed = hatch_build.lessons_and_exercises(REPOSITORY, tmp_path).values()
+    given = {path.relative_to(REPOSITORY) for path in workspace._files(REPOSITORY)}
+    assert {Path(one).relative_to(hatch_build.COURSE) for one in packed} == given
 
 
 def test_what_cites_the_course_names_its_version() -> None:

@@ -16,6 +16,11 @@ from course_kit.grading.output import KEPT, BoundedOutput
 if TYPE_CHECKING:
     from pathlib import Path
 
+# Of two processes, one through the other, as those of a fork bomb come.
+OF_MANY_AT_ONCE = (
+    "Traceback (mostTraceback (most\nBlockingIOError: [Errno 11] Resource temporarily unavailable recent\n"
+)
+
 TRACE = """[INFO] something
 Traceback (most recent call last):
   File "answer.py", line 9, in <module>
@@ -118,6 +123,7 @@ def test_nothing_spins() -> None:
         (ProcessStatus(running=False, exit_code=3), "start.exit"),
         (ProcessStatus(running=False, signal=11), "start.exit"),
         (ProcessStatus(running=False, limit="memory"), "limit.memory"),
+        (ProcessStatus(running=False, exit_code=1, stderr=OF_MANY_AT_ONCE), "limit.processes"),
         (ProcessStatus(running=False, exit_code=0, notes={"functions": ["f"]}), "start.nothing"),
         (ProcessStatus(running=False, stderr=TRACE.replace("ZeroDivisionError", "MemoryError")), "limit.memory"),
         (

@@ -59,6 +59,8 @@ def of_limit(process: ProcessStatus, job: Job) -> Cause | None:
             limit = "memory"
         elif any(text in raised.text for text in _TOO_MANY):
             limit = "processes"
+    elif limit is None and any(text in process.stderr for text in _TOO_MANY):  # many at once, one through the other
+        limit = "processes"
     if limit is None and "std::bad_alloc" in process.stderr:
         limit = "memory"
     computed = (
