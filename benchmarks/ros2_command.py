@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from contextlib import AbstractContextManager
 
-GOLDEN = Path(__file__).resolve().parent.parent / "tests" / "ros2" / "golden"
+GOLDEN = Path(__file__).resolve().parent.parent / "tests" / "ros2cli" / "golden"
 ROUNDS = 11
 # The script an installer makes of the entry point, without the module search of `python -m`.
 SCRIPT = "import sys; from course_kit.ros2cli.cli import run; sys.exit(run(sys.argv[1:]))"
