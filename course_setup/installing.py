@@ -162,7 +162,10 @@ class Installer:
     def _source(self) -> str:
         """Where an installation gets its packages, as a sentence for when it did not work."""
         if self.find_links:
-            return f"Everything has to be in {self.find_links}, for this Python; ./course bundle makes such a folder."
+            return (
+                f"Everything has to be in {self.find_links}, for this Python. An instructor's copy of the course makes "
+                "such a folder: ./course bundle DIR."
+            )
         if self.unlocked:
             return _ONLINE
         return f"{_ONLINE} If a version is missing or a hash differs, COURSE_UNLOCKED=1 installs the newest packages."

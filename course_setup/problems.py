@@ -100,8 +100,8 @@ def require_wheels(folder: str) -> None:
     """
     if folder and not any(Path(folder).glob("*.whl")):
         raise SetUpError(
-            f"There are no wheels in {folder}, which --find-links or COURSE_FIND_LINKS names. `./course bundle DIR` "
-            "makes a folder of them, on a machine with a network connection."
+            f"There are no wheels in {folder}, which --find-links or COURSE_FIND_LINKS names. An instructor's copy "
+            "of the course makes a folder of them, where there is a network: `./course bundle DIR`."
         )
 
 
