@@ -30,7 +30,7 @@ STARTERS = Path("course_kit/starters")
 # Lessons and exercises, as `course_kit.environment.course_files` looks for them; without what only instructors need.
 COURSE = Path("course_kit/course")
 HANDED_OUT = ("notebooks", "exercises")
-LEFT_OUT = (".ipynb_checkpoints", "__pycache__", "*.backup-*", "*.new-version*", "solution", "proof")
+LEFT_OUT = (".*", "__pycache__", "*.backup-*", "*.new-version*", "*.tmp", "solution", "proof")
 # For whom a wheel is made that others install, as zig names them: by the oldest glibc that the ROS wheels run with.
 MACHINE = "COURSE_KIT_WHEEL_FOR"
 GLIBC = (2, 28)
@@ -132,13 +132,14 @@ def lessons_and_exercises(root: Path, spare: Path) -> dict[str, str]:
         spare: a folder for copies of starters: the wheel has each of them twice, and hatchling takes a file once.
     """
     found = {}
+    committed = _committed(root)
     for name in HANDED_OUT:
         for folder, folders, files in os.walk(root / name):
             folders[:] = sorted(each for each in folders if not _is_left_out(each))
             for each in sorted(files):
                 source = Path(folder, each)
                 pristine = root / STARTERS / source.parent.name / f"{each}.pristine"
-                if _is_left_out(each):
+                if _is_left_out(each) or (committed is not None and source not in committed):
                     continue
                 target = COURSE / source.relative_to(root)
                 if pristine.is_file():
@@ -147,6 +148,18 @@ def lessons_and_exercises(root: Path, spare: Path) -> dict[str, str]:
                     shutil.copy(pristine, source)
                 found[str(source)] = target.as_posix()
     return found
+
+
+def _committed(root: Path) -> set[Path] | None:
+    """The files that belong to the course in a clone, where others may lie; None in an archive."""
+    if not (root / ".git").exists():
+        return None
+    command = ["git", "-C", str(root), "ls-files", "-z", "--", *HANDED_OUT]
+    try:
+        listed = subprocess.run(command, capture_output=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError):  # no git here, or it does not trust the folder's owner
+        return None
+    return {root / os.fsdecode(name) for name in listed.split(b"\0") if name}
 
 
 def _is_left_out(name: str) -> bool:
@@ -174,7 +187,7 @@ class CustomBuildHook(BuildHookInterface):
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Compile, then add the library, the start-up file, lessons and exercises to the wheel."""
-        root, machine = Path(self.root), os.environ.get(MACHINE, "")
+        root, machine = Path(self.root), _machine(version)
         library = _library_for(machine)
         compile_helper(root, compilers_for(machine), library, foreign=machine not in ("", platform.machine()))
         build_data["pure_python"] = False
@@ -192,10 +205,16 @@ class CustomBuildHook(BuildHookInterface):
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         """Remove what was made for this wheel alone; the helper beside its source serves this folder."""
         del build_data, artifact_path
+        machine = _machine(version)
         if version != "editable":
             self._spare.cleanup()
-        if machine := os.environ.get(MACHINE, ""):
+        if machine:
             (Path(self.root) / _library_for(machine)).unlink(missing_ok=True)
+
+
+def _machine(version: str) -> str:
+    """For which machine this is made; empty for this one, as a clone's own set-up always is."""
+    return "" if version == "editable" else os.environ.get(MACHINE, "")
 
 
 def _library_for(machine: str) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -119,6 +120,19 @@ def test_a_wheel_hands_out_what_a_clone_does(tmp_path: Path) -> None:
     packed = hatch_build.lessons_and_exercises(REPOSITORY, tmp_path).values()
     given = {path.relative_to(REPOSITORY) for path in workspace._files(REPOSITORY)}
     assert {Path(one).relative_to(hatch_build.COURSE) for one in packed} == given
+
+
+def test_a_wheel_made_in_a_clone_holds_nothing_that_merely_lies_there(tmp_path: Path) -> None:
+    root = tmp_path / "clone"
+    own = {"notebooks/one.ipynb", "exercises/task/task.py"}
+    strays = {"exercises/task/my_answer.py", "exercises/task/results/grades.csv", "notebooks/.virtual/one.py"}
+    for name in own | strays:
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).touch()
+    for words in (["init", "-q"], ["add", *own]):
+        subprocess.run(["git", *words], cwd=root, check=True, timeout=60)
+    packed = hatch_build.lessons_and_exercises(root, tmp_path).values()
+    assert {str(Path(one).relative_to(hatch_build.COURSE)) for one in packed} == own
 
 
 def test_what_cites_the_course_names_its_version() -> None:

@@ -101,6 +101,11 @@ def test_a_learner_works_in_a_folder_of_their_own(installed: Installed) -> None:
     assert "There is no temperature_service.py of yours here." in installed.run("grade", TEMPERATURE, code=2)
     assert "there is no folder" in installed.run("update", str(folder), code=2)
     assert f"are in {folder}" in installed.run("copy", str(folder))
+    (folder / "course").unlink()
+    (folder / "course").mkdir()  # a package of the learner's
+    assert f"are in {folder}" in installed.run("copy", str(folder))
+    (folder / "course").rmdir()
+    installed.run("copy", str(folder))
     (folder / MINE).write_bytes(SOLUTION.read_bytes())
     assert "10 of 10 points: passed." in installed.run("grade", TEMPERATURE, cwd=folder / "exercises")
     assert "10      1  passed" in installed.run("list", cwd=folder)

@@ -41,8 +41,13 @@ def run_lab(arguments: Sequence[str]) -> int:
     usual = environment.usual_learner_folder()
     folder = environment.learner_folder() or usual
     if arguments and not arguments[0].startswith("-"):
-        folder, arguments = Path(arguments[0]).resolve(), arguments[1:]
-        if folder.is_file() or (root in folder.parents and folder != usual):
+        named, *arguments = arguments
+        try:
+            folder = Path(named).resolve()
+            is_file = folder.is_file()
+        except OSError as problem:
+            return cannot(f"{named} cannot be your folder: {problem.strerror or problem}.")
+        if is_file or (root in folder.parents and folder != usual):
             return cannot(f"{folder} cannot be your folder. Leave it out, or name a folder outside of {root}.")
     try:
         command, environ = lab_command(folder, f"/lab/tree/{FIRST_LESSON}", arguments)

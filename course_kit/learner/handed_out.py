@@ -70,20 +70,25 @@ def digest(name: str, content: bytes) -> str:
 
 
 def digest_of(path: Path) -> str | None:
-    """The hash of a file; None where there is none.
+    """The hash of a file; None where there is none, and "" for what is no file or cannot be read: nobody's hash.
 
     Raises:
-        OSError: it cannot be read.
+        OSError: the system cannot tell.
     """
     try:
         return digest(path.name, path.read_bytes())
     except FileNotFoundError:
         return None
+    except (IsADirectoryError, PermissionError):
+        return ""
 
 
 def _of_this_python(notebook: dict[str, Any]) -> bytes:
     notebook.setdefault("metadata", {})["language_info"] = language_info()
-    return f"{json.dumps(notebook, indent=1, ensure_ascii=False)}\n".encode()
+    try:
+        return f"{json.dumps(notebook, indent=1, ensure_ascii=False)}\n".encode()
+    except UnicodeEncodeError:  # half of a surrogate pair, which JSON can spell and UTF-8 cannot
+        return f"{json.dumps(notebook, indent=1)}\n".encode()
 
 
 def _notebook(name: str, content: bytes) -> dict[str, Any] | None:

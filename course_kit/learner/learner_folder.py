@@ -81,11 +81,15 @@ def update(folder: Path, course: Mapping[str, bytes], own: Mapping[str, bytes], 
             environment.write_atomically(folder / path, content, durable=False)
         else:
             _update_file(folder, path, content, known.get(path), done)
-    for path in sorted(known.keys() - course.keys()):
+    gone = known.keys() - course.keys()
+    there = {_top(path) for path in course}
+    for path in sorted(path for path in gone if _top(path) in there):  # all lessons gone: for a moment, by an accident
         if handed_out.digest_of(folder / path) == known[path]:
             (folder / path).unlink()
             done.removed.append(path)
     given = {path: handed_out.digest(path, content) for path, content in course.items()}
+    # What the course no longer has and the learner has changed: should it come back, it is no new version.
+    given |= {path: known[path] for path in gone if (folder / path).exists()}
     if given != known:
         manifest = {"format_version": _FORMAT_VERSION, "handed_out": given}
         environment.write_atomically(folder / environment.MANIFEST, f"{json.dumps(manifest, indent=1)}\n")
@@ -131,6 +135,10 @@ def _read_manifest(folder: Path) -> dict[str, str] | None:
     if not isinstance(found, dict):
         return None
     return {path: value for path, value in found.items() if isinstance(value, str) and _is_inside(path)}
+
+
+def _top(path: str) -> str:
+    return path.partition("/")[0]
 
 
 def _is_inside(path: str) -> bool:

@@ -58,12 +58,13 @@ def copy(target: Path | None, *, restore: bool = True) -> int:
     root = environment.course_files()
     if root is None:
         return cannot("the lessons and exercises are missing in this installation. Install the course again.")
-    target = (target or environment.learner_folder() or environment.usual_learner_folder()).absolute()
-    if target != root / environment.LEARNER_FOLDER and (target == root or root in target.parents):
-        return cannot(f"{target} is inside the course's folder. Name another folder.")
-    if not restore and not target.is_dir():
-        return cannot(f"there is no folder {target} to update. Make one with: {environment.command()} lab {target}")
+    target = target or _my_folder()
     try:
+        target = target.absolute() if target == root / environment.LEARNER_FOLDER else target.resolve()
+        if target != root / environment.LEARNER_FOLDER and (target == root or root in target.parents):
+            return cannot(f"{target} is inside the course's folder. Name another folder.")
+        if not restore and not target.is_dir():
+            return cannot(f"there is no folder {target} to update. Make one with: {environment.command()} lab {target}")
         changes = make_copy(root, target, restore=restore)
     except OSError as problem:
         return cannot(f"{problem.filename or target} could not be written: {problem.strerror or problem}.")
@@ -102,7 +103,8 @@ def make_copy(root: Path, target: Path, *, restore: bool = False) -> bool:
     told = learner_folder.update(target, course, own, restore=restore).sentences(target)
     for sentence in told:
         tell(sentence)
-    _put_command(root, target)
+    with suppress(OSError):  # a convenience: `course-kit` does the same
+        _put_command(root, target)
     ignored = target / ".gitignore"
     if in_clone and _IN_AUTHORS_COURSE and not ignored.exists():
         environment.write_atomically(ignored, "*\n")
@@ -114,11 +116,11 @@ def _put_command(root: Path, target: Path) -> None:
     command = target / _COMMAND
     if environment.checkout() is None:
         text = _INSTALLED_COMMAND.format(python=shlex.quote(sys.executable))
-        mine = not command.exists() or (command.read_bytes()[: len(_MARK)] == _MARK.encode())
+        mine = not command.exists() or (command.is_file() and command.read_bytes()[: len(_MARK)] == _MARK.encode())
         if mine and (not command.exists() or command.read_text(encoding="utf-8") != text):
             environment.write_atomically(command, text)
             command.chmod(0o755)
-    elif command.is_symlink() or not command.exists():
+    elif not command.exists() or (command.is_symlink() and command.readlink() != root / _COMMAND):
         command.unlink(missing_ok=True)
         command.symlink_to(root / _COMMAND)
 
@@ -127,9 +129,17 @@ def _differ(path: str, one: bytes, other: bytes) -> bool:
     return handed_out.digest(path, one) != handed_out.digest(path, other)
 
 
+def _my_folder() -> Path:
+    """The learner's folder that a command without a path means."""
+    return environment.learner_folder() or environment.usual_learner_folder()
+
+
 def _files(root: Path) -> Iterator[Path]:
+    def stop(problem: OSError) -> None:
+        raise problem  # what cannot be read is not what the course no longer has
+
     for name in environment.COPIED:
-        for folder, folders, files in os.walk(root / name):
+        for folder, folders, files in os.walk(root / name, onerror=stop):
             left_out = _LEFT_OUT(folder, [*folders, *files])
             folders[:] = [each for each in folders if each not in left_out]
             yield from (Path(folder, each) for each in files if each not in left_out)
@@ -150,7 +160,7 @@ def exercise_folder(task: Exercise) -> Path | None:
     here = _working_folder()
     own = exercise_folders.course_folder()
     around = course if own is None or exercise_folders.is_added(course) else own.parent
-    mine = environment.usual_learner_folder()
+    mine = _my_folder()
     if here is None or (here.is_relative_to(around) and not here.is_relative_to(mine)):
         found = None  # within the course: another folder there may hold a file of this name that is no starter
     else:
@@ -198,7 +208,7 @@ def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
     if path is None:
         own = str(shown(own_file(exercise.load(exercise_id), "grade")))
         return own, f"grading {own}"
-    course, mine = exercise_folders.course_folder(), environment.usual_learner_folder() / "exercises"
+    course, mine = exercise_folders.course_folder(), _my_folder() / "exercises"
     here = Path(path).absolute()
     if course is None or not here.is_relative_to(course):
         return path, ""

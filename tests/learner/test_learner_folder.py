@@ -93,7 +93,8 @@ def test_what_the_course_no_longer_has_goes_unless_it_was_changed(tmp_path: Path
     folder, other = tmp_path / "mine", "notebooks/02_lesson.ipynb"
     learner_folder.update(folder, given((LESSON, "one"), (other, "two")), {})
     (folder / other).write_bytes(notebook("mine"))
-    assert learner_folder.update(folder, {}, {}).removed == [LESSON]
+    left = given(("notebooks/03_lesson.ipynb", "three"))
+    assert learner_folder.update(folder, left, {}).removed == [LESSON]
     assert not (folder / LESSON).exists()
     assert cell_of(folder / other)["source"] == ["mine"]
 
@@ -178,3 +179,49 @@ def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch, caps
         assert jupyter.run_lab([str(wrong)]) == 2
         assert "cannot be your folder" in capsys.readouterr().err
     assert len(served) == 1
+
+
+def test_a_course_that_is_incomplete_for_a_moment_takes_nothing_away(tmp_path: Path) -> None:
+    folder, course = tmp_path / "mine", {**given((LESSON, "a")), PROGRAM: b"starter\n"}
+    learner_folder.update(folder, course, {})
+    learner_folder.update(folder, given((LESSON, "a")), {})
+    assert (folder / PROGRAM).read_bytes() == b"starter\n"
+    (folder / PROGRAM).write_bytes(b"mine\n")
+    learner_folder.update(folder, {**given((LESSON, "a")), "exercises/other.py": b""}, {})
+    assert learner_folder.update(folder, course, {}).beside == {}, "what comes back unchanged is taken for new"
+    assert (folder / PROGRAM).read_bytes() == b"mine\n"
+
+
+def test_a_folder_in_place_of_a_file_stops_no_update(tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    learner_folder.update(folder, {**given((LESSON, "old")), PROGRAM: b"old\n"}, {})
+    (folder / PROGRAM).unlink()
+    (folder / PROGRAM).mkdir()
+    done = learner_folder.update(folder, {**given((LESSON, "new")), PROGRAM: b"new\n"}, {})
+    assert done.renewed == [LESSON]
+    assert list(done.beside) == [PROGRAM]
+
+
+def test_half_a_character_in_an_output_stops_no_update() -> None:
+    odd = notebook("1 + 1", "?").replace(b'"?"', b'"\\udc80"')
+    assert json.loads(handed_out.of_this_python(odd))["cells"][0]["outputs"][0]["text"] == ["\udc80"]
+
+
+def test_commands_mean_the_folder_that_jupyterlab_was_opened_on(clone: Course) -> None:
+    robots = clone.root.parent / "robots"
+    assert clone.run("copy").returncode == 0
+    made = clone.run("copy", "../robots")
+    assert f"are in {robots}." in made.stdout, made.stderr
+    for folder in (clone.root / LEARNER_FOLDER, robots):
+        (folder / PROGRAM).write_text("print('mine')\n")
+    clone.run("reset", TEMPERATURE, "--yes", **{environment.FOLDER_VARIABLE: str(robots)})
+    assert (robots / PROGRAM).read_bytes() == (clone.root / PROGRAM).read_bytes()
+    assert (clone.root / LEARNER_FOLDER / PROGRAM).read_text() == "print('mine')\n"
+
+
+@pytest.mark.parametrize("verb", ["copy", "update", "lab"])
+def test_a_name_that_no_file_can_have_is_said(clone: Course, verb: str) -> None:
+    refused = clone.run(verb, f"../{'x' * 300}")
+    assert refused.returncode == 2
+    assert "Traceback" not in refused.stderr
+    assert "File name too long" in refused.stderr

@@ -57,6 +57,8 @@ def _is_in_use(target: Path) -> bool:
     """Whether something else than a site lies there."""
     if not target.is_dir():
         return target.exists() or target.is_symlink()
+    if (target / ".git").exists():  # a checkout of a site that was published: making one would remove the folder
+        return True
     return any(target.iterdir()) and not (target / _SIGN).is_file()
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 Stream = Literal["stdout", "stderr"]
+_PATIENCE = 1.0  # seconds for another thread to write what it has taken
 _KEPT = 10_000  # lines, should nobody empty the queue for long
 
 
@@ -39,6 +40,7 @@ class Output:
         self._parting = threading.Lock()
         self._lost = 0
         self._draining = threading.Lock()
+        self._drainer: int | None = None
         self._news = threading.Event()
 
     def put(self, text: str, stream: Stream = "stdout") -> None:
@@ -79,12 +81,17 @@ class Output:
         self._news.wait(timeout)
 
     def drain(self) -> None:
-        """Write everything queued, on the calling thread, unless that is one of the producers."""
-        if threading.get_ident() in self.producers:
+        """Write everything queued, on the calling thread, unless that is one of the producers.
+
+        What another thread is writing meanwhile is waited for: whoever collects the output has all of it then.
+        """
+        me = threading.get_ident()
+        if me in self.producers or me == self._drainer:  # called by our own print
             return
-        if not self._draining.acquire(blocking=False):  # another thread is at it, or we are called by our own print
+        if not self._draining.acquire(timeout=_PATIENCE):
             return
         try:
+            self._drainer = me
             self._news.clear()
             for pump in self.pumps:
                 pump()
@@ -97,6 +104,7 @@ class Output:
                 lost, self._lost = self._lost, 0
                 self._write("stdout", f"... {lost} more lines left out\n")
         finally:
+            self._drainer = None
             self._draining.release()
 
     @staticmethod
