@@ -194,6 +194,10 @@ def _refuses(context: CheckContext, samples: Sequence[Sample], what: Callable[[S
 def _require_success(sample: Sample, response: ConvertTemperature.Response, expected: str) -> None:
     if not response.success:
         evidence = Evidence(sample.shown(), expected, _got(response))
+        if response.value != 0.0 and not response.message.strip():  # no refusal: it has forgotten one line
+            value = "The value is right" if fits(sample, response.value) else "The response has a value"
+            message = f"{value}, but `success` is still False, as ROS 2 creates it. Set `response.success = True`."
+            raise Failed(evidence, message)
         raise Failed(evidence, "Your service refused a valid request.", "validation.overzealous")
 
 
