@@ -167,6 +167,14 @@ class Clients:
             if goal_client.action_name in channels and not goal_client.busy:
                 self._drop_goal_client(self._goal_clients.pop(key))
 
+    def forget_all(self) -> None:
+        """Let go of all that nobody waits for: a service stands in `ros2 service list` while it has a client."""
+        self.forget(
+            {client.name for client in self._clients.values()}
+            | {publisher.topic_name for publisher in self._publishers.values()}
+            | {client.action_name for client in self._goal_clients.values()}
+        )
+
     def destroy(self) -> None:
         """Destroy the node and all that is on it."""
         self._clients.clear()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import rclpy
 from rclpy.node import Node
+from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from course_kit import lab
@@ -222,3 +223,17 @@ def test_a_program_ends_cleanly_while_callbacks_run(domain: int) -> None:
         ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
         assert (ended.returncode, ended.stdout, ended.stderr) == (0, "end\n", "")
     assert Faulty
+
+
+def test_a_stop_of_everything_takes_the_labs_own_clients_off_the_graph(own_lab: Lab) -> None:
+    lab.start(Switch)
+    lab.call_blocking("/switch", SetBool)
+    with pytest.raises(lab.ServiceNotFoundError):
+        lab.call_blocking("/swich", SetBool, timeout=0.1)
+    lab.publish("/somewhere", String, data="")
+    lab.stop()
+    node = own_lab.engine.node
+    assert {"/switch", "/swich"}.isdisjoint(name for name, _ in node.get_service_names_and_types())
+    assert "/somewhere" not in dict(node.get_topic_names_and_types())
+    lab.start(Switch)
+    assert lab.call_blocking("/switch", SetBool, data=True).success

@@ -116,6 +116,8 @@ class Lab:
         if target is None:
             while self._subscriptions:
                 self._subscriptions.pop().close()
+            if self._engine is not None:
+                self._engine.clients.forget_all()
         self.output.drain()
 
     def subscribe(self, topic: str, message_type: type[Message], callback: Callable[[Message], None], qos: Any) -> Any:
