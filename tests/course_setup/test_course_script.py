@@ -29,6 +29,14 @@ def test_first_use_sets_up_and_passes_the_command_on_and_later_uses_do_not(clone
     assert "[ros]" in clone.log.read_text()
 
 
+def test_asking_for_help_sets_nothing_up(clone: Clone) -> None:
+    asked = clone.course("--help")
+    assert "Usage: ./course COMMAND" in asked.stdout
+    assert clone.calls() == []
+    clone.course("doctor")
+    assert clone.course("--help").stdout == f"cli {clone.environment} --help\n"
+
+
 def test_an_edited_pyproject_installs_again_and_keeps_the_environment(clone: Clone) -> None:
     clone.course("doctor")
     with (clone.root / "pyproject.toml").open("a") as file:
