@@ -11,6 +11,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 from course_kit import environment
 from course_kit.integrations import jupyter
@@ -93,7 +94,7 @@ def shown(folder: Path, lesson: str, environ: Mapping[str, str]) -> tuple[Path, 
     if not folder.is_relative_to(root):
         tell(f"c.Spawner.notebook_dir is {root}, and the lessons are in {folder}: the server shows that instead.")
         root = folder
-    return root, f"/lab/tree/{(folder / lesson).relative_to(root).as_posix()}"
+    return root, f"/lab/tree/{quote((folder / lesson).relative_to(root).as_posix())}"
 
 
 def _is_made_ready(root: Path, folder: Path) -> bool:

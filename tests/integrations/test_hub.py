@@ -58,6 +58,8 @@ def test_the_server_shows_the_learners_folder_or_the_one_of_the_administrator_th
 
 def test_a_folder_without_the_lessons_is_not_shown_and_the_log_says_so(capsys: pytest.CaptureFixture[str]) -> None:
     assert hub.shown(FOLDER, LESSON, {"JUPYTERHUB_ROOT_DIR": "/srv"}) == (FOLDER, f"/lab/tree/{LESSON}")
+    odd = Path("/home/ada #1/ros2-course")
+    assert hub.shown(odd, LESSON, {"JUPYTERHUB_ROOT_DIR": "/"})[1] == f"/lab/tree/home/ada%20%231/ros2-course/{LESSON}"
     assert "c.Spawner.notebook_dir is /srv, and the lessons are in /home/ada/ros2-course" in capsys.readouterr().err
 
 
