@@ -6,10 +6,11 @@ function dockable(panel, name) {
   const button = make("button", { type: "button", class: "ck-dock" });
   const place = make("div", { class: "ck-quiet", hidden: true }, `${name} floats over this page.`);
   let floating = null;
+  let docked = null;
 
   const app = () => window.jupyterapp;
   const hosts = () => [...app().shell.widgets("main")];
-  const notebook = () => app() && hosts().find((one) => one.context && one.content?.widgets && one.node.contains(panel));
+  const notebook = () => notebookAround(panel);
 
   function show() {
     if (floating) button.textContent = "Put back into the notebook";
@@ -18,6 +19,10 @@ function dockable(panel, name) {
   }
 
   async function dock(host) {
+    if (docked && !docked.isDisposed) {
+      app().shell.activateById(docked.id); // one is enough
+      return;
+    }
     const before = new Set(hosts());
     host.content.activeCellIndex = host.content.widgets.findIndex((cell) => cell.node.contains(panel));
     await app().commands.execute("notebook:create-output-view");
@@ -25,6 +30,7 @@ function dockable(panel, name) {
     if (!view) return;
     view.title.label = name;
     app().shell.add(view, "main", { ref: host.id, mode: "split-right" });
+    docked = view;
   }
 
   function float() {
@@ -47,7 +53,8 @@ function dockable(panel, name) {
     else if (host) await dock(host);
     else float();
     show();
-    button.focus();
+    if (host && docked) goOn(panel); // else Shift+Enter would press the button again
+    else button.focus();
   });
   // Whether it is docked shows only when it is on the page.
   const seen = new IntersectionObserver(show);

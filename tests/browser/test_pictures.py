@@ -118,6 +118,14 @@ def test_the_graph_is_docked_beside_the_notebook_in_one_click(lab: JupyterLab) -
     assert beside["x"] >= notebook["x"] + notebook["width"]
     expect(docked.locator(".ck-dot").first).to_be_attached()
     photograph(lab, docked, "graph_docked")
+    # The keyboard goes on in the notebook, below the panel's cell, and docks nothing again.
+    below = lab.page.locator(".jp-Cell:has(.ck-graph) + .jp-Cell")
+    expect(below).to_have_class(re.compile("jp-mod-active"))
+    for _ in range(2):
+        lab.page.keyboard.press("Shift+Enter")
+    expect(below).not_to_have_class(re.compile("jp-mod-active"))
+    graph.get_by_role("button", name="Dock beside the notebook").click()
+    expect(lab.page.locator(".lm-TabBar-tabLabel", has_text="ROS graph")).to_have_count(1)
 
 
 def test_in_notebook_7_the_graph_floats_over_the_page_and_goes_back(lab: JupyterLab) -> None:

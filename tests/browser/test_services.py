@@ -58,6 +58,10 @@ def guess_wrong_then_right_by_keyboard(lab: JupyterLab) -> None:
     choose(panel, asked.right)
     lab.page.keyboard.press("Enter")
     expect(verdict).to_contain_text("Right.")
+    # Shift+Enter goes on below the guess, and asks nothing again.
+    lab.page.keyboard.press("Shift+Enter")
+    expect(lab.page.locator(".jp-Cell:has(.ck-guess) + .jp-Cell")).to_have_class(re.compile("jp-mod-active"))
+    expect(verdict).to_contain_text("Right.")
     kept = {**os.environ, "COURSE_KIT_PROGRESS": ""}
     command = [lab.root / "course", "list"]
     listed = subprocess.run(command, cwd=lab.root, env=kept, capture_output=True, text=True, check=True)
