@@ -19,14 +19,12 @@ class Strange:
         first: the check that fails first, with its diagnosis; ANYTHING where that depends on who is faster.
         changes: what it replaces in the solution, each text by another.
         source: the whole program, where it is not made from the solution.
-        says: what the learner reads of it.
     """
 
     exercise: str
     first: tuple[str, str | None]
     changes: tuple[tuple[str, str], ...] = field(default=())
     source: str = ""
-    says: str = ""
 
     def text(self) -> str:
         """The program."""
@@ -236,15 +234,6 @@ PROGRAMS = {
             ),
             ("        rclpy.spin(node)\n", _SPIN_BOTH),
         ),
-    ),
-    "success forgotten": Strange(
-        "temperature_service",
-        ("answers", None),
-        (
-            ("        response.success = not response.message\n", ""),
-            ("if not response.success:", "if response.message:"),
-        ),
-        says="The value is right, but `success` is still False",
     ),
     "a message of 30 MB": Strange(
         "temperature_service",

@@ -23,6 +23,4 @@ def test_it_gets_a_verdict(name: str, worker: grading.Worker, tmp_path: Path) ->
     report = grading.grade(program.exercise, path, worker=worker, seed=3)
     assert report.status in ("graded", "crashed"), report.problem
     if program.first != ANYTHING:
-        failed = next(one for one in report.checks if one.status == "failed")
-        assert (failed.id, failed.diagnosis) == program.first
-        assert program.says in failed.message
+        assert next((one.id, one.diagnosis) for one in report.checks if one.status == "failed") == program.first
