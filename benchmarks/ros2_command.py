@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 GOLDEN = Path(__file__).resolve().parent.parent / "tests" / "ros2cli" / "golden"
 ROUNDS = 11
 # The script an installer makes of the entry point, without the module search of `python -m`.
-SCRIPT = "import sys; from course_kit.ros2cli.cli import run; sys.exit(run(sys.argv[1:]))"
+SCRIPT = "from course_kit.ros2cli.cli import leave, run_program; leave(run_program())"
 CALL = ("service", "call", "/set_power", "std_srvs/srv/SetBool", "{data: true}")
 # What is run -> the recordings of the same, and the ratio that is aimed at.
 CASES: dict[tuple[str, ...], tuple[str, float | None]] = {

@@ -51,11 +51,12 @@ class Course:
 
 
 def copy_course(folder: Path) -> Course:
-    """The course as it is handed to people: no git, nothing generated, no exercise begun."""
+    """The course as it is handed to people: no git, nothing generated but bytecode, no exercise begun."""
     root = folder / "a course"
-    leave = shutil.ignore_patterns("__pycache__", ".course", ".ipynb_checkpoints", "*.backup-*")
-    for name in ("course_kit", "exercises"):
-        shutil.copytree(REPOSITORY / name, root / name, ignore=leave)
+    leave = [".course", ".ipynb_checkpoints", "*.backup-*"]
+    shutil.copytree(REPOSITORY / "course_kit", root / "course_kit", ignore=shutil.ignore_patterns(*leave))
+    without = shutil.ignore_patterns(*leave, "__pycache__")
+    shutil.copytree(REPOSITORY / "exercises", root / "exercises", ignore=without)
     (root / "notebooks").mkdir()
     shutil.copy(REPOSITORY / "pyproject.toml", root)
     drills = root / "exercises" / exercise_folders.DRILLS

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.records import Entry, Record
     from course_kit.grading.exercise import Exercise
 
 
@@ -34,6 +34,7 @@ class Gradebook:
         dropped: student and reason of those who handed in something of which nothing could be graded, or not all.
         absent: identifier and name of those on the roster who handed in nothing; they are among `missing`, too.
         unknown: student and reason of those who do not match the roster.
+        others: who has no submission at all, in entries without exercise and source.
     """
 
     exercises: tuple[Exercise, ...]
@@ -48,11 +49,12 @@ class Gradebook:
     dropped: tuple[tuple[str, str], ...] = ()
     absent: tuple[tuple[str, str], ...] = ()
     unknown: tuple[tuple[str, str], ...] = ()
+    others: tuple[Entry, ...] = ()
 
     @property
     def names(self) -> dict[str, str]:
-        """The names of those who are on the roster and have handed in nothing, by student."""
-        return dict(self.absent)
+        """The names of those without a submission, by student."""
+        return {one.student: one.name for one in self.others if one.name}
 
     @property
     def students(self) -> list[str]:

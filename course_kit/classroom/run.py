@@ -20,6 +20,7 @@ from course_kit.classroom.intake import collecting, roster, table
 from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart, require_submissions
 from course_kit.classroom.records import Records
 from course_kit.classroom.rules import instructor
+from course_kit.classroom.rules.people import People
 from course_kit.environment import remove_half_written
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader, ReadingStoppedError
@@ -100,7 +101,7 @@ class ClassRun:
             raise KeyboardInterrupt from None  # nothing has begun
         table.write(self.intake, plan.out)
         require_submissions(self.intake, plan.sources, plan.exercises)
-        self._require_everybody_known()
+        self._apply_to_class()
         run_note.write(plan, self.seed)
         self._loop = GradingLoop(self._records, watcher, stops, hidden_folders(plan))
         self._kept: list[Record] = []
@@ -163,15 +164,11 @@ class ClassRun:
                 f"Add {' '.join(f'--exercise {one}' for one in left_out)}, or name another folder."
             )
 
-    def _require_everybody_known(self) -> None:
+    def _apply_to_class(self) -> None:
         """See that what the instructor has written is about this class, before hours go into grading it."""
-        handed_in = {entry.student for entry in self.intake.entries}
-        absent = self.intake.roster.absent if self.intake.roster else ()
-        students = handed_in | {student for student, _ in (*self.intake.missing, *self.intake.dropped, *absent)}
-        self._instructions.require_known(students)
-        if self._plan.seeds is not None:
-            names = {name for _, name in absent}
-            self._plan.seeds.require_for(self.intake.entries, students | names)
+        people = People((*self.intake.entries, *self.intake.others))
+        self._instructions = self._instructions.of(people)
+        self._seeds = self._plan.seeds and self._plan.seeds.of_class(self.intake.entries, people)
 
     def _take_away_what_is_gone(self) -> None:
         """Results of submissions that are not in the inbox any more count no longer; nor does what a crash has left."""
@@ -213,7 +210,7 @@ class ClassRun:
     def _read(self, entry: Entry, reader: Reader, known: Record | None) -> Handed:
         task = next(one for one in self._plan.exercises if one.id == entry.exercise)
         usual = self.seed if task.seed is None else task.seed
-        own = self._plan.seeds.of(entry) if self._plan.seeds else None
+        own = self._seeds.of(entry) if self._seeds else None
         seed = usual if own is None else own
         return submissions.read(entry, self.intake.root, task, seed, reader, known=known)
 
@@ -230,7 +227,8 @@ class ClassRun:
             root=self.intake.root,
             odd=self.intake.odd,
             dropped=self.intake.dropped,
-            absent=fit.absent if fit else (),
+            others=self.intake.others,
+            absent=tuple((one.student, one.name) for one in fit.absent) if fit else (),
             unknown=fit.unknown if fit else (),
         )
         return self._instructions.apply(book)

@@ -194,11 +194,11 @@ def _finish(book: Gradebook, options: argparse.Namespace) -> int:
     page = exports.write_all(book, out)
     if book.left:
         what = (
-            "1 file was not recognised as a submission; it is"
+            "1 other file in the folder was not graded; it is"
             if len(book.left) == 1
-            else f"{len(book.left)} files were not recognised as submissions; they are"
+            else f"{len(book.left)} other files in the folder were not graded; they are"
         )
-        say(f"{what} listed in {page.name}.")
+        say(f"{what} listed in {page.name}, with the reason.")
     if book.odd:
         odd = [f"{student} ({reason})" for student, reason in book.odd]
         say(f"Graded as separate students, because their names do not fit the layout '{book.layout}': {some(odd)}.")

@@ -37,7 +37,7 @@ def _of_roster(fit: Fit) -> Iterator[str]:
     total = len(fit.roster.people)
     yield f"{fit.roster.called}: read {read_as}; {fit.matched} of {total} on it handed something in."
     if fit.absent:
-        yield f"Not handed in: {_some([name or student for student, name in fit.absent])}."
+        yield f"Not handed in: {_some([one.name or one.student for one in fit.absent])}."
     if fit.unknown:
         yield f"Not matched with {fit.roster.called}: {_some([f'{who} ({why})' for who, why in fit.unknown])}."
 

@@ -35,6 +35,9 @@ EXTRAS = ("ros", "test-ros", "test")
 _BUILD_TOOLS = ("editables>=0.3", "ziglang>=0.13", "setuptools>=70.1", "wheel>=0.45")
 _PIP = "pip>=25.3"  # its --build-constraint is as old
 _NUMPY_1 = ("numpy>=1.26,<2; python_version < '3.13'", "numpy>=1.26; python_version >= '3.13'")
+# Of what the course does not ask for itself. From jsonschema 4.25 on, each import of nbformat and each start of
+# JupyterLab compiles a grammar for a second (rfc3987-syntax 1.1.0). Not in [tool.uv], which holds for set-ups, too.
+_CONSTRAINTS = ("jsonschema<4.25",)
 _HEADERS = {
     "pip": "the pip that installs the rest; uv installs it, too, for the user",
     "course": "what the course always needs, but numpy",
@@ -149,7 +152,7 @@ class _Resolver:
         """The packages that are needed for some extras of pyproject.toml (None: not even for the course) and more."""
         more, known, target = (self._folder / name for name in ("more.in", "known.txt", "resolved.txt"))
         more.write_text("\n".join(requirements))
-        known.write_text("\n".join(package.line() for package in within))
+        known.write_text("\n".join([*_CONSTRAINTS, *(package.line() for package in within)]))
         target.write_text("\n".join(package.line() for package in prefer))
         wanted = [] if extras is None else ["pyproject.toml", *(f"--extra={extra}" for extra in extras)]
         command = [

@@ -113,24 +113,28 @@ def choose(
 
 
 def _ends(found: Sequence[Interpreter], notes: list[str], *, has_uv: bool) -> tuple[list[Combination], list[str]]:
-    """The oldest and the newest besides this Python. Notebooks take longest: one installer of each runs the lessons."""
+    """The oldest besides this Python by uv and the newest by pip, or by the other one where that is not to be had."""
     others = [one for one in found if one.version[:2] != sys.version_info[:2]]
     chosen: list[Combination] = []
-    for one, longer in zip(dict.fromkeys((*others[:1], *others[-1:])), ("uv", "pip"), strict=False):
-        for installer in INSTALLERS:
-            _add(Combination(one, installer, notebooks=installer == longer, drills=False), chosen, notes, has_uv=has_uv)
+    for one, order in zip(dict.fromkeys((*others[:1], *others[-1:])), (("uv", "pip"), ("pip", "uv")), strict=False):
+        for installer in order:
+            if _add(Combination(one, installer, drills=False), chosen, notes, has_uv=has_uv):
+                break
     if not others:
         notes.append("It has no other Python than the one of this course, so there is nothing to compare.")
     return chosen, notes
 
 
-def _add(combination: Combination, chosen: list[Combination], notes: list[str], *, has_uv: bool) -> None:
+def _add(combination: Combination, chosen: list[Combination], notes: list[str], *, has_uv: bool) -> bool:
+    """Choose it where its installer is to be had, else note that it is not; returns whether it is."""
     if combination.installer == "uv" and not has_uv:
         notes.append(f"{combination} is left out: there is no uv. `./course test` installs it.")
     elif combination.installer == "pip" and not combination.python.has_venv:
         notes.append(f"{combination} is left out: this Python comes without venv.")
     else:
         chosen.append(combination)
+        return True
+    return False
 
 
 def run(root: Path, combination: Combination, runner: StepRunner, uv: str | None) -> list[StepResult]:

@@ -30,6 +30,8 @@ def main(arguments: list[str]) -> int:
     os.chdir(root)
     chosen = [argument for argument in arguments if argument != MATRIX]
     on_ci = bool(os.environ.get("CI")) and not arguments
+    # The tests start thousands of Pythons; each would compile the course anew.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     try:
         environ = environment.child_environment(COURSE_BROWSER=browser.find_or_install(), COURSE_KIT_PROGRESS="off")
         if chosen:

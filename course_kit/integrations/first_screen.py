@@ -30,11 +30,11 @@ def prepare(workspaces: Path) -> None:
     Args:
         workspaces: the folder of workspaces, which need not be there.
     """
-    from jupyterlab_server.workspaces_handler import WorkspacesManager
-
     with suppress(OSError):
         if workspaces.is_dir() and any(workspaces.iterdir()):
             return
+        from jupyterlab_server.workspaces_handler import WorkspacesManager  # takes half a second
+
         workspaces.mkdir(parents=True, exist_ok=True)
         data = {"layout-restorer:data": _LAYOUT, "file-browser-filebrowser:cwd": {"path": "notebooks"}}
         WorkspacesManager(str(workspaces)).save(_WORKSPACE, json.dumps({"data": data, "metadata": {"id": _WORKSPACE}}))

@@ -14,7 +14,7 @@ from course_kit.presentation.scratch import scratch_folder
 from course_kit.process.child import Child
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
     from types import FrameType
 
@@ -53,6 +53,8 @@ def present(root: Path, name: str, arguments: Sequence[str]) -> int:
             with scratch_folder(parent) as folder:
                 preparing.prepare(root, folder, opened)
                 return _serve(folder, opened.relative_to(root).as_posix(), domain_id, arguments)
+        except KeyboardInterrupt:
+            return 0
         except _EndedError as ended:
             return 128 + ended.number
         except OSError as problem:
@@ -80,15 +82,28 @@ def _serve(folder: Path, notebook: str, domain_id: str, arguments: Sequence[str]
         JUPYTER_RUNTIME_DIR=str(folder / "runtime"),
         **{web.FOLDER_VARIABLE: str(folder), web.OPENS_VARIABLE: opens},
     )
+    let_interrupts_through = _hold_interrupts_back()  # one that came before the server is known would leave it behind
     server = Child(command, environ=environ, dies_with_us=True)
     try:
+        let_interrupts_through()
         return 2 if server.wait() else 0
-    except KeyboardInterrupt:
-        return 0
     finally:
         server.send(signal.SIGTERM)  # after SIGINT it would show where it was while it starts
         server.wait_or_kill(_SHUTDOWN_S)
         server.kill()  # what it has left behind
+
+
+def _hold_interrupts_back() -> Callable[[], None]:
+    """Have Ctrl-C wait until the function that is returned is called, which raises KeyboardInterrupt then."""
+    pressed: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _frame: pressed.append(number))
+
+    def let_through() -> None:
+        signal.signal(signal.SIGINT, before)
+        if pressed:
+            raise KeyboardInterrupt
+
+    return let_through
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, TypedDict
 
-from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message, MessageType
 
 _NS = 1e9
-# Unless they are switched off these cost at each turn; they log that a publisher's quality of service does not fit.
-_NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
+# Unless they are switched off these cost at each turn; they log that the other side's quality of service does not fit.
+NO_SUBSCRIPTION_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
+NO_PUBLISHER_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)
 
 
 class MessageInfo(TypedDict):
@@ -105,7 +106,7 @@ class Inbox:
             quiet: say nothing of publishers whose quality of service does not fit.
             raw: take the bytes that came instead of messages.
         """
-        events = _NO_EVENTS if quiet else None
+        events = NO_SUBSCRIPTION_EVENTS if quiet else None
         take: Callable[..., None] = self.take  # of two arguments, which rclpy allows and its types do not tell
         return node.create_subscription(message_type, topic, take, qos, event_callbacks=events, raw=raw)
 

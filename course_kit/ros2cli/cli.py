@@ -51,16 +51,19 @@ def run_program() -> int:
         from course_kit import environment
 
         environment.heed_interrupts()  # as programs with rclpy do
-    return run(sys.argv[1:])
+    return run(sys.argv[1:], visits=True)
 
 
-def run(arguments: Sequence[str], context: Context | None = None, guests: set[Node] | None = None) -> int:
+def run(
+    arguments: Sequence[str], context: Context | None = None, guests: set[Node] | None = None, *, visits: bool = False
+) -> int:
     """Run one command of the course kit's own.
 
     Args:
         arguments: without the leading `ros2`.
-        context: rclpy context of a kernel to run in; None in a process of its own.
+        context: rclpy context of a kernel to run in; None for one of the command's own.
         guests: see `session.Session`.
+        visits: see `session.Session`.
 
     Returns:
         The exit code.
@@ -75,7 +78,7 @@ def run(arguments: Sequence[str], context: Context | None = None, guests: set[No
         if not hasattr(options, "run"):
             (getattr(options, "parser", None) or parser).print_help()
             return 0
-        return _run_verb(options, context, guests)
+        return _run_verb(options, context, guests, visits=visits)
     except CommandError as error:
         _print_error(str(error))
         return error.exit_code
@@ -88,11 +91,11 @@ def run(arguments: Sequence[str], context: Context | None = None, guests: set[No
         return 0
 
 
-def _run_verb(options: Namespace, context: Context | None, guests: set[Node] | None) -> int:
+def _run_verb(options: Namespace, context: Context | None, guests: set[Node] | None, *, visits: bool) -> int:
     from course_kit import environment
     from course_kit.ros2cli.session import Session
 
-    session = Session(context, guests)
+    session = Session(context, guests, visits=visits)
     try:
         if options.on_graph:
             environment.apply()  # first: the import of rclpy would print a problem with the domain once more

@@ -56,7 +56,7 @@ def parameters(*, parsed_args: Namespace, **about: object) -> list[str]:
     from course_kit.ros2cli.parameters import ParameterClient
     from course_kit.ros2cli.session import Session
 
-    session = Session()
+    session = Session(visits=True)
     try:
         client = ParameterClient(session, from_root(parsed_args.node_name), _PATIENCE)
         return sorted(client.ask(of_a_node.names()))
@@ -128,7 +128,7 @@ def _graph() -> Graph:
     from course_kit.ros2cli.graph_source import graph_for
     from course_kit.ros2cli.session import Session
 
-    session = Session()
+    session = Session(visits=True)
     try:
         return graph_for(session, _PATIENCE)
     finally:

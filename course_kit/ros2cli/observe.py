@@ -7,6 +7,7 @@ import time
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from course_kit.environment.visiting import visiting
 from course_kit.ros import graph
 from course_kit.ros.names import full_name
 from course_kit.ros.node import quiet_node
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 _DISCOVERY_TOPIC = "ros_discovery_info"  # each participant publishes its nodes here (rmw_dds_common)
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"
-_GUID_PREFIX = 12  # bytes of an endpoint's identifier that name its participant
 _LOOK_EVERY = 0.002
 _QUIET = 0.02  # endpoints of one node arrive in one or two bursts, less than a millisecond apart
 _NAMELESS = 1.0  # what has no node's name by then will not get one
@@ -47,15 +47,17 @@ class Observer:
     Args:
         context: an initialised rclpy context; its participant is what sees the graph.
         name: the node's name; hidden, so with a leading underscore.
+        visits: whether this process looks once and ends.
     """
 
-    def __init__(self, context: Context, name: str) -> None:
+    def __init__(self, context: Context, name: str, *, visits: bool = False) -> None:
         self._domain_id = context.get_domain_id()
         self._started = time.monotonic()
         self._local = sockets.is_local_only()
         self._found: frozenset[bytes] = frozenset()
         self._bound: frozenset[int] = frozenset()
-        self._node = quiet_node(name, context)
+        with visiting(visits):
+            self._node = quiet_node(name, context)
         self.name = f"/{name}"
 
     def close(self) -> None:
@@ -117,7 +119,7 @@ class Observer:
 
     def _participants(self) -> frozenset[bytes]:
         infos = self._node.get_publishers_info_by_topic(_DISCOVERY_TOPIC, no_mangle=True)
-        return frozenset(_participant_of(info) for info in infos)
+        return frozenset(graph.participant_of(info) for info in infos)
 
     def _all_named(self) -> bool:
         """Whether each participant has told its nodes: names arrive after the endpoints.
@@ -130,7 +132,7 @@ class Observer:
         for topic, _ in self._node.get_topic_names_and_types(no_demangle=True):
             if topic != _DISCOVERY_TOPIC:
                 for info in self._both_ends(topic):
-                    named[info.node_name != _UNKNOWN].add(_participant_of(info))
+                    named[info.node_name != _UNKNOWN].add(graph.participant_of(info))
         return named[False] <= named[True]
 
     def _both_ends(self, topic: str) -> Iterator[TopicEndpointInfo]:
@@ -163,7 +165,7 @@ class Observer:
 
 
 @contextmanager
-def observer(context: Context | None = None, name: str | None = None) -> Iterator[Observer]:
+def observer(context: Context | None = None, name: str | None = None, *, visits: bool = False) -> Iterator[Observer]:
     """An Observer in `context`, or in one of its own; it is gone afterwards."""
     import rclpy
 
@@ -172,7 +174,7 @@ def observer(context: Context | None = None, name: str | None = None) -> Iterato
         context = own = rclpy.Context()
         own.init([])
     try:
-        looking = Observer(context, name or f"_ros2cli_{os.getpid()}")
+        looking = Observer(context, name or f"_ros2cli_{os.getpid()}", visits=visits)
         try:
             yield looking
         finally:
@@ -180,10 +182,6 @@ def observer(context: Context | None = None, name: str | None = None) -> Iterato
     finally:
         if own is not None:
             own.try_shutdown()
-
-
-def _participant_of(info: TopicEndpointInfo) -> bytes:
-    return bytes(info.endpoint_gid[:_GUID_PREFIX])
 
 
 def _plain(info: TopicEndpointInfo) -> EndpointFacts:

@@ -33,11 +33,15 @@ class Session:
         context: rclpy context of a kernel to work in; None for one of the command's own.
         guests: where a kernel's lab looks for nodes that wait for its services, besides its own; it then tells them
             when a callback fails.
+        visits: whether this process ends with the command.
     """
 
-    def __init__(self, context: Context | None = None, guests: set[Node] | None = None) -> None:
+    def __init__(
+        self, context: Context | None = None, guests: set[Node] | None = None, *, visits: bool = False
+    ) -> None:
         self.in_kernel = context is not None
         self._context = context
+        self._visits = visits
         self._guests = set() if guests is None else guests
         self._own: tuple[Node, Executor] | None = None
         self._name = f"_ros2cli_{os.getpid()}"
@@ -68,7 +72,8 @@ class Session:
         """The graph as this process sees it, settled."""
         from course_kit.ros2cli.observe import observer
 
-        with observer(self._own_context(), name=f"_ros2cli_{os.getpid()}_looking") as looking:
+        name = f"_ros2cli_{os.getpid()}_looking"
+        with observer(self._own_context(), name=name, visits=self._visits) as looking:
             return looking.graph(patience)
 
     def spin_until(self, is_done: Callable[[], bool], timeout: float) -> bool:
@@ -134,10 +139,13 @@ class Session:
         if self._own is None:
             from rclpy.executors import SingleThreadedExecutor
 
+            from course_kit.environment.visiting import visiting
             from course_kit.ros.node import quiet_node
 
             context = self._own_context()
-            self._own = quiet_node(self._name, context), SingleThreadedExecutor(context=context)
+            with visiting(self._visits):
+                made = quiet_node(self._name, context)
+            self._own = made, SingleThreadedExecutor(context=context)
             node, executor = self._own
             executor.add_node(node)
             self._guests.add(node)

@@ -62,7 +62,7 @@ def test_it_shows_what_would_be_graded_and_grades_nothing(handed_in: Path) -> No
         "ann (Ann A)",
         "bob (Bob B)",
         "cem (Cem C)",
-        "dee",
+        "dee (Dee D)",
         "ned (Ned N)",
     ]
     assert f"ann/{SERVICE.notebook} " in lines[1]
@@ -71,7 +71,7 @@ def test_it_shows_what_would_be_graded_and_grades_nothing(handed_in: Path) -> No
         "Look at the choice of file in intake.csv: cem, temperature_service (it is the starter, unchanged)."
         in done.stderr
     )
-    assert "list.csv: read 'login' as login, 'name' as full name; 3 of 5 on it handed something in." in done.stderr
+    assert "list.csv: read 'login' as login, 'name' as full name; 4 of 5 on it handed something in." in done.stderr
     assert "Not handed in: Ned N." in done.stderr
     assert "1 student handed in something that was not graded: dee (none of it belongs to these" in done.stderr
     assert sorted(handed_in.rglob("*")) == before

@@ -94,7 +94,8 @@ def test_a_list_gives_names_and_says_who_is_absent(
     assert found.roster is not None
     assert found.roster.unknown == ()
     assert found.roster.matched == len(PEOPLE)
-    [(absent, name)] = found.roster.absent
+    [away] = found.roster.absent
+    absent, name = away.student, away.name
     assert name == ("" if text == NO_HEADER else "Ned Absent")
     assert (absent, SERVICE.id) in found.missing
     assert [row.why for row in table.rows(found) if row.student == absent] == ["not handed in"]
@@ -137,7 +138,7 @@ def test_the_work_of_a_group_is_everybodys_in_it_and_its_number_is_no_participan
         ("Bob B", "13", "Team A"),
     }
     assert found.roster is not None
-    assert [name for _, name in found.roster.absent] == ["Cem C"]
+    assert [one.name for one in found.roster.absent] == ["Cem C"]
     assert found.missing == (("c@x.example", SERVICE.id),)
 
 

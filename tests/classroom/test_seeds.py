@@ -8,6 +8,7 @@ import pytest
 
 from course_kit.classroom.records import Entry
 from course_kit.classroom.rules import seeds
+from course_kit.classroom.rules.people import People
 from course_kit.cli.main import main
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import StandInForGrading, run
@@ -79,12 +80,22 @@ def test_the_command_writes_a_list_that_class_takes_and_keeps_seeds_that_were_ha
 
 def test_a_student_is_found_by_any_of_their_names(tmp_path: Path) -> None:
     entry = Entry("4711", "pattern_choice", "x.py", "Ann Li", platform={"login": "ann"})
-    for name in ("4711", "Ann Li", "ann"):
-        found = seeds.read(listed(tmp_path, f"student,seed\n{name},5\nbo,6\n"))
-        assert found.of(entry) == 5
-        found.require_for([entry], ["bo"])  # who is on the roster, and has handed in nothing
+    absent = Entry("bo", "", "", "Bo Li")  # who is on the roster, and has handed in nothing
+    for name in ("4711", "Ann Li", "ANN"):
+        listed_seeds = seeds.read(listed(tmp_path, f"student,seed\n{name},5\nbo,6\n"))
+        assert listed_seeds.of_class([entry], People([entry, absent])).of(entry) == 5
         with pytest.raises(GradingError, match="line 3: there is no student 'bo' here"):
-            found.require_for([entry], [])
+            listed_seeds.of_class([entry], People([entry]))
+
+
+def test_a_name_of_two_is_nobodys_and_two_names_of_one_are_told(tmp_path: Path) -> None:
+    entries = [Entry(student, "pattern_choice", "x.py", "Ann Li") for student in ("11", "12")]
+    found = seeds.read(listed(tmp_path, "student,seed\nAnn Li,5\n"))
+    with pytest.raises(GradingError, match=r"line 2: several are called 'Ann Li': 11, 12\. Write one of these"):
+        found.of_class(entries, People(entries))
+    found = seeds.read(listed(tmp_path, "student,seed\n11,5\nAnn Li,6\n"))
+    with pytest.raises(GradingError, match="line 3: Ann Li stands in line 2 already, by another name"):
+        found.of_class(entries[:1], People(entries[:1]))
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,12 @@ INSTALLED_TOGETHER = {
 NOT_INSTALLED = {"lark-parser"}  # the old name of lark: see [tool.uv] in pyproject.toml
 
 
+def test_no_start_of_jupyter_waits_for_a_grammar_to_be_compiled() -> None:
+    """It takes a second at each import of nbformat; see `lock`'s constraints. When a newer one does not, take that."""
+    for name in FILES:
+        assert "rfc3987-syntax" not in {package.name for package in lock_file.read(REPOSITORY, [name])}
+
+
 def versions(names: list[str], python: str) -> dict[str, set[str]]:
     found: dict[str, set[str]] = {}
     for package in lock_file.read(REPOSITORY, names):

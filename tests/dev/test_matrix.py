@@ -196,9 +196,7 @@ def test_the_ends_are_the_oldest_and_the_newest_besides_this_python() -> None:
     others = [one for one in (OLD, MIDDLE, NEW) if one.minor != THIS]
     found = sorted([*others, RUNNING], key=lambda one: one.version)
     first, last = others[0].minor, others[-1].minor
-    assert chosen(found, ends=True)[0] == [
-        f"{first} pip", f"{first} uv notebooks", f"{last} pip notebooks", f"{last} uv"
-    ]  # fmt: skip
+    assert chosen(found, ends=True)[0] == [f"{first} uv notebooks", f"{last} pip notebooks"]
 
 
 @pytest.mark.parametrize("drills", [True, False])
@@ -215,8 +213,14 @@ def test_the_ends_run_the_lessons_and_not_the_drills(drills: bool) -> None:
     [
         ([RUNNING], True, [], "no other Python"),
         ([], True, [], "no other Python"),
-        ([Interpreter((3, 9, 1), "/python3.9", has_venv=False)], True, ["3.9 uv notebooks"], "comes without venv"),
-        ([Interpreter((3, 9, 1), "/python3.9", has_venv=True)], False, ["3.9 pip"], "there is no uv"),
+        ([Interpreter((3, 9, 1), "/python3.9", has_venv=True)], False, ["3.9 pip notebooks"], "there is no uv"),
+        ([Interpreter((3, 9, 1), "/python3.9", has_venv=False)], False, [], "comes without venv"),
+        (
+            [Interpreter((3, 8, 1), "/python3.8", has_venv=True), Interpreter((3, 9, 1), "/python3.9", has_venv=False)],
+            True,
+            ["3.8 uv notebooks", "3.9 uv notebooks"],
+            "comes without venv",
+        ),
     ],
 )
 def test_what_is_missing_is_said_and_is_no_failure(

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import psutil
 import pytest
@@ -183,3 +184,15 @@ def test_without_the_profile_of_the_course_the_range_itself_is_local(
         monkeypatch.setenv(name, value)
     assert environment.defaults()["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
     assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in environment.defaults()
+
+
+def test_readers_and_writers_ask_alike_in_every_profile() -> None:
+    """What is lost comes again after 0.1 s, for a learner and for the grader; see loopback.xml."""
+    profiles = (environment.LOOPBACK_PROFILE, environment.FAST_DISCOVERY_PROFILE, environment.PRIVATE_NETWORK_PROFILE)
+    times = []
+    for profile in profiles:
+        root = ET.parse(profile).getroot()  # noqa: S314 - our own
+        ends = [one for one in root[0] if one.tag.endswith(("data_reader", "data_writer"))]
+        assert [one.get("is_default_profile") for one in ends] == ["true", "true"]
+        times.append({one.tag: ET.tostring(one[0]).split() for one in ends})
+    assert times[0] == times[1] == times[2]

@@ -359,3 +359,11 @@ def test_no_message_says_why() -> None:
         asyncio.run(lab.next_messages("/count", SetBool, timeout=0.2))
     with pytest.raises(lab.FieldError, match="no field 'text'"):
         lab.publish("/count", String, text="x")
+
+
+def test_what_notebooks_tell_each_other_costs_no_call_anything(own_lab: Lab) -> None:
+    """Each event handler is looked at in each turn of the executor; eight of them made a call a fifth slower."""
+    ends = [*own_lab.engine.node.publishers, *own_lab.engine.node.subscriptions]
+    told = {end.topic_name: len(end.event_handlers) for end in ends}
+    assert {"/_lab/nodes", "/_lab/stop"} <= set(told)
+    assert {count for topic, count in told.items() if topic.startswith("/_lab/")} == {0}

@@ -104,6 +104,26 @@ def test_it_is_told_later_where_it_is_seen_later(two: tuple[Kernel, Kernel]) -> 
     second.finish(message)
 
 
+SLOW = """
+import threading
+from course_kit.lab.runtime.neighbours import Neighbours
+announce = Neighbours.announce
+Neighbours.announce = lambda self, nodes: threading.Timer(6.0, announce, (self, list(nodes))).start()
+"""
+
+
+def test_a_notebook_that_tells_its_nodes_late_is_no_other_program(two: tuple[Kernel, Kernel]) -> None:
+    first, second = two
+    first.run(SLOW)  # as on a machine that is very busy
+    start(first, "Robot", "robot")
+    start(second, "Mine", "mine")
+    cell = "import asyncio\nfor _ in range(300):\n    await asyncio.sleep(0.1)"
+    message = second.send(cell)
+    assert f"/ask is also offered by robot of {FIRST}" in second.finish(message, until="both answer").stdout
+    second.manager.interrupt_kernel()
+    second.finish(message)
+
+
 def test_two_nodes_of_one_name_are_told(two: tuple[Kernel, Kernel]) -> None:
     first, second = two
     start(first, "Robot", "robot")

@@ -147,13 +147,16 @@ def test_however_it_ends_nothing_is_left(
         assert len(scratch(tmp_path)) == (1 if number == signal.SIGKILL else 0)
 
 
-def test_ctrl_c_while_it_starts_is_no_traceback(course: Course, tmp_path: Path) -> None:
+@pytest.mark.parametrize("begun", ["the server", "the copies"])
+def test_ctrl_c_while_it_starts_is_no_traceback(course: Course, tmp_path: Path, begun: str) -> None:
     with (tmp_path / "log").open("w") as log:
         process = subprocess.Popen(
             course.command("present", "5", "--no-browser", *allow_root()),
             cwd=course.root, env=environ(course, tmp_path), stdin=subprocess.DEVNULL, stdout=log, stderr=log,
         )  # fmt: skip
-    wait_until(lambda: psutil.Process(process.pid).children(), "JupyterLab")
+    us = psutil.Process(process.pid)
+    copied = lambda: any(path.is_dir() for one in scratch(tmp_path) for path in one.iterdir())  # noqa: E731 - short
+    wait_until(us.children if begun == "the server" else copied, begun)
     process.send_signal(signal.SIGINT)
     assert process.wait(60) == 0
     assert "Traceback" not in (tmp_path / "log").read_text()

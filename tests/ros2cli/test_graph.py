@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit import environment
 from course_kit.environment import ports
 from course_kit.ros2cli import sockets
 from course_kit.ros2cli.daemon_socket import DaemonSocket
 from tests.waiting import wait_until
 
-from .commands import GOLDEN, Ros2
+from .commands import GOLDEN, OURS, Ros2
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -139,3 +140,39 @@ def test_a_daemon_in_another_network_is_not_asked(ros2: Ros2, monkeypatch: pytes
         monkeypatch.setenv(name, value)
     network, name = ros2.begin(sys.executable, "-c", ASKS_IN_ANOTHER_NETWORK).communicate(timeout=60)[0].split()
     assert (name == DaemonSocket.here().name) == (network == "refused")
+
+
+TWO_AFTER_A_COMMAND = """
+import time
+
+import rclpy
+from course_kit.ros2cli.cli import run
+run(["service", "list", "--no-daemon"])
+contexts = [rclpy.Context() for _ in range(2)]
+for context in contexts:
+    context.init([], domain_id={domain})
+nodes = [rclpy.create_node(f"node_{{place}}", context=context) for place, context in enumerate(contexts)]
+deadline = time.monotonic() + 30
+while len(nodes[0].get_node_names()) < 2 and time.monotonic() < deadline:
+    time.sleep(0.01)
+print(nodes[0].get_node_names())
+"""
+
+
+def test_after_a_command_in_a_programs_own_process_its_nodes_meet_in_other_domains(ros2: Ros2) -> None:
+    """A command that is a process announces itself to its own domain alone, and Fast DDS reads that but once."""
+    with environment.exclusive_domain() as other:
+        program = ros2.begin(sys.executable, "-c", TWO_AFTER_A_COMMAND.format(domain=other))
+        stdout, _ = program.communicate(timeout=60)
+    assert stdout.splitlines()[-1] == "['node_0', 'node_1']"
+
+
+def test_two_commands_that_begin_at_the_same_moment_meet(ros2: Ros2) -> None:
+    """Neither is there yet when the other one looks who is."""
+    ros2.start(GOLDEN / "add_server.py", "/add_two_ints_server")
+    for _ in range(3):
+        echo = ros2.begin(*OURS, "topic", "echo", "--once", "/chatter", "std_msgs/msg/String")
+        pub = ros2.begin(*OURS, "topic", "pub", "--once", "/chatter", "std_msgs/msg/String", "data: hello")
+        said, problem = pub.communicate(timeout=60)
+        assert (pub.returncode, problem) == (0, ""), said
+        assert echo.communicate(timeout=60)[0] == "data: hello\n---\n"

@@ -62,8 +62,8 @@ class AttentionGroup:
 
 def labels(book: Gradebook) -> dict[str, StudentLabel]:
     """What to call each student; also those who handed in something that was not graded."""
-    absent = dict(book.absent)
-    names = {student: name_of(records, absent.get(student) or student) for student, records in by_student(book).items()}
+    without = book.names
+    names = {student: name_of(records, without.get(student, student)) for student, records in by_student(book).items()}
     names.update((student, student) for student, _ in (*book.dropped, *book.odd, *book.unknown) if student not in names)
     shared = Counter(name.casefold() for name in names.values())
     return {

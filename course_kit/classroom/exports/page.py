@@ -36,7 +36,7 @@ _SECTIONS = {  # of the page, in its order: template and title; what has nothing
     "diagnoses": "Diagnoses",
     "alike": "Look-alikes",
     "extremes": "Slowest and largest",
-    "left": "Files that were not recognised as submissions",
+    "left": "Other files in the folder",
 }
 _LAYOUTS = {
     "canvas": "Canvas",

@@ -55,6 +55,8 @@ def headline(record: Record) -> str:
     points = f"{number(record.score)} of {number(record.max_score)} points"
     if record.status == "unreadable" and record.adjustment.override is None:
         return f"{points}: the submission could not be read."
+    if record.status == "crashed" and record.adjustment.override is None:
+        return f"{points}: not passed yet, because the program ended before it could be checked."
     return f"{points}: {'passed' if record.passed else 'not passed yet'}."
 
 

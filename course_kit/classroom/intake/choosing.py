@@ -59,6 +59,8 @@ class Chooser:
         self.missing: list[tuple[str, str]] = []
         self.odd: list[tuple[str, str]] = []
         self.dropped: list[tuple[str, str]] = []
+        self.others: list[Entry] = []
+        self.empty: set[str] = set()
 
     def take(self, student: str, units: Sequence[Unit]) -> None:
         """Choose among a student's files."""
@@ -90,6 +92,10 @@ class Chooser:
         handed_in = {entry.exercise for entry in entries}
         self.missing += [(student, exercise.id) for exercise in self._exercises if exercise.id not in handed_in]
         self.entries += entries
+        if not entries:
+            self.others.append(_nothing_of(student, units))
+        if not (files or problems):
+            self.empty.add(student)
         if lost or (not entries and (files or problems)):
             self.dropped.append((student, _together(lost or problems) or _NOT_FOUND))
 
@@ -205,7 +211,7 @@ def _together(problems: Sequence[str]) -> str:
 def _entry(student: str, exercise: Exercise, choice: Choice, files: Sequence[File], chosen: set[str]) -> Entry:
     file = choice.best.file
     unit = file.unit
-    platform = {key: one_line(value) for key, value in unit.platform.items()}
+    platform = _platform_of(unit)
     inside = file.path[len(unit.item.path) + 1 :]
     if unit.has_assignments and "/" in inside:
         platform["nbgrader_assignment"] = one_line(inside.partition("/")[0])
@@ -213,6 +219,16 @@ def _entry(student: str, exercise: Exercise, choice: Choice, files: Sequence[Fil
     others = _others(reasons, [one.path for one in files if one.path not in chosen and one.path not in reasons])
     name = one_line(unit.name)
     return Entry(student, exercise.id, file.path, name, unit.late, platform, choice.why, others, choice.worry)
+
+
+def _nothing_of(student: str, units: Sequence[Unit]) -> Entry:
+    """What is known of a student without a submission."""
+    unit = next((unit for unit in units if not unit.odd), units[0])
+    return Entry(student, "", "", one_line(unit.name), platform=_platform_of(unit))
+
+
+def _platform_of(unit: Unit) -> dict[str, str]:
+    return {key: one_line(value) for key, value in unit.platform.items()}
 
 
 def _others(reasons: Mapping[str, str], rest: Sequence[str]) -> list[str]:

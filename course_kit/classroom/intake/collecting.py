@@ -39,6 +39,8 @@ class Intake:
         odd: student and reason of those whose entry does not fit the layout; they are graded like everybody.
         dropped: student and reason of those who handed in something and have no submission at all, or have one that
             cannot be had.
+        others: who has no submission at all, in entries without exercise and source: those who handed in something
+            else only, and those on the roster who handed in nothing.
         roster: how the roster fits, when there is one.
     """
 
@@ -49,6 +51,7 @@ class Intake:
     missing: tuple[tuple[str, str], ...]
     odd: tuple[tuple[str, str], ...] = ()
     dropped: tuple[tuple[str, str], ...] = ()
+    others: tuple[Entry, ...] = ()
     roster: Fit | None = None
 
 
@@ -94,18 +97,19 @@ def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
         missing=tuple(chooser.missing),
         odd=tuple(chooser.odd),
         dropped=(*chooser.dropped, *opened.lost),
+        others=tuple(chooser.others),
     )
-    return found if roster is None else _with_roster(found, roster, exercises)
+    return found if roster is None else _with_roster(found, roster, exercises, chooser.empty)
 
 
-def _with_roster(found: Intake, roster: Roster, exercises: Sequence[Exercise]) -> Intake:
+def _with_roster(found: Intake, roster: Roster, exercises: Sequence[Exercise], empty: set[str]) -> Intake:
     """Give everybody the name and the identifiers of the class list; whoever is absent has handed in nothing."""
-    students_seen = {entry.student for entry in found.entries} | {student for student, _ in found.missing}
-    entries, fit = match(roster, found.entries, found.layout, students_seen)
+    matched, fit = match(roster, [*found.entries, *found.others], found.layout, empty, assignments=len(exercises))
+    entries = tuple(entry for entry in matched if entry.exercise)
     had = {(entry.student, entry.exercise) for entry in entries}
-    with_entry = sorted({student for student, _ in had})
-    gone = {entry.student for entry in found.entries} - set(with_entry)  # groups, whose members are there instead
-    without = sorted(students_seen - gone - set(with_entry))
-    everybody = [*with_entry, *without, *(student for student, _ in fit.absent)]
+    with_entry = {student for student, _ in had}
+    others = {entry.student: entry for entry in matched if not entry.exercise and entry.student not in with_entry}
+    others.update((entry.student, entry) for entry in fit.absent if entry.student not in others)
+    everybody = [*sorted(with_entry), *others]
     missing = tuple((one, exercise.id) for one in everybody for exercise in exercises if (one, exercise.id) not in had)
-    return replace(found, entries=entries, missing=missing, roster=fit)
+    return replace(found, entries=entries, missing=missing, others=tuple(others.values()), roster=fit)

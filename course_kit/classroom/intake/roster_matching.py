@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake import roster_columns as columns
 from course_kit.classroom.intake.roster_columns import plain
+from course_kit.classroom.records import Entry
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Container, Mapping, Sequence
 
     from course_kit.classroom.intake.roster import Person, Roster
-    from course_kit.classroom.records import Entry
 
 _BY_PLATFORM = {  # which column holds what a layout tells
     "canvas_user": (columns.CANVAS,),
@@ -31,13 +31,13 @@ class Fit:
     Attributes:
         roster: the list.
         matched: how many students were found on it.
-        absent: identifier and name of everybody on it who has handed in nothing.
+        absent: everybody on it who has handed in nothing, in entries without exercise and source.
         unknown: student and reason of those who were not found on it.
     """
 
     roster: Roster
     matched: int
-    absent: tuple[tuple[str, str], ...]
+    absent: tuple[Entry, ...]
     unknown: tuple[tuple[str, str], ...]
 
 
@@ -92,22 +92,27 @@ class Matcher:
 
 
 def match(
-    roster: Roster, entries: Sequence[Entry], layout: str, handed_in: Iterable[str]
+    roster: Roster, entries: Sequence[Entry], layout: str, empty: Container[str] = (), *, assignments: int = 1
 ) -> tuple[tuple[Entry, ...], Fit]:
     """Give entries the names and identifiers of a class list; the entry of a group becomes one of each member.
 
     Args:
         roster: the list.
-        entries: what was handed in.
+        entries: what was handed in, and an entry for each student who handed in something else only.
         layout: the layout's name.
-        handed_in: students who have handed in anything, a submission or not.
+        empty: students of whom there is an entry, and nothing was handed in all the same, such as an empty folder.
+        assignments: how many were set; of one, Moodle's numbers of participants hold for whoever is absent, too.
     """
     matcher = Matcher(roster)
     found: list[Entry] = []
     people: dict[int, set[str]] = defaultdict(set)
     unknown: dict[str, str] = {}
+    nothing: dict[int, Entry] = {}
     for entry in entries:
         person, why = matcher.person(entry)
+        if person and entry.student in empty:
+            nothing[id(person)] = _named(entry, person)
+            continue
         members = () if person else matcher.members(entry)
         if person:
             found.append(_named(entry, person))
@@ -120,11 +125,10 @@ def match(
             found.append(entry)
             unknown[entry.student] = why
     unknown.update(_twice(roster, people))
-    others = set(handed_in) - {entry.student for entry in entries}
     absent = tuple(
-        (person.student(layout), person.name)
+        nothing.get(id(person)) or _absent(person, layout, numbered=assignments == 1)
         for person in roster.people
-        if id(person) not in people and not others & {person.student(layout), person.name, *person.values.values()}
+        if id(person) not in people
     )
     return tuple(found), Fit(roster, sum(map(bool, people.values())), absent, tuple(sorted(unknown.items())))
 
@@ -144,11 +148,19 @@ def _named(entry: Entry, person: Person) -> Entry:
     return replace(entry, name=person.name or entry.name, platform={**person.platform, **entry.platform})
 
 
+def _absent(person: Person, layout: str, *, numbered: bool) -> Entry:
+    number = _participant(person) if numbered and layout == "moodle" else {}
+    return Entry(person.student(layout), "", "", person.name, platform={**person.platform, **number})
+
+
+def _participant(person: Person) -> dict[str, str]:
+    number = person.values.get(columns.MOODLE, "")
+    return {"moodle_participant": number} if number else {}
+
+
 def _of_member(entry: Entry, person: Person, layout: str) -> Entry:
     of_group = {key: value for key, value in entry.platform.items() if key != "moodle_participant"}
-    if number := person.values.get(columns.MOODLE, ""):
-        of_group["moodle_participant"] = number
-    platform = {**of_group, **person.platform, "group": entry.name or entry.student}
+    platform = {**of_group, **_participant(person), **person.platform, "group": entry.name or entry.student}
     return replace(entry, student=person.student(layout), name=person.name, platform=platform)
 
 

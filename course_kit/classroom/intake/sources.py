@@ -92,18 +92,20 @@ def _several(
         listing=Several({name: part.listing for name, part in parts.items()}),
         is_copy=True,
         layout=", ".join(sorted({part.layout for part in parts.values()})),
-        units=_joined([unit for part in parts.values() for unit in part.units], parts),
+        units=_joined([unit for part in parts.values() for unit in part.units], parts, len(exercises)),
         left=tuple((f"{name}/{path}", why) for name, part in parts.items() for path, why in part.left),
         lost=tuple((f"{name}/{path}", why) for name, part in parts.items() for path, why in part.lost),
     )
 
 
-def _joined(units: list[Unit], parts: dict[str, Opened]) -> tuple[Unit, ...]:
+def _joined(units: list[Unit], parts: dict[str, Opened], exercises: int) -> tuple[Unit, ...]:
     """Entries of all downloads, those of one layout together, so that what is one student's has one identifier."""
     return tuple(
         one
         for name in sorted({part.layout for part in parts.values()})
-        for one in students.across_downloads([unit for unit in units if parts[unit.download].layout == name], name)
+        for one in students.across_downloads(
+            [unit for unit in units if parts[unit.download].layout == name], name, exercises
+        )
     )
 
 

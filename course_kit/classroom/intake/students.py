@@ -13,7 +13,7 @@ from course_kit.classroom.intake.listing import FOLDER
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from course_kit.classroom.intake.layouts import Unit
 
@@ -41,17 +41,24 @@ def by_name(units: Iterable[Unit], exercises: Sequence[str]) -> dict[str, list[U
     return {names[key]: own[key] for key in sorted(own, key=names.__getitem__)}
 
 
-def across_downloads(units: Sequence[Unit], layout: str) -> list[Unit]:
-    """Entries of several assignments of one class, so that what is one student's has one identifier.
+def across_downloads(units: Sequence[Unit], layout: str, exercises: int) -> list[Unit]:
+    """Entries of several downloads of one class, so that what is one student's has one identifier.
 
-    Moodle's number of a participant is another one in each assignment, so there the full name joins. Where one name has
-    two numbers in an assignment (anonymous submissions, two students of one name) it joins nothing.
+    Moodle's number of a participant is another one in each assignment, so over several assignments the full name joins.
+    Where one name has two numbers in an assignment (anonymous submissions, two students of one name) it joins nothing.
+    Downloads of one assignment, such as an earlier and a later one, agree about the numbers, which then stay.
+
+    Args:
+        units: the entries.
+        layout: of the downloads.
+        exercises: how many were set.
     """
-    if layout != "moodle":
-        return list(units)
     numbers: dict[str, dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
     for unit in units:
-        numbers[unit.name][unit.download].add(unit.student)
+        if not unit.odd:
+            numbers[unit.name][unit.download].add(unit.student)
+    if layout != "moodle" or _is_of_one_assignment(numbers.values(), units, exercises):
+        return list(units)
     found = []
     for unit in units:
         if unit.odd:
@@ -63,6 +70,13 @@ def across_downloads(units: Sequence[Unit], layout: str) -> list[Unit]:
             odd = f"'{unit.name}' has several participant numbers, so nothing joins them with other downloads"
             found.append(replace(unit, student=student, odd=odd))
     return found
+
+
+def _is_of_one_assignment(numbers: Iterable[Mapping[str, set[str]]], units: Sequence[Unit], exercises: int) -> bool:
+    """Whether all who are in several downloads have the same numbers there, and somebody is or one exercise was set."""
+    twice = [list(of_name.values()) for of_name in numbers if len(of_name) > 1]
+    agree = all(one == of_name[0] for of_name in twice for one in of_name)
+    return agree and len({unit.exercise for unit in units}) == 1 and (bool(twice) or exercises == 1)
 
 
 def _key(unit: Unit) -> Key:

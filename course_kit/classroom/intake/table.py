@@ -49,9 +49,9 @@ class IntakeRow:
 
 def rows(found: Intake) -> list[IntakeRow]:
     """The rows: students in order, then what belongs to no submission."""
-    names = {entry.student: entry.name for entry in found.entries}
+    names = {entry.student: entry.name for entry in (*found.entries, *found.others)}
     dropped = dict(found.dropped)
-    absent = dict(found.roster.absent) if found.roster else {}
+    absent = {one.student: one.name for one in found.roster.absent} if found.roster else {}
     table = [
         IntakeRow(
             entry.student,

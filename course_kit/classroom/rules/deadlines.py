@@ -24,10 +24,11 @@ else:
     import tomli as tomllib
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from datetime import tzinfo
     from pathlib import Path
 
+    from course_kit.classroom.rules.people import People
     from course_kit.grading.exercise import Exercise
 
 FILE, EXTENSIONS = "class.toml", "extensions.csv"
@@ -46,7 +47,7 @@ class Deadlines:
         percent_per_day: of full marks, for each day begun after the due date.
         at_most_percent: of full marks; no penalty is higher.
         extensions: other due dates, by student and exercise, with the line in the file.
-        path: of the extensions.
+        mistakes: what is wrong with the extensions; None where there are none.
     """
 
     due: Mapping[str, datetime] = field(default_factory=dict)
@@ -55,7 +56,7 @@ class Deadlines:
     percent_per_day: float = 0.0
     at_most_percent: float = float(_ALL)
     extensions: Mapping[tuple[str, str], tuple[datetime, int]] = field(default_factory=dict)
-    path: Path | None = None
+    mistakes: Mistakes | None = None
 
     def judge(self, student: str, exercise: Exercise, submitted: datetime | None, *, marked: bool) -> Adjustment:
         """Whether a submission is late, and what that costs.
@@ -97,20 +98,14 @@ class Deadlines:
     def _penalty(self, exercise: Exercise, days: int) -> float:
         return round(exercise.points * min(days * self.percent_per_day, self.at_most_percent) / _ALL, 6)
 
-    def require_known(self, students: Iterable[str]) -> None:
-        """See that nobody is misspelled, before anything is graded.
-
-        Raises:
-            GradingError: an extension is for a student who is not in the class.
-        """
-        known = set(students)
-        if self.path is None:
-            return
-        mistakes = Mistakes(self.path)
-        for line, student in sorted({(line, student) for (student, _), (_, line) in self.extensions.items()}):
-            if student not in known:
-                mistakes.add(line, unknown("student", student, known))
-        mistakes.require_none()
+    def of(self, people: People) -> Deadlines:
+        """The extensions by the students of a class; who is not in it is a mistake."""
+        if self.mistakes is None:
+            return self
+        mistakes = Mistakes(self.mistakes.path, [*self.mistakes.found])
+        lines = ((line, called, exercise, due) for (called, exercise), (due, line) in self.extensions.items())
+        twice = "{called} and {exercise} stand in line {line} already, by another name"
+        return replace(self, extensions=people.by_student(lines, mistakes, twice), mistakes=mistakes)
 
 
 def read(folder: Path, exercises: Sequence[Exercise]) -> Deadlines:
@@ -121,7 +116,8 @@ def read(folder: Path, exercises: Sequence[Exercise]) -> Deadlines:
         exercises: those that were set.
 
     Raises:
-        GradingError: one of them cannot be read or has mistakes; all of them are named.
+        GradingError: one of them cannot be read, or the settings have a mistake. What is wrong with a line of the
+            extensions is among the mistakes.
     """
     settings = folder / FILE
     found = _rules(settings, exercises) if settings.exists() else Deadlines()
@@ -242,5 +238,4 @@ def _with_extensions(rules: Deadlines, path: Path, exercises: Sequence[Exercise]
             if (student, one) in found:
                 mistakes.add(row.line, f"{student} and {one} stand in line {found[student, one][1]} already")
             found[student, one] = (moment, row.line)
-    mistakes.require_none()
-    return replace(rules, extensions=found, path=path)
+    return replace(rules, extensions=found, mistakes=mistakes)

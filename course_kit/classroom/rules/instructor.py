@@ -8,15 +8,17 @@ from typing import TYPE_CHECKING
 from course_kit.classroom.records import Entry, Record
 from course_kit.classroom.rules import deadlines, overrides
 from course_kit.classroom.rules.submission_times import submitted
+from course_kit.classroom.rules.tables import require_none
 from course_kit.grading import engine
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from course_kit.classroom.gradebook import Gradebook
     from course_kit.classroom.rules.deadlines import Deadlines
     from course_kit.classroom.rules.overrides import Overrides
+    from course_kit.classroom.rules.people import People
     from course_kit.grading.exercise import Exercise
 
 _NOTHING = "Nothing was handed in."
@@ -30,15 +32,15 @@ class Instructions:
     deadlines: Deadlines
     overrides: Overrides
 
-    def require_known(self, students: Iterable[str]) -> None:
-        """See that all of them are about students of the class.
+    def of(self, people: People) -> Instructions:
+        """Those by the students of a class, whom the files may call by any of their names.
 
         Raises:
-            GradingError: one is about somebody else.
+            GradingError: a line is about somebody else, or has another mistake; all of both files are named.
         """
-        known = set(students)
-        self.overrides.require_known(known)
-        self.deadlines.require_known(known)
+        found = Instructions(self.deadlines.of(people), self.overrides.of(people))
+        require_none(one for one in (found.deadlines.mistakes, found.overrides.mistakes) if one is not None)
+        return found
 
     def apply(self, book: Gradebook) -> Gradebook:
         """The gradebook with lateness, penalties, overrides and comments.
@@ -46,7 +48,7 @@ class Instructions:
         Whoever handed in nothing, and has a score or a comment all the same, has a record then.
         """
         exercises = {one.id: one for one in book.exercises}
-        stand_ins, missing = self._without_submission(book.missing, exercises)
+        stand_ins, missing = self._without_submission(book, exercises)
         records = [self.adjusted(record, book.exercises, book.root) for record in book.records]
         everybody = sorted([*records, *stand_ins], key=lambda one: (one.entry.student, one.entry.exercise))
         return replace(book, records=tuple(everybody), missing=tuple(missing))
@@ -68,17 +70,20 @@ class Instructions:
         return replace(record, adjustment=found)
 
     def _without_submission(
-        self, missing: Iterable[tuple[str, str]], exercises: dict[str, Exercise]
+        self, book: Gradebook, exercises: dict[str, Exercise]
     ) -> tuple[list[Record], list[tuple[str, str]]]:
+        known = {one.student: one for one in (*(record.entry for record in book.records), *book.others)}
         stand_ins, others = [], []
-        for student, exercise in missing:
+        for student, exercise in book.missing:
             decided = self.overrides.find(student, exercise)
             if decided is None or decided.score is None:
                 others.append((student, exercise))
                 continue
             task = exercises[exercise]
             report = engine.unreadable(task, "", _NOTHING).to_mapping()
-            record = Record(Entry(student, exercise, ""), "", 0, None, report, title=task.title)
+            who = known.get(student, Entry(student, exercise, ""))
+            entry = Entry(student, exercise, "", who.name, platform=who.platform)
+            record = Record(entry, "", 0, None, report, title=task.title)
             adjustment = self.deadlines.judge(student, task, None, marked=False)
             adjustment = replace(adjustment, override=decided.score, comment=decided.comment, warning="")
             stand_ins.append(replace(record, adjustment=adjustment))

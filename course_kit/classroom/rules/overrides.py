@@ -5,15 +5,16 @@ The file lies in the folder of the results and is the instructor's: no run write
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.rules.tables import Mistakes, read_rows, to_number, unknown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
     from pathlib import Path
 
+    from course_kit.classroom.rules.people import People
     from course_kit.grading.exercise import Exercise
 
 FILE = "overrides.csv"
@@ -41,26 +42,26 @@ class Override:
 class Overrides:
     """All lines of the file."""
 
-    def __init__(self, path: Path, found: Sequence[Override] = ()) -> None:
-        self._path = path
+    def __init__(self, mistakes: Mistakes, found: Sequence[Override] = ()) -> None:
+        """Take the lines.
+
+        Args:
+            mistakes: what is wrong with the file.
+            found: the lines with which nothing is.
+        """
+        self.mistakes = mistakes
         self._found = {(one.student, one.exercise): one for one in found}
 
     def find(self, student: str, exercise: str) -> Override | None:
         """What the instructor has set for a student and exercise."""
         return self._found.get((student, exercise))
 
-    def require_known(self, students: Iterable[str]) -> None:
-        """See that nobody is misspelled, before anything is graded.
-
-        Raises:
-            GradingError: a line is about a student who is not in the class.
-        """
-        known = set(students)
-        mistakes = Mistakes(self._path)
-        for one in self._found.values():
-            if one.student not in known:
-                mistakes.add(one.line, unknown("student", one.student, known))
-        mistakes.require_none()
+    def of(self, people: People) -> Overrides:
+        """The lines by the students of a class; who is not in it is a mistake."""
+        mistakes = Mistakes(self.mistakes.path, [*self.mistakes.found])
+        lines = ((one.line, one.student, one.exercise, one) for one in self._found.values())
+        found = people.by_student(lines, mistakes, "{called} is {student}, who stands in line {line} already")
+        return Overrides(mistakes, [replace(one, student=student) for (student, _), (one, _) in found.items()])
 
 
 def read(path: Path, exercises: Sequence[Exercise]) -> Overrides:
@@ -71,12 +72,12 @@ def read(path: Path, exercises: Sequence[Exercise]) -> Overrides:
         exercises: those that were set.
 
     Raises:
-        GradingError: it cannot be read or has mistakes; all of them are named, with their lines.
+        GradingError: it cannot be read. What is wrong with a line is among the mistakes.
     """
-    if not path.exists():
-        return Overrides(path)
-    points = {one.id: one.points for one in exercises}
     mistakes = Mistakes(path)
+    if not path.exists():
+        return Overrides(mistakes)
+    points = {one.id: one.points for one in exercises}
     found: dict[tuple[str, str], Override] = {}
     for row in read_rows(path, ("student", "exercise"), ("score", "comment")):
         student, exercise = row.cells["student"], row.cells["exercise"]
@@ -94,5 +95,4 @@ def read(path: Path, exercises: Sequence[Exercise]) -> Overrides:
             mistakes.add(row.line, "it has neither a score nor a comment")
         else:
             found[student, exercise] = Override(row.line, student, exercise, score, comment)
-    mistakes.require_none()
-    return Overrides(path, list(found.values()))
+    return Overrides(mistakes, list(found.values()))

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import secrets
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake import roster
-from course_kit.classroom.rules.tables import Mistakes, read_rows, unknown
+from course_kit.classroom.rules.tables import Mistakes, read_rows
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Mapping
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from course_kit.classroom.records import Entry
+    from course_kit.classroom.rules.people import People
 
 COLUMNS = ("student", "seed")
 _BITS = 31
@@ -29,34 +30,27 @@ class Seeds:
     found: Mapping[str, tuple[int, int]]
 
     def of(self, entry: Entry) -> int | None:
-        """The seed of whoever handed something in; None where the file has none.
+        """The seed of whoever handed something in; None where the file has none."""
+        return self.found[entry.student][0] if entry.student in self.found else None
 
-        It may list them by any of their names: that of the reports, their own, or what a platform calls them.
-        """
-        return next((self.found[name][0] for name in _names(entry) if name in self.found), None)
-
-    def require_for(self, entries: Collection[Entry], others: Collection[str]) -> None:
-        """See that the file fits the class.
+    def of_class(self, entries: Iterable[Entry], people: People) -> Seeds:
+        """The seeds by the students of a class, whom the file may call by any of their names.
 
         Args:
             entries: what was handed in; whoever did so needs a seed.
-            others: names of everybody else who is known, as those on the roster.
+            people: everybody.
 
         Raises:
-            GradingError: somebody has no seed, or a line is about nobody of the class; all are named.
+            GradingError: somebody has no seed or two, or a line is about nobody of the class; all are named.
         """
         mistakes = Mistakes(self.path)
-        known = {name for entry in entries for name in _names(entry)} | set(others)
-        for student, (_, line) in self.found.items():
-            if student not in known:
-                mistakes.add(line, unknown("student", student, known))
-        if absent := sorted({entry.student for entry in entries if self.of(entry) is None}):
-            mistakes.found.append(f"there is no seed for: {', '.join(absent)}")
+        lines = ((line, called, "", seed) for called, (seed, line) in self.found.items())
+        by_student = people.by_student(lines, mistakes, "{called} stands in line {line} already, by another name")
+        found = {student: said for (student, _), said in by_student.items()}
+        if absent := sorted({entry.student for entry in entries} - set(found)):
+            mistakes.add_of_all(f"there is no seed for: {', '.join(absent)}")
         mistakes.require_none()
-
-
-def _names(entry: Entry) -> list[str]:
-    return [name for name in (entry.student, entry.name, *entry.platform.values()) if name]
+        return replace(self, found=found)
 
 
 def read(path: Path) -> Seeds:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import sys
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -32,11 +33,17 @@ class Mistakes:
     """What is wrong with a file; collected, and told together."""
 
     path: Path
-    found: list[str] = field(default_factory=list)
+    found: list[tuple[int, str]] = field(default_factory=list)
 
     def add(self, line: int, what: str) -> None:
-        """Note a mistake of one line."""
-        self.found.append(f"line {line}: {what}")
+        """Note a mistake of one line, once."""
+        noted = (line, f"line {line}: {what}")
+        if noted not in self.found:
+            self.found.append(noted)
+
+    def add_of_all(self, what: str) -> None:
+        """Note a mistake of the whole file."""
+        self.found.append((sys.maxsize, what))
 
     def require_none(self) -> None:
         """Tell what was found.
@@ -44,11 +51,23 @@ class Mistakes:
         Raises:
             GradingError: there was something.
         """
-        if not self.found:
-            return
-        more = len(self.found) - _MOST_TOLD
-        told = [*self.found[:_MOST_TOLD], *([f"and {more} more"] if more > 0 else [])]
-        raise GradingError(f"{self.path} cannot be used. Correct it, then run this again:\n  " + "\n  ".join(told))
+        require_none([self])
+
+    def __str__(self) -> str:
+        told = [what for _, what in sorted(self.found, key=lambda one: one[0])]
+        more = len(told) - _MOST_TOLD
+        told = [*told[:_MOST_TOLD], *([f"and {more} more"] if more > 0 else [])]
+        return f"{self.path} cannot be used. Correct it, then run this again:\n  " + "\n  ".join(told)
+
+
+def require_none(files: Iterable[Mistakes]) -> None:
+    """Tell what is wrong with some files, all of it at once.
+
+    Raises:
+        GradingError: something is.
+    """
+    if wrong := [one for one in files if one.found]:
+        raise GradingError("\n".join(map(str, wrong)))
 
 
 def read_rows(

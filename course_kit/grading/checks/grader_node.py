@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, TypeVar
 
 import rclpy
 from rclpy.context import Context
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.executors import ExternalShutdownException
 from rclpy.signals import SignalHandlerOptions
 
@@ -17,7 +16,7 @@ from course_kit.grading.checks.receiving import receiver
 from course_kit.ros import graph
 from course_kit.ros.node import quiet_node
 from course_kit.ros.service import ServiceClient
-from course_kit.ros.topic import Inbox, publishers, subscriptions
+from course_kit.ros.topic import NO_PUBLISHER_EVENTS, Inbox, publishers, subscriptions
 
 if TYPE_CHECKING:
     from rclpy.publisher import Publisher
@@ -31,8 +30,6 @@ DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
 _OF_EVERY_NODE = ("/rosout", "/parameter_events")
 _FOR_PARAMETERS = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
 NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an underscore are
-# What a publisher has unless it is switched off costs at each turn, and nobody asks the grader for it.
-_NO_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)
 AnyInbox = TypeVar("AnyInbox", bound=Inbox)
 
 
@@ -129,7 +126,9 @@ class GraderNode:
     def publisher(self, interface: MessageType, topic: str) -> Publisher:
         """The publisher on a topic, with the default QoS profile of depth 10; made on first use and kept."""
         if topic not in self._publishers:
-            self._publishers[topic] = self.node.create_publisher(interface, topic, DEPTH, event_callbacks=_NO_EVENTS)
+            self._publishers[topic] = self.node.create_publisher(
+                interface, topic, DEPTH, event_callbacks=NO_PUBLISHER_EVENTS
+            )
         return self._publishers[topic]
 
     def publishers(self, topic: str) -> list[Endpoint]:

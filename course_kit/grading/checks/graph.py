@@ -32,7 +32,7 @@ def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
     if context.computed() >= context.job.start_cpu_s:
         computed = f"{context.job.start_cpu_s:g} s"
         return "limit.time", f"Your program has computed for {computed} and no node has appeared.{where}"
-    start = f"{context.job.limits.start_s:g} s"
+    start = f"{min(context.job.limits.start_s, context.deadline_s):g} s"
     if hangs.computes(context):
         return "limit.time", f"After {start} your program was still computing and no node had appeared.{where}"
     return "start.nothing", f"Your program runs, but no node appeared on the graph within {start}.{where}"

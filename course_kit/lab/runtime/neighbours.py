@@ -1,8 +1,8 @@
 """Other notebooks on the same graph: what each runs, and the request that it stop that.
 
-ROS does not tell which process a node is in. So each lab announces its nodes and those of its scripts on a hidden
-topic, where who comes later hears it as well, and listens to another one for the request to stop them. What nobody has
-announced belongs to some other program.
+ROS does not tell whose a node is. So each lab announces its nodes and those of its scripts on a hidden topic, where who
+comes later hears it as well, and listens to another one for the request to stop them. What nobody has announced belongs
+to some other program.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from course_kit.ros import graph
+from course_kit.ros.names import full_name
+from course_kit.ros.topic import NO_PUBLISHER_EVENTS, NO_SUBSCRIPTION_EVENTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -30,6 +32,7 @@ _KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, avoid_r
 _PASSING = QoSProfile(depth=10, avoid_ros_namespace_conventions=True)
 _STOPPING = 8.0  # seconds another notebook is given: its scripts have 4 to end, and a callback may run
 _POLL = 0.02
+_OF_EVERY_NODE = "/parameter_events"
 
 
 class OtherNotebook(NamedTuple):
@@ -66,10 +69,10 @@ class Neighbours:
         self._heard: dict[str, OtherNotebook] = {}
         self._asked: set[tuple[graph.Role, str]] = set()
         self._announced: list[str] | None = None
-        self._nodes_out = node.create_publisher(String, NODES_TOPIC, _KEPT)
-        self._stop_out = node.create_publisher(String, STOP_TOPIC, _PASSING)
-        node.create_subscription(String, NODES_TOPIC, self._hear, _KEPT)
-        node.create_subscription(String, STOP_TOPIC, self._hear_stop, _PASSING)
+        self._nodes_out = node.create_publisher(String, NODES_TOPIC, _KEPT, event_callbacks=NO_PUBLISHER_EVENTS)
+        self._stop_out = node.create_publisher(String, STOP_TOPIC, _PASSING, event_callbacks=NO_PUBLISHER_EVENTS)
+        for topic, hear, qos in ((NODES_TOPIC, self._hear, _KEPT), (STOP_TOPIC, self._hear_stop, _PASSING)):
+            node.create_subscription(String, topic, hear, qos, event_callbacks=NO_SUBSCRIPTION_EVENTS)
 
     def announce(self, nodes: Iterable[str]) -> None:
         """Tell the others which nodes this notebook has now."""
@@ -87,6 +90,14 @@ class Neighbours:
         there = set(graph.nodes(self._node))  # one that was killed said nothing
         found = [one for one in list(self._heard.values()) if one.key in there and one.nodes]
         return sorted(found, key=lambda one: one.title)
+
+    def may_announce(self, node: str) -> bool:
+        """Whether a node is in one process with the lab of some other notebook, which will announce it."""
+        labs = self._node.get_publishers_info_by_topic(NODES_TOPIC, no_mangle=True)
+        ends = self._node.get_publishers_info_by_topic(_OF_EVERY_NODE)
+        others = {graph.process_of(lab) for lab in labs if full_name(lab.node_name, lab.node_namespace) != self._key}
+        of_node = {graph.process_of(end) for end in ends if full_name(end.node_name, end.node_namespace) == node}
+        return bool(others & of_node)
 
     def answering(self, role: graph.Role, name: str) -> str:
         """Whose server answers where none of this notebook does; told once, until some notebook has other nodes.

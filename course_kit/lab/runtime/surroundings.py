@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 _LOOKING = 6.0  # seconds: another program is found within one of them, unless the machine is busy
 _UNANNOUNCED = 4.0  # seconds; a program that was killed stays visible for 2
+_ANNOUNCED_LATE = 15.0  # seconds in which a notebook tells of a node that is its own, on a machine that is very busy
 _PAUSE = 0.1
 _GOALS = "/_action/send_goal"
 
@@ -111,11 +112,17 @@ class Surroundings:
         key = (node, sentence)
         since = self._seen.setdefault(key, time.monotonic())
         whose = self._whose(node)
-        if key in self._told or (not whose and time.monotonic() - since < _UNANNOUNCED):
+        if key in self._told or (not whose and self._may_be_announced(node, since)):
             return
         self._told.add(key)
         who, remedy = whose or (f"{short_name(node)} in another program", "")
         self._lab.note(f"{sentence.format(who)} {remedy}".rstrip())
+
+    def _may_be_announced(self, node: str, since: float) -> bool:
+        """Whether some notebook may still tell that a node, seen since then, is its own; it is looked at once more."""
+        until = since + (_ANNOUNCED_LATE if self.neighbours.may_announce(node) else _UNANNOUNCED)
+        self._until = max(self._until, until + 2 * _PAUSE)
+        return time.monotonic() < until
 
     def _doubled(self) -> Iterable[tuple[str, graph.Role]]:
         """What this lab's nodes offer and somebody else as well."""

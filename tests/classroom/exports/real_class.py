@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom import exports
-from course_kit.classroom.records import Records
+from course_kit.classroom.records import Entry, Records
 from course_kit.classroom.rules.adjustments import Adjustment
 from course_kit.grading.reading import Reader
 from course_kit.grading.render.html import render_page
@@ -79,6 +79,7 @@ def _book(root: Path) -> Gradebook:
         root=root,
         missing=tuple((student, of.id) for student, _ in absent for of in (SERVICE, ROBOT)),
         absent=absent,
+        others=tuple(Entry(student, "", "", name) for student, name in absent),
         left=tuple((f"{student}/notes.txt", "it belongs to none of these exercises") for student in students[:40]),
         dropped=(("zoe", "zoe/answer.py: it is a link, and links are not followed"),),
         odd=(("yan", "its name does not follow the layout 'folders'"),),

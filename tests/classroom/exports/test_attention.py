@@ -11,6 +11,7 @@ import pytest
 from course_kit.classroom import exports
 from course_kit.classroom.exports import attention, changes, comparison, lookalikes, page
 from course_kit.classroom.exports.results import problem
+from course_kit.classroom.records import Entry
 from tests.classroom.exports import books
 from tests.classroom.exports.books import ROBOT, SERVICE, bad, book, check, good, not_graded, record, unreadable
 from tests.classroom.exports.programs import ORIGINAL, OTHER, class_of, disguised
@@ -38,6 +39,7 @@ def test_everybody_who_needs_it_is_named_with_the_reason_and_nobody_else() -> No
         dropped=(("zoe", "it is a link"),),
         odd=(("yan", "it does not fit"),),
         absent=(("eve", "Eve Adams"),),
+        others=(Entry("eve", "", "", "Eve Adams"),),
         unknown=(("half", "nobody on it is called so"),),
         exercises=(SERVICE, ROBOT),
     )

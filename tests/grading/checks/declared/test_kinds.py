@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
+from course_kit import grading
 from course_kit.grading.checks.declared.kinds import KINDS
 from tests.grading.checks.declared import kind_checks as checks
-from tests.grading.checks.declared.conftest import grading_side_by_side
+from tests.grading.checks.declared.conftest import HINTS, grading_side_by_side, written
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from concurrent.futures import Future
+    from pathlib import Path
     from typing import TypeAlias
 
     from course_kit.grading.report import Report
@@ -573,3 +575,12 @@ def test_a_wrong_program_is_told_what_is_wrong(reports: GradedTests, name: str) 
     assert wrong.said in found.told
     assert found.expected
     assert found.got
+
+
+def test_the_time_to_start_that_is_named_is_no_longer_than_the_checks(worker: grading.Worker, tmp_path: Path) -> None:
+    quick = checks.OFFERED.replace("[[checks]]", "[[checks]]\ndeadline_s = 1.5", 1)
+    path = written(tmp_path, quick, more=f"{HINTS}[limits]\nstart_s = 60.0\n")
+    program = tmp_path / "answer.py"
+    program.write_text("import time\ntime.sleep(60)\n")
+    report = grading.grade("all_kinds", program, worker=worker, seed=3, exercises=path.parent.parent)
+    assert "no node appeared on the graph within 1.5 s" in report.checks[0].message

@@ -1,0 +1,71 @@
+"""For a process that comes to a graph, asks and goes: it is answered at the first try.
+
+Fast DDS announces a participant before it listens (RTPSParticipantImpl::enable in 2.14), to one port after the other of
+all that peers may have. Who is there answers at once, and once. Peers have the first ports, so their answers come while
+the others are still announced to, and are lost; each is then found by its next regular announcement, and its nodes
+later still. So such a process announces itself only to the ports that are bound, the highest first, and before them to
+the free ones that come next: somebody who begins at the same moment will have one of these. Whoever comes later
+announces itself. loopback.xml cannot say that: it would have to name ports, and those of one domain and moment.
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from course_kit.environment import LOOPBACK_PROFILE, ports, run_dir, write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
+_ALL = "<locator><udpv4><address>127.0.0.1</address></udpv4></locator>"  # means all ports, in their order
+_ONE = "<locator><udpv4><port>{}</port><address>127.0.0.1</address></udpv4></locator>"
+_PARTICIPANTS = 64  # loopback.xml's maxInitialPeersRange
+_AT_ONCE = 8  # so many may begin at the same moment; a participant takes the first free port
+
+
+@contextmanager
+def visiting(wanted: bool = True) -> Iterator[bool]:
+    """Have this process's first node, if it is made meanwhile, be a visitor's; yields whether it is.
+
+    Fast DDS reads its profile once in a process. So this is for a process that ends with its visit: whatever it made
+    later, in another domain, would look for its peers in this one.
+
+    Where somebody else's profile is in force, or no file can be written, nothing is changed.
+
+    Args:
+        wanted: False changes nothing.
+    """
+    profile = _profile() if wanted and os.environ.get(_VARIABLE) == str(LOOPBACK_PROFILE) else None
+    if profile is None:
+        yield False
+        return
+    os.environ[_VARIABLE] = str(profile)
+    try:
+        yield True
+    finally:
+        os.environ[_VARIABLE] = str(LOOPBACK_PROFILE)
+
+
+def _profile() -> Path | None:
+    domain_id = int(os.environ["ROS_DOMAIN_ID"])
+    wanted = "".join(_ONE.format(port) for port in _addressed(ports.discovery_ports(domain_id)[:_PARTICIPANTS]))
+    try:
+        text = LOOPBACK_PROFILE.read_text(encoding="utf-8").replace(_ALL, wanted)
+        path = run_dir() / f"visiting_{domain_id}.xml"
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            write_atomically(path, text)
+    except (OSError, UnicodeDecodeError):
+        return None
+    return path
+
+
+def _addressed(every: Sequence[int]) -> list[int]:
+    """The ports to announce to, those of participants that are there at the end."""
+    taken = {number for number, _ in ports.bound()}
+    there = [port for port in every if port in taken]
+    free = [port for port in every if port not in taken]
+    return [*free[:_AT_ONCE], *reversed(there)]
