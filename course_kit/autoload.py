@@ -1,7 +1,8 @@
 """Runs at the start of every Python of this environment, through `course_kit.pth`; so it does next to nothing.
 
-It makes the course's interfaces importable in any program, and has the ROS settings of the course made when
-rclpy is first imported: a plain `python server.py` in a terminal joins the same graph as the notebook.
+It makes the course's interfaces importable in any program. When rclpy is first imported it has the ROS settings of the
+course made, so that a plain `python server.py` in a terminal joins the same graph as the notebook, and a fault of the
+wheels repaired.
 `COURSE_KIT_AUTOLOAD=0` turns it off. Even `typing` and `importlib.abc` would cost more than all of this.
 """
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class _BeforeRclpy:
-    """A meta path finder that finds nothing, and makes the settings when rclpy is about to be found."""
+    """A meta path finder that finds nothing, and prepares the process when rclpy is about to be found."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
@@ -27,6 +28,7 @@ class _BeforeRclpy:
         if fullname == "rclpy":
             sys.meta_path.remove(self)
             _make_settings()
+            _repair_middleware()
         return None
 
 
@@ -38,6 +40,14 @@ def _make_settings() -> None:
     except environment.DomainError as problem:
         until_then = "" if "ROS_DOMAIN_ID" in os.environ else " Until then this program uses domain 0."
         print(f"course-kit: {problem}{until_then}", file=sys.stderr)
+
+
+def _repair_middleware() -> None:
+    try:
+        from course_kit.environment import leaving
+    except ImportError:  # a Python that was built without libffi has no ctypes
+        return
+    leaving.repair()
 
 
 def install() -> None:

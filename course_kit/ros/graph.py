@@ -42,8 +42,8 @@ ROLES = (SERVES, CALLS, RUNS, SENDS_GOALS, PUBLISHES, LISTENS)
 KINDS = ("service", "action", "topic")
 _MISSING = {"service": "No node serves", "action": "No node runs", "topic": "No node publishes"}
 _UNUSED = "No node listens to"
-# How many of the first bytes of an endpoint's identifier are the same within one participant (DDSI-RTPS, 9.3.1), and within
-# one process, at least with Fast DDS (GuidUtils.hpp).
+# How many of the first bytes of an endpoint's identifier are the same within one participant (DDSI-RTPS, 9.3.1), and
+# within one process, at least with Fast DDS (GuidUtils.hpp).
 _PARTICIPANT, _PROCESS = 12, 8
 _FEEDBACK, _FEEDBACK_TYPE = "/_action/feedback", "_FeedbackMessage"
 

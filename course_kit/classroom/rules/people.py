@@ -1,4 +1,4 @@
-"""Whom the instructor means: a student by any name that the reports, the class list or a platform has for them, or a group.
+"""Whom the instructor means: a student by any name of the reports, the class list or a platform, or a whole group.
 
 What a student is called in the reports may change, from the address on the class list to a platform's number once they
 hand something in. What the instructor has written about them stays theirs.
