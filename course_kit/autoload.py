@@ -45,7 +45,7 @@ def _make_settings() -> None:
 def _repair_middleware() -> None:
     try:
         from course_kit.environment import leaving
-    except ImportError:  # a Python that was built without libffi has no ctypes
+    except (ImportError, AttributeError):  # a Python built without libffi has no ctypes; a system without dlopen
         return
     leaving.repair()
 

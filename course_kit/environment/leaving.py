@@ -19,14 +19,16 @@ import struct
 import sys
 from pathlib import Path
 
-_LIBRARY = "librmw_fastrtps_shared_cpp.so"
 # DomainParticipant::set_listener(DomainParticipantListener*), and the one with a std::chrono::seconds besides
-_FUNCTION = "_ZN8eprosima7fastdds3dds17DomainParticipant12set_listenerEPNS1_25DomainParticipantListenerE"
-_WITH_A_LIMIT = f"{_FUNCTION}NSt6chrono8durationIlSt5ratioILl1ELl1EEEE"
+_FUNCTION = b"_ZN8eprosima7fastdds3dds17DomainParticipant12set_listenerEPNS1_25DomainParticipantListenerE"
+_WITH_A_LIMIT = _FUNCTION + b"NSt6chrono8durationIlSt5ratioILl1ELl1EEEE"
 _AN_HOUR = struct.Struct("<ci2sQ2s")  # mov edx, 3600; mov rax, address; jmp rax
 _LINK_MAP = struct.Struct("Q8xQ")  # l_addr, l_name, l_ld of dlfcn's and link.h's struct link_map
 _DYNAMIC, _RELOCATION, _SYMBOL = struct.Struct("qQ"), struct.Struct("QQq"), struct.Struct("I20x")  # elf.h, 64 bits
 _END, _SIZE, _STRINGS, _SYMBOLS, _JUMPS = 0, 2, 5, 6, 23  # DT_NULL, DT_PLTRELSZ, DT_STRTAB, DT_SYMTAB, DT_JMPREL
+
+_SYSTEM = ctypes.CDLL(None, use_errno=True)
+_SYSTEM.dlopen.restype = _SYSTEM.dlsym.restype = _SYSTEM.mmap.restype = ctypes.c_void_p
 
 
 def repair() -> bool:
@@ -34,39 +36,55 @@ def repair() -> bool:
 
     A real ROS 2 has no such fault, and its libraries lie elsewhere.
     """
-    if os.uname().machine != "x86_64" or not Path(library()).exists():
+    if os.uname().machine != "x86_64" or not _library().exists():
         return False
     try:
-        loaded = ctypes.CDLL(library())
-        wanted = ctypes.cast(getattr(loaded, _WITH_A_LIMIT), ctypes.c_void_p).value or 0
+        library = opened()
+        wanted = _SYSTEM.dlsym(ctypes.c_void_p(library), _WITH_A_LIMIT)
+        if wanted is None:
+            return False
         code = _executable(_AN_HOUR.pack(b"\xba", 3600, b"\x48\xb8", wanted, b"\xff\xe0"))
-        slot(loaded).value = code
-    except (OSError, AttributeError, KeyError):  # a system where no program may make code, or another build
+        slot(library).value = code
+    except (OSError, KeyError):  # a system where no program may make code, or another build
         return False
     return True
 
 
-def library() -> str:
-    """Where the wheels have rmw_fastrtps."""
-    return str(Path(sys.prefix, "lib", _LIBRARY))
-
-
-def slot(loaded: ctypes.CDLL) -> ctypes.c_void_p:
+def slot(library: int) -> ctypes.c_void_p:
     """Where a library keeps the address of the function, as System V's ABI for x86-64 has it.
+
+    Args:
+        library: what dlopen(3) returned for it.
 
     Raises:
         KeyError: it does not use the function.
     """
-    base, dynamic = _LINK_MAP.unpack(ctypes.string_at(loaded._handle, _LINK_MAP.size))  # noqa: SLF001 - has no other
+    base, dynamic = _LINK_MAP.unpack(ctypes.string_at(library, _LINK_MAP.size))
     entries: dict[int, int] = {}
     while (entry := _DYNAMIC.unpack(ctypes.string_at(dynamic, _DYNAMIC.size)))[0] != _END:
         entries[entry[0]] = entry[1]
         dynamic += _DYNAMIC.size
     for offset, info, _ in _RELOCATION.iter_unpack(ctypes.string_at(entries[_JUMPS], entries[_SIZE])):
         symbol = ctypes.string_at(entries[_SYMBOLS] + (info >> 32) * _SYMBOL.size, _SYMBOL.size)
-        if ctypes.string_at(entries[_STRINGS] + _SYMBOL.unpack(symbol)[0]) == _FUNCTION.encode():
+        if ctypes.string_at(entries[_STRINGS] + _SYMBOL.unpack(symbol)[0]) == _FUNCTION:
             return ctypes.c_void_p.from_address(base + offset)
     raise KeyError(_FUNCTION)
+
+
+def opened() -> int:
+    """The wheels' rmw_fastrtps, loaded.
+
+    Raises:
+        OSError: it cannot be.
+    """
+    handle = _SYSTEM.dlopen(os.fsencode(_library()), os.RTLD_LAZY)
+    if handle is None:
+        raise OSError(f"{_library()} cannot be loaded")
+    return int(handle)
+
+
+def _library() -> Path:
+    return Path(sys.prefix, "lib", "librmw_fastrtps_shared_cpp.so")
 
 
 def _executable(code: bytes) -> int:
@@ -75,13 +93,11 @@ def _executable(code: bytes) -> int:
     Raises:
         OSError: programs may not make code here.
     """
-    system = ctypes.CDLL(None, use_errno=True)
-    system.mmap.restype = ctypes.c_void_p
     flags = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS
-    page = system.mmap(None, ctypes.c_size_t(mmap.PAGESIZE), mmap.PROT_READ | mmap.PROT_WRITE, flags, -1, 0)
+    page = _SYSTEM.mmap(None, ctypes.c_size_t(mmap.PAGESIZE), mmap.PROT_READ | mmap.PROT_WRITE, flags, -1, 0)
     if page in (None, ctypes.c_void_p(-1).value):
         raise OSError(ctypes.get_errno(), "no memory for code")
     ctypes.memmove(page, code, len(code))
-    if system.mprotect(ctypes.c_void_p(page), ctypes.c_size_t(mmap.PAGESIZE), mmap.PROT_READ | mmap.PROT_EXEC):
+    if _SYSTEM.mprotect(ctypes.c_void_p(page), ctypes.c_size_t(mmap.PAGESIZE), mmap.PROT_READ | mmap.PROT_EXEC):
         raise OSError(ctypes.get_errno(), "programs may not make code here")
     return int(page)

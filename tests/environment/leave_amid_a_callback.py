@@ -20,8 +20,9 @@ IMPL, MUTEX, CONDITION, CALLBACKS = 0x48, 0x510, 0x538, 0xCE8
 DEADLINE = 30.0
 
 libc = ctypes.CDLL(None)
-library = ctypes.CDLL(leaving.library())
-set_listener = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(leaving.slot(library).value or 0)
+set_listener = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(
+    leaving.slot(leaving.opened()).value or 0
+)
 
 impl = ctypes.create_string_buffer(0x1000)
 participant = ctypes.create_string_buffer(0x100)

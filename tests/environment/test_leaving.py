@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import subprocess
 import sys
 from pathlib import Path
@@ -31,7 +30,7 @@ def test_where_no_program_may_make_code_nothing_is_touched(monkeypatch: pytest.M
     def refuse(code: bytes) -> int:
         raise OSError(len(code))
 
-    before = leaving.slot(ctypes.CDLL(leaving.library())).value
+    before = leaving.slot(leaving.opened()).value
     monkeypatch.setattr(leaving, "_executable", refuse)
     assert not leaving.repair()
-    assert leaving.slot(ctypes.CDLL(leaving.library())).value == before
+    assert leaving.slot(leaving.opened()).value == before
