@@ -44,7 +44,9 @@ def repair() -> bool:
         if wanted is None:
             return False
         code = _executable(_AN_HOUR.pack(b"\xba", 3600, b"\x48\xb8", wanted, b"\xff\xe0"))
-        slot(library).value = code
+        where = slot(library)
+        _allow(ctypes.addressof(where), mmap.PROT_READ | mmap.PROT_WRITE)  # a build with full RELRO forbids that
+        where.value = code
     except (OSError, KeyError):  # a system where no program may make code, or another build
         return False
     return True
@@ -98,6 +100,16 @@ def _executable(code: bytes) -> int:
     if page in (None, ctypes.c_void_p(-1).value):
         raise OSError(ctypes.get_errno(), "no memory for code")
     ctypes.memmove(page, code, len(code))
-    if _SYSTEM.mprotect(ctypes.c_void_p(page), ctypes.c_size_t(mmap.PAGESIZE), mmap.PROT_READ | mmap.PROT_EXEC):
-        raise OSError(ctypes.get_errno(), "programs may not make code here")
+    _allow(page, mmap.PROT_READ | mmap.PROT_EXEC)
     return int(page)
+
+
+def _allow(address: int, rights: int) -> None:
+    """Say what may be done with the page of an address.
+
+    Raises:
+        OSError: the system does not allow it.
+    """
+    page = address - address % mmap.PAGESIZE
+    if _SYSTEM.mprotect(ctypes.c_void_p(page), ctypes.c_size_t(mmap.PAGESIZE), rights):
+        raise OSError(ctypes.get_errno(), "programs may not make code here")
