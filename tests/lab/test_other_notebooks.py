@@ -104,6 +104,24 @@ def test_it_is_told_later_where_it_is_seen_later(two: tuple[Kernel, Kernel]) -> 
     second.finish(message)
 
 
+BUSY = """
+import threading
+engine, free = lab.current().engine, threading.Event()
+threading.Thread(target=engine.executor_thread.run_between_callbacks, args=(free.wait, 60.0)).start()
+"""
+
+
+def test_a_notebooks_own_word_does_not_take_the_place_of_anothers(two: tuple[Kernel, Kernel]) -> None:
+    first, second = two
+    assert second.run(BUSY).ok  # what comes has to wait
+    start(first, "Robot", "robot")
+    assert second.run("engine.surroundings.neighbours.announce(['/mine'])").ok
+    wait_until(lambda: others(first) == [f"{SECOND}: mine"], lambda: others(first))
+    assert second.run("free.set()").ok
+    wait_until(lambda: others(second) == [f"{FIRST}: robot"], lambda: others(second))
+    assert second.run("engine.surroundings.neighbours.announce([])").ok
+
+
 SLOW = """
 import threading
 from course_kit.lab.runtime.neighbours import Neighbours

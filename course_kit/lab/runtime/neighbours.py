@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 NODES_TOPIC, STOP_TOPIC = "/_lab/nodes", "/_lab/stop"
 # Without ROS's prefix on the name, so that no `ros2 topic list` shows a learner what no lesson speaks of.
 _KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, avoid_ros_namespace_conventions=True)
+# A reader's depth is for all writers together: with 1 a notebook's own word would take the place of another's.
+_HEARD = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL, avoid_ros_namespace_conventions=True)
 _PASSING = QoSProfile(depth=10, avoid_ros_namespace_conventions=True)
 _STOPPING = 8.0  # seconds another notebook is given: its scripts have 4 to end, and a callback may run
 _POLL = 0.02
@@ -71,7 +73,7 @@ class Neighbours:
         self._announced: list[str] | None = None
         self._nodes_out = node.create_publisher(String, NODES_TOPIC, _KEPT, event_callbacks=NO_PUBLISHER_EVENTS)
         self._stop_out = node.create_publisher(String, STOP_TOPIC, _PASSING, event_callbacks=NO_PUBLISHER_EVENTS)
-        for topic, hear, qos in ((NODES_TOPIC, self._hear, _KEPT), (STOP_TOPIC, self._hear_stop, _PASSING)):
+        for topic, hear, qos in ((NODES_TOPIC, self._hear, _HEARD), (STOP_TOPIC, self._hear_stop, _PASSING)):
             node.create_subscription(String, topic, hear, qos, event_callbacks=NO_SUBSCRIPTION_EVENTS)
 
     def announce(self, nodes: Iterable[str]) -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import threading
-import time
 from typing import TYPE_CHECKING
 
 from course_kit.lab.runtime.describe import actions_of
@@ -22,10 +21,11 @@ if TYPE_CHECKING:
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.nodes import LiveNode
 
-_LOOKING = 6.0  # seconds: another program is found within one of them, unless the machine is busy
-_UNANNOUNCED = 4.0  # seconds; a program that was killed stays visible for 2
-_ANNOUNCED_LATE = 15.0  # seconds in which a notebook tells of a node that is its own, on a machine that is very busy
-_PAUSE = 0.1
+_PAUSE = 0.1  # seconds between two looks. What follows counts looks: a machine that sleeps or is busy takes none
+_LOOKING = 60  # another program is found within ten of them, unless the machine is busy
+_UNANNOUNCED = 40  # a program that was killed stays visible for 2 s
+_ANNOUNCED_LATE = 150  # in which a notebook tells of a node that is its own, on a machine that is very busy
+_ENDING = 6.0  # seconds for a look to end
 _GOALS = "/_action/send_goal"
 
 
@@ -50,8 +50,8 @@ class Surroundings:
         self.neighbours = Neighbours(lab.node, title, self._asked_to_stop)
         self._lab = lab
         self._told: set[tuple[str, str]] = set()
-        self._seen: dict[tuple[str, str], float] = {}
-        self._until = 0.0
+        self._seen: dict[tuple[str, str], int] = {}  # in how many looks
+        self._left = 0  # looks
         self._news = threading.Event()
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
@@ -73,7 +73,7 @@ class Surroundings:
         self.announce()
         self._told.clear()
         self._seen.clear()
-        self._until = time.monotonic() + _LOOKING
+        self._left = _LOOKING
         self._look()
         self._news.set()
         if self._thread is None:
@@ -85,7 +85,7 @@ class Surroundings:
         self._ended.set()
         self._news.set()
         if self._thread is not None:
-            self._thread.join(_LOOKING)
+            self._thread.join(_ENDING)
 
     def _asked_to_stop(self, by: str) -> None:
         self.on_stop_asked(by)
@@ -94,7 +94,8 @@ class Surroundings:
         while not self._ended.is_set():
             self._news.wait()
             self._news.clear()
-            while time.monotonic() < self._until and not self._ended.wait(_PAUSE):
+            while self._left > 0 and not self._ended.wait(_PAUSE):
+                self._left -= 1
                 with contextlib.suppress(Exception):  # a node that is destroyed at this very moment
                     self._look()
 
@@ -110,19 +111,20 @@ class Surroundings:
     def _tell_once(self, node: str, sentence: str) -> None:
         """Say it with whose node it is; what nobody has announced may do so by and by, or have been killed just now."""
         key = (node, sentence)
-        since = self._seen.setdefault(key, time.monotonic())
+        self._seen[key] = looks = self._seen.get(key, 0) + 1
         whose = self._whose(node)
-        if key in self._told or (not whose and self._may_be_announced(node, since)):
+        if key in self._told or (not whose and self._may_be_announced(node, looks)):
             return
         self._told.add(key)
         who, remedy = whose or (f"{short_name(node)} in another program", "")
         self._lab.note(f"{sentence.format(who)} {remedy}".rstrip())
 
-    def _may_be_announced(self, node: str, since: float) -> bool:
-        """Whether some notebook may still tell that a node, seen since then, is its own; it is looked at once more."""
-        until = since + (_ANNOUNCED_LATE if self.neighbours.may_announce(node) else _UNANNOUNCED)
-        self._until = max(self._until, until + 2 * _PAUSE)
-        return time.monotonic() < until
+    def _may_be_announced(self, node: str, looks: int) -> bool:
+        """Whether some notebook may still tell that a node, seen so often, is its own; it is looked at once more."""
+        if looks > (_ANNOUNCED_LATE if self.neighbours.may_announce(node) else _UNANNOUNCED):
+            return False
+        self._left = max(self._left, 2)
+        return True
 
     def _doubled(self) -> Iterable[tuple[str, graph.Role]]:
         """What this lab's nodes offer and somebody else as well."""
