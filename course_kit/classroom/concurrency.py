@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 Thing = TypeVar("Thing")
 _LOOK_S = 0.25  # over which it is seen whether processors idle
-_IDLE, _BUSY = 0.2, 0.1  # share of the processors' time that was idle: above, one more; below, one less
+_IDLE, _BUSY = 0.2, 0.1  # share of the processors' time that was idle: above, more at a time; below, one less
 _URGENT_EVERY = 3
-_STARTED_S = 1.0  # after which the workers have started, so that what idles is not waiting for them
+_STARTED_S = 0.5  # after which the workers have started, so that what idles is not waiting for them
 _LENT_AFTER_S = 1.5  # a grading that takes longer mostly waits; its place is lent unless processors are busy
 
 
@@ -130,7 +130,9 @@ class Turns:
         if self._looked is not None and now - self._looked > _LOOK_S:
             self._look()
             if self._idle_share > _IDLE and len(self._begun) >= self._allowed:
-                self._allowed = min(self._allowed + 1, self._most)
+                # So many more as would have kept busy what idled, if each of them waits as much as those that run.
+                more = max(int(self._allowed * self._idle_share), 1)
+                self._allowed = min(self._allowed + more, self._most)
             elif self._idle_share < _BUSY:
                 self._allowed = max(self._allowed - 1, self._usual)
         if self._idle_share < _BUSY:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -25,7 +26,7 @@ SHORTEST_M, LONGEST_M = 1.2, 1.8  # metres; moves that are long enough for the r
 _SCALE = "COURSE_KIT_TIME_SCALE"
 FAST, OWN_SPEED = {_SCALE: "0.1"}, {_SCALE: "1"}
 REACHED = "SUCCEEDED"
-_PLACE, _DRIVEN, _SLOW = "place", "driven", "own speed"  # what is remembered of the running submission
+_PLACE, _DRIVEN, _MOVED, _SLOW = "place", "driven", "moved", "own speed"  # remembered of the running submission
 _BLIND = 0.3  # of the time of a trial, without which the grader cannot judge when something was sent
 _SLOWEST, _EXTRA_S = 3.0, 2.0  # a move may take 3 s a metre, and 2 s more
 _NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
@@ -157,10 +158,12 @@ def drive(context: CheckContext, target: MovePlace, z: float = 0.0) -> Move:
     begin = here(context)
     try:
         goal = set_off(context, target, z)
-        return Move(begin, target, goal, arrive(context, goal, math.dist(begin, target)))
+        move = Move(begin, target, goal, arrive(context, goal, math.dist(begin, target)))
     except Failed:
         context.spoil()
         raise
+    context.memory[_MOVED] = move
+    return move
 
 
 def drive_on(context: CheckContext, length: float, z: float = 0.0) -> Move:
@@ -172,6 +175,24 @@ def drive_on(context: CheckContext, length: float, z: float = 0.0) -> Move:
         z: in metres; it does not matter.
     """
     return drive(context, target_from(here(context), length, context.random), z)
+
+
+def by_the_last_move(context: CheckContext, judge: Callable[[Move], Evidence], length: float) -> Evidence:
+    """Judge the move that was made last, or, if that one is not right, one that is made for it.
+
+    A right robot need not drive again for each thing that is asked of a move; what is wrong is shown by a move of the
+    check's own.
+
+    Args:
+        context: the check's.
+        judge: raises Failed for a move that is not right.
+        length: of the check's own move, in metres.
+    """
+    last: Move | None = None if context.spoiled else context.memory.get(_MOVED)
+    if last is not None and not last.length < length:
+        with suppress(Failed):
+            return judge(last)
+    return judge(drive_on(context, length))
 
 
 def arrive(context: CheckContext, goal: CheckedGoal, length: float, within_s: float | None = None) -> Ended:

@@ -98,6 +98,16 @@ def farthest_corner(here: MovePlace) -> MovePlace:
     return max(corners, key=lambda corner: math.dist(here, corner))
 
 
+def nearest_corner(here: MovePlace) -> MovePlace:
+    """The corner of the arena that is nearest; it lies on two of its edges."""
+    return MovePlace(*(0.0 if value < ARENA / 2 else ARENA for value in here))
+
+
+def opposite(corner: MovePlace) -> MovePlace:
+    """The corner that lies on the other two edges."""
+    return MovePlace(*(ARENA - value for value in corner))
+
+
 def enough_feedback(length: float) -> int:
     """How many feedback messages a move brings at least, by its length in metres."""
     return math.floor(_A_METRE * length + _ROUNDING)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from course_kit.graders._driving import LONGEST_M, SHORTEST_M, HastyError, Move, drive_on
+from course_kit.graders._driving import LONGEST_M, SHORTEST_M, HastyError, Move, by_the_last_move, drive_on
 from course_kit.graders._moves import (
     BARELY_BEGUN,
     BESIDE,
@@ -62,7 +62,10 @@ def progress_of_a_move(context: CheckContext) -> Evidence:
     Raises:
         Failed: it does not.
     """
-    move = drive_on(context, SHORTEST_M)
+    return by_the_last_move(context, _require_sense, SHORTEST_M)
+
+
+def _require_sense(move: Move) -> Evidence:
     heard = move.goal.wait_for_last_feedback(_is_complete)
     expected = (
         f"progress from {BARELY_BEGUN} or less to {NEARLY_DONE} or more, distance_remaining shrinking, "

@@ -8,7 +8,6 @@ clock might have spoiled is repeated with the robot at its own speed before it c
 from __future__ import annotations
 
 import math
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from course_kit.graders._driving import (
@@ -19,6 +18,8 @@ from course_kit.graders._driving import (
     SHORTEST_M,
     Move,
     arrive,
+    at_own_speed,
+    by_the_last_move,
     drive,
     drive_on,
     driven,
@@ -38,6 +39,8 @@ from course_kit.graders._moves import (
     ORIGIN,
     TOLERANCE,
     MovePlace,
+    nearest_corner,
+    opposite,
     place_of,
     telling_target,
 )
@@ -86,7 +89,7 @@ def succeeds(context: CheckContext) -> Evidence:
 @check(points=2.0, depends_on=["succeeds"], deadline_s=30.0, proves=["reaches", "final_position", "position"])
 def arrives(context: CheckContext) -> Evidence:
     """The robot is at the target when the goal has succeeded."""
-    return _require_arrived(drive_on(context, SHORTEST_M))
+    return by_the_last_move(context, _require_arrived, SHORTEST_M)
 
 
 @check(points=1.0, depends_on=["arrives"], deadline_s=30.0, proves=["distance_travelled"])
@@ -118,16 +121,6 @@ def already_there(context: CheckContext) -> Evidence:
         raise
     require_progress_limits(goal)
     return _require_arrived(Move(place, place, goal, ended))
-
-
-@check(points=1.5, depends_on=["accepted"], deadline_s=60.0, proves=["edges_inside", "outside"])
-def outside(context: CheckContext) -> Evidence:
-    """Goals outside the arena are rejected, goals on its edges are not."""
-    _require_edges(context)
-    inside = context.random.uniform(1.0, 9.0)
-    beyond = (-_EDGE_M, ARENA + _EDGE_M, context.random.uniform(20.0, 1000.0), -context.random.uniform(1.0, 50.0))
-    targets = [MovePlace(value, inside) for value in beyond] + [MovePlace(inside, value) for value in beyond]
-    return _rejects(context, targets, f"which lies outside the arena (0 to {ARENA:g} m)")
 
 
 @check(points=2.0, depends_on=["arrives"], deadline_s=30.0, proves=["five_a_metre", "spread", "straight"])
@@ -175,6 +168,17 @@ def after_cancel(context: CheckContext) -> Evidence:
     return evidence
 
 
+@check(points=1.5, depends_on=["accepted"], deadline_s=60.0, proves=["edges_inside", "outside"])
+def outside(context: CheckContext) -> Evidence:
+    """Goals outside the arena are rejected, goals on its edges are not."""
+    inside = context.random.uniform(1.0, 9.0)
+    beyond = (-_EDGE_M, ARENA + _EDGE_M, context.random.uniform(20.0, 1000.0), -context.random.uniform(1.0, 50.0))
+    targets = [MovePlace(value, inside) for value in beyond] + [MovePlace(inside, value) for value in beyond]
+    evidence = _rejects(context, targets, f"which lies outside the arena (0 to {ARENA:g} m)")
+    _require_edges(context)
+    return evidence
+
+
 CHECKS: tuple[Check, ...] = (
     accepted,
     succeeds,
@@ -182,12 +186,12 @@ CHECKS: tuple[Check, ...] = (
     distance,
     any_z,
     already_there,
-    outside,
     feedback,
     progress,
     second_goal,
     cancel,
     after_cancel,
+    outside,
 )
 
 
@@ -223,25 +227,26 @@ def _require_distance(context: CheckContext, move: Move) -> Evidence:
 
 
 def _require_edges(context: CheckContext) -> None:
-    """Two opposite corners, which lie on all four edges, are accepted.
+    """Two opposite corners, which lie on all four edges, are accepted; the robot goes to the nearer one first.
 
-    The far one is not waited for: the program is started again, and the robot is at the near one then.
+    The other one is not waited for: nothing more is asked of this program.
     """
-    for target in (MovePlace(ARENA, ARENA), ORIGIN):
+    if context.job.mode != "attach" and at_own_speed(context):
+        context.spoil()  # one that has just been started is fast, and stands in a corner
+    near = nearest_corner(here(context))
+    for target in (near, opposite(near)):
         begin = here(context)
         goal = send(context, target)
         goal.wait_for_answer("the goal accepted")
         if not goal.accepted:
             message = "This target lies on an edge of the arena, and the edges belong to it."
             raise Failed(Evidence(goal.shown, "the goal accepted", "the goal rejected"), message, _TOO_STRICT)
-        if context.job.mode == "attach":
-            arrive(context, goal, math.dist(begin, target))
-        elif begin != target:
+        if target != near and context.job.mode != "attach":
             context.spoil()
-        else:
-            with suppress(Failed):  # another check's matter
-                arrive(context, goal, 0.0, within_s=_AT_ONCE_S)
-                continue
+            return
+        try:
+            arrive(context, goal, math.dist(begin, target), _AT_ONCE_S if begin == target else None)
+        except Failed:  # another check's matter
             context.spoil()
 
 

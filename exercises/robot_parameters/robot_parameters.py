@@ -47,7 +47,7 @@ The names and types of node and topics are right already; keep them. The rest is
 - If your answer makes a node itself, in a `main()` that it calls or at its top level, the grader runs it as a
   program, which has to spin its node and keep running. Let `rclpy.init()` see the command-line arguments. How it is
   built inside is otherwise up to you.
-- The node has to be there within 5 s of each of its five starts, after at most 2 s of computing.
+- The node has to be there within 5 s of each of its starts, after at most 2 s of computing.
 - More nodes, topics, services, actions and parameters are allowed.
 """
 
