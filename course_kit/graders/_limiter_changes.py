@@ -113,15 +113,15 @@ def refuses(context: CheckContext) -> Evidence:
         Failed: it is accepted, or kept.
     """
     evidence = Evidence()
-    for name, value in _invalid(context):
-        with Limiter(context) as limiter:
-            before = limiter.driving()
-            was = _seen(limiter, command(BEYOND))
+    with Limiter(context) as limiter:
+        before = limiter.driving()
+        was = _seen(limiter, command(BEYOND))
+        for name, value in _invalid(context):
             outcome = limiter.remote.set(name, value)
             evidence = require_refused(outcome, {name: value}, f"refused: {RANGES[name]}", "validation.missing")
             require_proper_answer(outcome, evidence)
             _require_unchanged(limiter, before, was, evidence)
-    return evidence
+        return evidence
 
 
 @check(points=1.5, depends_on=["refuses"], deadline_s=12.0, proves=["reason"])

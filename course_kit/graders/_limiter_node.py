@@ -33,6 +33,7 @@ STATUS = Topic("/status", String)
 VELOCITY, WHEELS, BOTH = "velocity", "wheels", "both"
 _TRIES = 2  # a node that follows its parameters through /parameter_events may be one message late
 _QUIET_S = 0.8  # how long nothing more may come after the last answer; the timer for /status takes 0.5 s
+_QUIET_STEP_S = 0.04  # only a message ends it earlier
 _ACCEPTED = "accepted: the value is valid"
 
 
@@ -137,7 +138,7 @@ class Limiter:
         for twist in commands:
             self.react(twist, evidence)
         with explained(self._context, evidence):
-            self._context.wait_until(lambda: max(counts()) > len(commands), _QUIET_S)
+            self._context.wait_until(lambda: max(counts()) > len(commands), _QUIET_S, step_s=_QUIET_STEP_S)
         return counts()
 
     def _heard(self) -> tuple[Inbox, Inbox]:

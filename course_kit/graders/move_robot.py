@@ -58,6 +58,7 @@ VARIABLES = FAST
 _SHORT_M = 0.4  # metres; a move where nothing but its end matters
 _AT_ONCE_S = 1.0  # a goal at the present position
 _TOO_STRICT = "validation.overzealous"
+_CORNER = "corner"  # remembered of the running submission: one that it has driven to
 _EDGE_M = 0.01  # how near outside the arena we test
 
 
@@ -75,6 +76,7 @@ def accepted(context: CheckContext) -> Evidence:
         raise reject_all_or_some(context, goal, [MovePlace(2.0, 1.0), MovePlace(5.0, 5.0)])
     try:
         arrive(context, goal, longest_way(context, target))
+        _look_at_the_nearest_edges(context)
     except Failed:
         context.spoil()  # how a goal ends is the next check's matter; it gets a fresh program
     return Evidence(goal.shown, "the goal accepted", "the goal accepted")
@@ -227,29 +229,48 @@ def _require_distance(context: CheckContext, move: Move) -> Evidence:
     raise Failed(evidence, message)
 
 
-def _require_edges(context: CheckContext) -> None:
-    """Two opposite corners, which lie on all four edges, are accepted; the robot goes to the nearer one first.
+def _look_at_the_nearest_edges(context: CheckContext) -> None:
+    """Drive to the corner where the robot has started, while it is near, and remember for `outside` if that worked."""
+    if context.job.mode == "attach":
+        return
+    begin, goal = _from_here(context, ORIGIN)
+    if goal.accepted:
+        arrive(context, goal, math.dist(begin, ORIGIN))
+        context.memory[_CORNER] = ORIGIN
 
-    The other one is not waited for: nothing more is asked of this program.
+
+def _require_edges(context: CheckContext) -> None:
+    """Two opposite corners, which lie on all four edges, are accepted.
+
+    The second one is not waited for: nothing more is asked of this program.
     """
     if context.job.mode != "attach" and at_own_speed(context):
         context.spoil()  # one that has just been started is fast, and stands in a corner
-    near = nearest_corner(here(context))
-    for target in (near, opposite(near)):
-        begin, goal = _from_here(context, target)
-        if not goal.accepted and context.job.mode != "attach":
-            context.spoil()  # it may be the goals before that it minds, which are another check's matter
-            begin, goal = _from_here(context, target)
-        if not goal.accepted:
-            message = "This target lies on an edge of the arena, and the edges belong to it."
-            raise Failed(Evidence(goal.shown, "the goal accepted", "the goal rejected"), message, _TOO_STRICT)
-        if target != near and context.job.mode != "attach":
-            context.spoil()
-            return
+    first: MovePlace | None = None if context.spoiled else context.memory.get(_CORNER)
+    if first is None:
+        first = nearest_corner(here(context))
+        begin, goal = _sent_to_an_edge(context, first)
         try:
-            arrive(context, goal, math.dist(begin, target), _AT_ONCE_S if begin == target else None)
+            arrive(context, goal, math.dist(begin, first), _AT_ONCE_S if begin == first else None)
         except Failed:  # another check's matter
             context.spoil()
+    begin, goal = _sent_to_an_edge(context, opposite(first))
+    if context.job.mode == "attach":
+        arrive(context, goal, math.dist(begin, opposite(first)))
+    else:
+        context.spoil()
+
+
+def _sent_to_an_edge(context: CheckContext, target: MovePlace) -> tuple[MovePlace, CheckedGoal]:
+    """Where the robot is, and a goal that was accepted."""
+    begin, goal = _from_here(context, target)
+    if not goal.accepted and context.job.mode != "attach":
+        context.spoil()  # it may be the goals before that it minds, which are another check's matter
+        begin, goal = _from_here(context, target)
+    if not goal.accepted:
+        message = "This target lies on an edge of the arena, and the edges belong to it."
+        raise Failed(Evidence(goal.shown, "the goal accepted", "the goal rejected"), message, _TOO_STRICT)
+    return begin, goal
 
 
 def _from_here(context: CheckContext, target: MovePlace) -> tuple[MovePlace, CheckedGoal]:

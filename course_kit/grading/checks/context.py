@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _STEP_S = 0.02  # how often a condition is looked at beside each message: looking costs computing, which others need
 GRAPH_STEP_S = 0.01  # the same for what a change of the graph makes true: rclpy has no event for that
-_WATCH_S = 0.02  # how often it is asked whether the submission lives, while an answer is waited for
+_WATCH_S = 0.05  # how often it is asked whether the submission lives, while an answer is waited for
 PHASES = ("start", "discovery")  # where time goes beside checking: the program's making, and its way onto the graph
 _MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a very busy machine, twelve times as long
 _FINISH_S = 0.25  # how often it is asked whether the time is up, while a program's end is waited for
