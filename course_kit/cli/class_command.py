@@ -251,13 +251,15 @@ def executor(options: argparse.Namespace, graders: list[str]) -> Executor:
     Raises:
         GradingError: the scheduler they name is not there.
     """
-    from course_kit.classroom import executors, exports
-
-    del exports  # needed at the end: imported now it costs no time, the workers start
+    from course_kit.classroom import executors
 
     if options.scheduler:
         return executors.Cluster(options.scheduler)
-    return executors.Local(options.workers, graders)
+    started = executors.Local(options.workers, graders)
+    from course_kit.classroom import exports
+
+    exports.get_ready()  # needed at the end: now it costs no time, as the workers take as long
+    return started
 
 
 def _positive(text: str) -> int:

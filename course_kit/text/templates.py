@@ -32,23 +32,28 @@ def render(template: Path, **values: object) -> Markup:
     return Markup(_environment(template.parent).get_template(template.name).render(values))  # noqa: S704 - it escapes
 
 
+def load(folder: Path) -> None:
+    """Read all templates of a folder now: that takes a while, and whoever renders later need not wait for it."""
+    environment = _environment(folder)
+    for name in environment.list_templates(["html"]):
+        environment.get_template(name)
+
+
 @cache  # one for each folder of templates, of which there are few
 def _environment(folder: Path) -> Environment:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
+
+    def filled_in(value: object) -> Markup:
+        """A value as it stands in a page: HTML of other templates as it is, everything else as text."""
+        return value if isinstance(value, Markup) else Markup(escaped(str(value)))  # noqa: S704 - just escaped
 
     return Environment(
         loader=FileSystemLoader(folder),
         autoescape=True,
-        finalize=_filled_in,
+        finalize=filled_in,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         auto_reload=False,  # a class run renders thousands of reports
     )
-
-
-def _filled_in(value: object) -> Markup:
-    """A value as it stands in a page: HTML of other templates as it is, everything else as text."""
-    from markupsafe import Markup
-
-    return value if isinstance(value, Markup) else Markup(escaped(str(value)))  # noqa: S704 - just escaped

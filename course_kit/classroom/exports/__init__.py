@@ -22,14 +22,23 @@ from course_kit.classroom.exports import (
 from course_kit.classroom.exports.files_written import FilesWritten
 from course_kit.classroom.exports.program_texts import ProgramTexts
 from course_kit.environment import write_atomically
+from course_kit.grading.render import html
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+    from types import ModuleType
 
     from course_kit.classroom.gradebook import Gradebook
 
 PAGE = "index.html"
+
+
+def get_ready() -> None:
+    """Load all that writing takes, while there is something else to wait for."""
+    page.get_ready()
+    html.get_ready()
+    list(_formats())
 
 
 def write_all(book: Gradebook, out: Path) -> Path:
@@ -67,5 +76,10 @@ def _write_comparisons(book: Gradebook, texts: ProgramTexts, alike: lookalikes.L
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
     """Path, relative to the output folder, and text of every file of every format."""
-    for module in sorted(pkgutil.iter_modules(formats.__path__), key=lambda one: one.name):
-        yield from importlib.import_module(f"{formats.__name__}.{module.name}").files(book)
+    for module in _formats():
+        yield from module.files(book)
+
+
+def _formats() -> Iterator[ModuleType]:
+    for found in sorted(pkgutil.iter_modules(formats.__path__), key=lambda one: one.name):
+        yield importlib.import_module(f"{formats.__name__}.{found.name}")

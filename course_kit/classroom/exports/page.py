@@ -17,6 +17,7 @@ from course_kit.classroom.exports.texts import number
 from course_kit.classroom.gradebook import outcome
 from course_kit.classroom.records import STUDENTS, safe_name
 from course_kit.grading.diagnosis import catalogue
+from course_kit.text.templates import load
 from course_kit.text.templates import render as fill_in
 
 if TYPE_CHECKING:
@@ -70,6 +71,11 @@ class HeatMap:
     columns: Sequence[str]
     rows: dict[str, list[int]]
     having: dict[str, list[Record]]
+
+
+def get_ready() -> None:
+    """Load the templates before there is a class to show."""
+    load(_TEMPLATES)
 
 
 def render(book: Gradebook, alike: lookalikes.LookAlikes | None = None, changes: Sequence[ResultChange] = ()) -> str:

@@ -12,7 +12,7 @@ from course_kit import environment
 from course_kit.grading.render import program as program_lines
 from course_kit.grading.render.sequence import sequence_svg
 from course_kit.ros.sequence import sequence_css
-from course_kit.text.templates import render
+from course_kit.text.templates import load, render
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,6 +24,11 @@ if TYPE_CHECKING:
 _TEMPLATES = Path(__file__).with_name("templates")
 # Between these a page may get a notice later on. Whatever a submission says is escaped, and cannot hold one of them.
 NOTICE_BEGINS, NOTICE_ENDS = "<!-- notice -->", "<!-- end of notice -->"
+
+
+def get_ready() -> None:
+    """Load the templates before there is something to show."""
+    load(_TEMPLATES)
 
 
 def render_html(report: Report, base: Path | None = None) -> str:

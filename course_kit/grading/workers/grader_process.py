@@ -26,13 +26,25 @@ def warm_up() -> None:
     import rclpy.action
     import rclpy.executors
     import rclpy.node
+    from rcl_interfaces import srv as parameter_services
+    from rcl_interfaces.msg import ParameterEvent
     from rclpy.type_support import check_for_type_support
-    from type_description_interfaces.srv import GetTypeDescription  # every node has this service
+    from type_description_interfaces.srv import GetTypeDescription
 
     import course_kit.grading.checks.grader_node
 
     machine.processor_share()
-    check_for_type_support(GetTypeDescription)
+    for of_every_node in (
+        GetTypeDescription,
+        ParameterEvent,
+        parameter_services.DescribeParameters,
+        parameter_services.GetParameters,
+        parameter_services.GetParameterTypes,
+        parameter_services.ListParameters,
+        parameter_services.SetParameters,
+        parameter_services.SetParametersAtomically,
+    ):
+        check_for_type_support(of_every_node)  # else each submission loads it when its node is made
     del rclpy, course_kit
 
 
