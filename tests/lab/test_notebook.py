@@ -54,6 +54,20 @@ def test_lines_land_without_an_await_too(kernel: Kernel) -> None:
         assert cell.stderr == ""
 
 
+def test_lines_that_another_thread_shows_land_in_the_cell_that_runs(fresh_kernel: Kernel) -> None:
+    """A panel's thread, which ipykernel may take for a part of the cell that has started it."""
+    fresh_kernel.run(SERVER)
+    fresh_kernel.run(
+        "import contextvars, threading\n"
+        "from course_kit.lab.singleton import current\n"
+        "asked, shown = threading.Event(), threading.Event()\n"
+        "def show():\n    asked.wait(10)\n    current().output.drain()\n    shown.set()\n"
+        "threading.Thread(target=contextvars.copy_context().run, args=(show,), daemon=True).start()"
+    )
+    cell = fresh_kernel.run("current().output.put('a log line\\n')\nasked.set()\nassert shown.wait(10)")
+    assert (cell.stdout, cell.error) == ("a log line\n", "")
+
+
 def test_lines_of_the_very_first_cell_without_the_extension(domain: int, tmp_path: Path) -> None:
     from tests.lab.kernel import Kernel
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import builtins
+import contextvars
 import os
 import sys
 import threading
@@ -53,6 +54,7 @@ class Notebook:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._scheduled = False
         self._beat: asyncio.TimerHandle | None = None
+        self._cell = contextvars.Context()  # in which ipykernel keeps whose output it is
 
     @classmethod
     def of_this_process(cls, output: Output) -> Notebook:
@@ -115,6 +117,8 @@ class Notebook:
             return
         self._attached = True
         self._output.queued = True
+        self._output.in_cell = self._in_cell
+        self._cell = contextvars.copy_context()
         self._route()
         self._shell.events.register("pre_run_cell", self._before_cell)
         self._shell.events.register("post_run_cell", self._after_cell)
@@ -135,6 +139,7 @@ class Notebook:
         interrupts.tell_at_length(self._shell)
         self._output.queued = False
         self._output.on_put = lambda: None
+        self._output.in_cell = lambda write: write()
         for event, function in (("pre_run_cell", self._before_cell), ("post_run_cell", self._after_cell)):
             with suppress(ValueError):
                 self._shell.events.unregister(event, function)
@@ -223,8 +228,19 @@ class Notebook:
         self._scheduled = False
         self._output.drain()
 
+    def _in_cell(self, write: Callable[[], None]) -> None:
+        """Write under the cell that runs, or has run last.
+
+        ipykernel 6 files what another thread writes under the cell in which that thread was started, as of a panel's.
+        """
+        if threading.current_thread() is threading.main_thread():
+            write()
+        else:
+            self._cell.copy().run(write)
+
     def _before_cell(self, info: object) -> None:
         del info
+        self._cell = contextvars.copy_context()
         for limit in self._limits.values():
             limit.begin()
         self._route()

@@ -10,6 +10,8 @@ from __future__ import annotations
 import sys
 import threading
 from collections import deque
+from itertools import groupby
+from operator import itemgetter
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
 Stream = Literal["stdout", "stderr"]
 _PATIENCE = 1.0  # seconds for another thread to write what it has taken
 _KEPT = 10_000  # lines, should nobody empty the queue for long
+_LAST = 100  # lines beyond these: the last ones say how it ended
 
 
 class Output:
@@ -27,6 +30,7 @@ class Output:
         queued: whether lines wait for `drain`; otherwise they are written as they come.
         pumps: called first by `drain`: they put what has arrived from elsewhere.
         on_put: called when a line has been put.
+        in_cell: calls a function that writes, so that what it writes is filed under the cell that runs.
         producers: identifiers of the threads that run callbacks: they put, and never write what others have put.
     """
 
@@ -34,11 +38,13 @@ class Output:
         self.queued = False
         self.pumps: list[Callable[[], None]] = []
         self.on_put: Callable[[], None] = lambda: None
+        self.in_cell: Callable[[Callable[[], None]], None] = lambda write: write()
         self.producers: set[int] = set()
         self._lines: deque[tuple[Stream, str]] = deque()
         self._parts: dict[tuple[int, Stream], str] = {}
         self._parting = threading.Lock()
-        self._lost = 0
+        self._latest: deque[tuple[Stream, str]] = deque(maxlen=_LAST)  # what comes when the queue is full
+        self._beyond = 0  # lines that have come when it was full
         self._draining = threading.Lock()
         self._drainer: int | None = None
         self._news = threading.Event()
@@ -48,10 +54,11 @@ class Output:
         if not self.queued:
             self._write(stream, text)
             return
-        if len(self._lines) >= _KEPT:
-            self._lost += 1
-            return
-        self._lines.append((stream, text))
+        if self._latest or len(self._lines) >= _KEPT:
+            self._latest.append((stream, text))
+            self._beyond += 1
+        else:
+            self._lines.append((stream, text))
         self._news.set()
         self.on_put()
 
@@ -95,17 +102,22 @@ class Output:
             self._news.clear()
             for pump in self.pumps:
                 pump()
-            while self._lines:
-                stream, text = self._lines.popleft()
-                while self._lines and self._lines[0][0] == stream:
-                    text += self._lines.popleft()[1]
-                self._write(stream, text)
-            if self._lost:
-                lost, self._lost = self._lost, 0
-                self._write("stdout", f"... {lost} more lines left out\n")
+            self.in_cell(self._write_queued)
         finally:
             self._drainer = None
             self._draining.release()
+
+    def _write_queued(self) -> None:
+        self._write_all(_taken(self._lines))
+        beyond, self._beyond = self._beyond, 0
+        latest = _taken(self._latest)
+        if beyond > len(latest):
+            self._write("stdout", f"... {beyond - len(latest):,} more lines left out\n")
+        self._write_all(latest)
+
+    def _write_all(self, lines: list[tuple[Stream, str]]) -> None:
+        for stream, those in groupby(lines, itemgetter(0)):
+            self._write(stream, "".join(text for _, text in those))
 
     @staticmethod
     def _write(stream: Stream, text: str) -> None:
@@ -114,3 +126,8 @@ class Output:
         target = getattr(sys, stream)
         target.write(text)
         target.flush()
+
+
+def _taken(queue: deque[tuple[Stream, str]]) -> list[tuple[Stream, str]]:
+    """Empty a queue of what it has now; a callback that never stops may put more meanwhile."""
+    return [queue.popleft() for _ in range(len(queue))]
