@@ -22,6 +22,7 @@ from course_kit.lab.errors import InputError
 from course_kit.lab.notebook import interrupts
 from course_kit.lab.notebook.cell_end import NotAwaited, tell_meaning
 from course_kit.lab.notebook.limits import CellLimit
+from course_kit.lab.notebook.shell_commands import show_all_output
 from course_kit.lab.overrides.patches import Patches
 
 if TYPE_CHECKING:
@@ -120,6 +121,7 @@ class Notebook:
         self._output.in_cell = self._in_cell
         self._cell = contextvars.copy_context()
         self._route()
+        show_all_output(self._patches)
         self._shell.events.register("pre_run_cell", self._before_cell)
         self._shell.events.register("post_run_cell", self._after_cell)
         interrupts.tell_briefly(self._shell, self.locate, self.nodes_run)
