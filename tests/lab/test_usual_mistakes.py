@@ -209,19 +209,41 @@ def test_input_in_a_callback_is_refused_whether_a_cell_runs_or_not(kernel: Kerne
 
 
 def test_stop_is_one_line(kernel: Kernel) -> None:
-    for waiting in ("await asyncio.sleep(600)", "import time; time.sleep(600)", "lab.call_blocking('/never', SetBool)"):
+    kernel.run("import time")
+    for waiting in ("await asyncio.sleep(600)", "time.sleep(600)", "lab.call_blocking('/never', SetBool)"):
         kernel.run(
             node(
                 "self.create_service(SetBool, 'never', self.answer)",
                 "async def answer(self, request, response):\n    await rclpy.task.Future()",
             )
         )
-        message = kernel.send(f"print('go', flush=True)\n{waiting}")
+        message = kernel.send(f"'first'\n(print('go', flush=True), {waiting})")
         kernel.finish(message, until="go")
         kernel.manager.interrupt_kernel()
         error = kernel.finish(message).error
-        assert re.fullmatch(r"Interrupted in In\[\d+\], line [12]; your nodes go on\.", error)
+        assert re.fullmatch(r"Interrupted in In\[\d+\], line 2; your nodes go on\.", error)
         assert "learner (Learner)" in kernel.run("lab.nodes()").result["text/plain"]
+    kernel.run("lab.stop()")
+
+
+INTERRUPT_BEFORE_SECOND = """
+shell, run = get_ipython(), get_ipython().run_code
+async def interrupted(code, *place, **more):
+    if "second" in code.co_names:
+        del shell.run_code
+        raise KeyboardInterrupt
+    return await run(code, *place, **more)
+shell.run_code = interrupted
+"""
+
+
+def test_stop_between_two_statements_is_one_line(kernel: Kernel) -> None:
+    kernel.run(node("pass"))
+    kernel.run(f"exec(compile({INTERRUPT_BEFORE_SECOND!r}, 'not a cell', 'exec'))")
+    error = kernel.run("first = 1\nsecond = 2").error
+    assert re.fullmatch(r"Interrupted in In\[\d+\]; your nodes go on\.", error)
+    assert kernel.run("first").result["text/plain"] == "1"
+    assert "NameError" in kernel.run("second").error
     kernel.run("lab.stop()")
 
 

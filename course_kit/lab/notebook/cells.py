@@ -124,7 +124,7 @@ class Notebook:
         show_all_output(self._patches)
         self._shell.events.register("pre_run_cell", self._before_cell)
         self._shell.events.register("post_run_cell", self._after_cell)
-        interrupts.tell_briefly(self._shell, self.locate, self.nodes_run)
+        interrupts.tell_briefly(self._patches, self._shell, self.locate, self.nodes_run)
         with suppress(RuntimeError):  # a terminal has no loop; there lines wait for the end of a command
             self._loop = asyncio.get_running_loop()
             self._output.on_put = self._drain_soon
@@ -138,7 +138,6 @@ class Notebook:
         for name in _STREAMS:  # one that IPython still holds passes everything through from now on
             vars(getattr(sys, name)).pop("write", None)
         self._patches.undo()
-        interrupts.tell_at_length(self._shell)
         self._output.queued = False
         self._output.on_put = lambda: None
         self._output.in_cell = lambda write: write()

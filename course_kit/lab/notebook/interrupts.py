@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import signal
+import sys
 import threading
 import traceback
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType, TracebackType
+
+    from course_kit.lab.overrides.patches import Patches
+
+    ExceptionTuple = tuple[type[BaseException], BaseException, TracebackType | None]
 
 _INTERRUPTS = (KeyboardInterrupt, asyncio.CancelledError)
 
@@ -23,37 +28,36 @@ class _Interrupted(KeyboardInterrupt):
         return [str(self)]
 
 
-def tell_briefly(shell: Any, locate: Callable[[str], str | None], nodes_run: Callable[[], bool]) -> None:
+def tell_briefly(
+    patches: Patches, shell: Any, locate: Callable[[str], str | None], nodes_run: Callable[[], bool]
+) -> None:
     """Have an interrupted cell say that it was, where, and that nodes go on.
 
+    Where IPython shows what a cell raised: `set_custom_exc` does not see an interrupt between two statements.
+
     Args:
+        patches: what the replacement is added to.
         shell: IPython's.
         locate: what a cell is called, by its file name.
         nodes_run: whether there are nodes.
     """
-    if shell.custom_exceptions:  # somebody else's
-        return
+    show = shell.showtraceback
 
-    def tell(
-        shell: Any, kind: type[BaseException], error: BaseException, trace: TracebackType, tb_offset: int | None = None
-    ) -> None:
-        del error, tb_offset
+    def tell(exc_tuple: ExceptionTuple | None = None, *place: Any, **more: Any) -> None:
+        kind, _, trace = exc_tuple or sys.exc_info()
+        if kind is None or not issubclass(kind, _INTERRUPTS):
+            show(exc_tuple, *place, **more)
+            return
         places = [
-            f" in {name}, line {number}"
+            f"{name}, line {number}"
             for frame, number in traceback.walk_tb(trace)
             if (name := locate(frame.f_code.co_filename))
         ]
-        where = places[-1] if places else ""
+        where = places[-1] if places else f"In[{shell.execution_count}]"
         rest = "; your nodes go on." if nodes_run() else "."
-        shell.showtraceback((kind, _Interrupted(f"Interrupted{where}{rest}"), trace))
+        show((kind, _Interrupted(f"Interrupted in {where}{rest}"), trace))
 
-    shell.set_custom_exc(_INTERRUPTS, tell)
-
-
-def tell_at_length(shell: Any) -> None:
-    """Give it back to IPython."""
-    if shell.custom_exceptions == _INTERRUPTS:
-        shell.set_custom_exc((), None)
+    patches.set(shell, "showtraceback", tell)
 
 
 def let_stop_repeat() -> None:
