@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox.file_view import FileView
 
 _COUNTS_BY_NAMESPACE = (5, 14)  # Linux
+_NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}  # a program leaves nothing beside what it imports
 
 
 def of(job: Job, variables: Mapping[str, str], view: FileView) -> Conditions:
@@ -38,7 +39,7 @@ def of(job: Job, variables: Mapping[str, str], view: FileView) -> Conditions:
         isolation=job.isolation,
         scratch=job.scratch,
         view=_view(job, view),
-        environment={**variables, **_interface_path(job)},
+        environment={**_NO_BYTECODE, **variables, **_interface_path(job)},
         priority=job.priority,
         others=0 if user else _others(job),
         user=user,

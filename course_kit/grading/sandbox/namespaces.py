@@ -39,6 +39,9 @@ _CAPABILITY_VERSION_3 = 0x20080522
 _HIGHEST_CAPABILITY = 63
 _SYS_KEYCTL = {"x86_64": 250, "aarch64": 219}
 _KEYCTL_JOIN_SESSION_KEYRING = 1
+_SHELL = "/bin/sh"
+# Each map in one go, as the kernel wants it. Arguments: the process, its map of users, its map of groups.
+_MAP_WHEN_TOLD = 'read -r _ && printf %s "$2" >"/proc/$1/uid_map" && printf %s "$3" >"/proc/$1/gid_map"'
 
 
 def enter(kinds: int, guest: int = 0) -> None:
@@ -63,24 +66,24 @@ def enter(kinds: int, guest: int = 0) -> None:
 
 
 def _unshare_with_guest(kinds: int, guest: int) -> None:
-    """Only a process that stays outside may map more than one number; it has to be root there."""
+    """Only a process that stays outside may map more than one number; it has to be root there.
+
+    A shell does it, which waits until there is something to map: a fork would copy all that this process has in memory.
+    """
     own = Path("/proc/self").readlink().name
+    maps = [f"{number} {number} 1\n{guest} {guest} 1" for number in (os.geteuid(), os.getegid())]
     told, tell = os.pipe()
-    helper = os.fork()
-    if helper == 0:
-        status = 1
-        try:
-            os.close(tell)
-            if os.read(told, 1):
-                for name, number in (("uid_map", os.geteuid()), ("gid_map", os.getegid())):
-                    Path(f"/proc/{own}/{name}").write_bytes(b"%d %d 1\n%d %d 1" % (number, number, guest, guest))
-                status = 0
-        finally:
-            os._exit(status)
-    os.close(told)
+    stdin = [(os.POSIX_SPAWN_DUP2, told, 0)]
+    try:
+        helper = os.posix_spawn(_SHELL, [_SHELL, "-c", _MAP_WHEN_TOLD, _SHELL, own, *maps], {}, file_actions=stdin)
+    except OSError:
+        os.close(tell)
+        raise
+    finally:
+        os.close(told)
     try:
         libc.call("unshare", CLONE_NEWUSER | kinds)
-        os.write(tell, b"!")
+        os.write(tell, b"now\n")
     finally:
         os.close(tell)
         _, status = os.waitpid(helper, 0)

@@ -88,6 +88,7 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
     evidence = _arrange_streams(inside)
     variables = {**cell.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}
     os.environ.update(variables)
+    sys.dont_write_bytecode = True
     tempfile.tempdir = None  # the grader's own choice; TMPDIR counts now
     os.chdir(program.folder or folder)
     limits.apply_to_this_process(cell.limits, cell.others)

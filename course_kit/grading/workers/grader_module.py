@@ -154,10 +154,13 @@ def python_module(path: Path) -> ModuleType:
         made = ModuleType(package)
         made.__path__ = [str(path.parent)]
         sys.modules[package] = made
+    writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # no __pycache__ in the exercise's folder
     try:
         return importlib.import_module(f"{package}.{path.stem}")
     except Exception as problem:
         raise GradingError(f"{_place(path, problem)} cannot be run: {type(problem).__name__}: {problem}") from problem
+    finally:
+        sys.dont_write_bytecode = writes
 
 
 def _place(path: Path, problem: Exception) -> str:

@@ -31,6 +31,7 @@ def warm_up() -> None:
     from rclpy.type_support import check_for_type_support
     from type_description_interfaces.srv import GetTypeDescription
 
+    import course_kit.grading.checks.declared.building
     import course_kit.grading.checks.grader_node
 
     machine.processor_share()

@@ -125,7 +125,6 @@ def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
         own_graph: False to grade nodes on the graph this environment belongs to.
     """
     changes: dict[str, str | None] = {
-        "PYTHONDONTWRITEBYTECODE": "1",
         "PYTHONUNBUFFERED": None,
         "PYTHON_COLORS": "0",  # where FORCE_COLOR is set, Python 3.13 colours tracebacks, and they could not be read
         "OPENBLAS_NUM_THREADS": "1",
