@@ -90,6 +90,7 @@ class Installer:
         else:
             self._install_locked(environment, extras)
         self._mend_overwritten(environment)
+        self._compile(environment)
         if with_tests:
             _hide_test_tools(environment)
         make_portable(environment.path)
@@ -137,6 +138,13 @@ class Installer:
             for package in asked.stdout.split():
                 self._install(environment, ["--force-reinstall", "--no-deps", package])
 
+    def _compile(self, environment: Environment) -> None:
+        """Have Python compile the course once; else each command does it where Python may not keep what it compiles."""
+        folder = self.root / "course_kit"
+        if folder.is_dir():
+            command = [environment.python, "-I", "-m", "compileall", "-q", folder]
+            subprocess.run(command, cwd=self.root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+
     def _install(self, environment: Environment, wanted: Sequence[str]) -> None:
         if self.uv:
             command = [self.uv, "pip", "install", "--python", str(environment.python)]
@@ -180,6 +188,7 @@ class Installer:
             "PYTHONNOUSERSITE": "1",
             "PIP_USER": "0",
             "TMPDIR": str(work),
+            "UV_COMPILE_BYTECODE": "1",  # as pip does: see _compile
         }
         if self.uv and not _can_write(_cache_of_uv()):
             changed["UV_NO_CACHE"] = "1"  # pip does without by itself

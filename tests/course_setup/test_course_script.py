@@ -29,6 +29,15 @@ def test_first_use_sets_up_and_passes_the_command_on_and_later_uses_do_not(clone
     assert "[ros]" in clone.log.read_text()
 
 
+def test_a_set_up_compiles_the_course(clone: Clone) -> None:
+    """Else each grading would, where Python may not keep what it has compiled."""
+    clone.course("doctor", PYTHONDONTWRITEBYTECODE="1")
+    kit = clone.root / "course_kit"
+    modules = {path.relative_to(kit) for path in kit.rglob("*.py") if "templates" not in path.parts}
+    compiled = {path.parents[1].relative_to(kit) / f"{path.name.split('.')[0]}.py" for path in kit.rglob("*.pyc")}
+    assert modules <= compiled
+
+
 def test_asking_for_help_sets_nothing_up(clone: Clone) -> None:
     asked = clone.course("--help")
     assert "Usage: ./course COMMAND" in asked.stdout
