@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -138,9 +139,13 @@ def _run(options: argparse.Namespace) -> int:
     require_folders_apart(plan.sources, plan.out)
     tally = RunProgress(sys.stderr)
     with run_lock.hold(plan.out):
-        with interrupts() as stops:
+        graders = [one.grader for one in chosen.values()]
+        with interrupts() as stops, ExitStack() as ends:
+            early = _early_executor(options, graders)
+            if early is not None:
+                ends.callback(early.close)
             grading = ClassRun(plan, tally, stops)
-            book = grading.grade(lambda: executor(options, [one.grader for one in chosen.values()]))
+            book = grading.grade(lambda: early or executor(options, graders))
         tally.end()
         intake_words.say(grading.intake, say)
         if grading.gone:
@@ -243,6 +248,11 @@ def _worries(book: Gradebook) -> Iterator[str]:
 def _left_out(dropped: Sequence[tuple[str, str]]) -> str:
     reasons = [f"{student} ({reason})" for student, reason in dropped]
     return f"{many(reasons, 'student')} handed in something that was not graded: {some(reasons)}."
+
+
+def _early_executor(options: argparse.Namespace, graders: list[str]) -> Executor | None:
+    """The workers of this machine, which get ready while the submissions are looked for; None where none may be needed."""
+    return None if options.scheduler or options.resume else executor(options, graders)
 
 
 def executor(options: argparse.Namespace, graders: list[str]) -> Executor:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.graders._limiter import (
     BEYOND,
@@ -31,6 +32,7 @@ from course_kit.graders._limiter_status import expect_status
 from course_kit.grading.checks.check import Evidence, Failed, check
 from course_kit.grading.checks.parameters import require_proper_answer, shown
 
+_REFUSALS = "refusals"  # remembered of a running submission: how it has refused each invalid value
 _DIGITS = 9  # decimal places, so that a line with a rounded number shows it
 # A valid value, and after it one that no range refuses, but a callback.
 _BY_A_CALLBACK = ({"wheel_diameter": 0.5, "max_velocity": 0.0}, {"max_velocity": 1.5, "robot_name": ""})
@@ -42,6 +44,7 @@ if TYPE_CHECKING:
     from geometry_msgs.msg import Twist
 
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.parameters import Remote
 
 
 @check(points=1.0, depends_on=["limits"], proves=["next_message", "ends_valid"])
@@ -50,12 +53,14 @@ def change_velocity(context: CheckContext) -> Evidence:
     with Limiter(context) as limiter:
         limiter.driving()
         evidence = Evidence()
+        twists = [command(-BEYOND), command(BEYOND)]
         for value in (drawn(context, 2.1, 4.9), drawn(context, 0.2, 0.9), BOUNDS["max_velocity"][1]):
-            for twist in (command(-BEYOND), command(BEYOND)):
-                was = _seen(limiter, twist)
-                after = limiter.set(max_velocity=value)
+            before = [_seen(limiter, twist) for twist in twists]
+            after = limiter.set(max_velocity=value)
+            for twist, was in zip(twists, before, strict=True):
                 sent = shown({"max_velocity": value})
                 evidence = limiter.expect(after, twist, VELOCITY, was=was, sent=sent)
+            twists.reverse()  # each direction is once the first after a change
         return evidence
 
 
@@ -112,15 +117,20 @@ def refuses(context: CheckContext) -> Evidence:
     Raises:
         Failed: it is accepted, or kept.
     """
-    evidence = Evidence()
     with Limiter(context) as limiter:
         before = limiter.driving()
         was = _seen(limiter, command(BEYOND))
-        for name, value in _invalid(context):
-            outcome = limiter.remote.set(name, value)
-            evidence = require_refused(outcome, {name: value}, f"refused: {RANGES[name]}", "validation.missing")
-            require_proper_answer(outcome, evidence)
+        values = _invalid(context)
+        context.memory[_REFUSALS] = refusals = [_refusal(limiter.remote, *one) for one in values]
+        evidence = refusals[-1].evidence
+        try:
             _require_unchanged(limiter, before, was, evidence)
+        except Failed:
+            with suppress(Failed):
+                limiter.set_together(**before.to_mapping())
+            for one in values:  # which of them was it?
+                _require_unchanged(limiter, before, was, _refusal(limiter.remote, *one).evidence)
+            raise
         return evidence
 
 
@@ -133,11 +143,11 @@ def reason(context: CheckContext) -> Evidence:
     """
     evidence = Evidence()
     remote = Limiter(context).remote
-    for name, value in _invalid(context):
-        expected = f"refused, with a reason that names the parameter and its range ({RANGES[name]})"
-        outcome = remote.set(name, value)
-        evidence = require_refused(outcome, {name: value}, expected, "validation.missing")
-        if lacks := missing_in_reason(name, outcome.reason):
+    refusals = context.memory.get(_REFUSALS)  # of the program that runs; one that was started again is asked again
+    for one in refusals or [_refusal(remote, *pair) for pair in _invalid(context)]:
+        expected = f"refused, with a reason that names the parameter and its range ({RANGES[one.name]})"
+        evidence = replace(one.evidence, expected=expected)
+        if lacks := missing_in_reason(one.name, one.reason):
             message = f"Your node was right to refuse, but the reason has to say why. {lacks}"
             raise Failed(evidence, message, "validation.no_reason")
     return evidence
@@ -173,6 +183,26 @@ def atomic(context: CheckContext) -> Evidence:
     with Limiter(context) as limiter:
         limiter.set_together(max_velocity=drawn(context, 1.1, 2.0), wheel_diameter=drawn(context, 0.2, 0.9))
     return evidence
+
+
+class _Refusal(NamedTuple):
+    """A value of a parameter was refused, for this reason."""
+
+    name: str
+    reason: str
+    evidence: Evidence
+
+
+def _refusal(remote: Remote, name: str, value: object) -> _Refusal:
+    """Try an invalid value.
+
+    Raises:
+        Failed: it was accepted, or refused by rclpy because the callback's answer was none.
+    """
+    outcome = remote.set(name, value)
+    evidence = require_refused(outcome, {name: value}, f"refused: {RANGES[name]}", "validation.missing")
+    require_proper_answer(outcome, evidence)
+    return _Refusal(name, outcome.reason, evidence)
 
 
 def _invalid(context: CheckContext) -> list[tuple[str, object]]:

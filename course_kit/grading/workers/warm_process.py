@@ -26,7 +26,16 @@ _DYING_S = 0.5
 # Python 3.12 warns of forks beside other threads; those of the tracing library take no lock of ours.
 _FORKS_ARE_MEANT = "ignore:This process:DeprecationWarning"
 # What a program needs to run ROS; everything else, tokens among it, stays out of a submission's reach.
-_PASSED_ON = ("TZ", "PATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "HOME", "TMPDIR", "XDG_STATE_HOME")
+_PASSED_ON = (
+    "TZ",
+    "PATH",
+    "VIRTUAL_ENV",
+    "LD_LIBRARY_PATH",
+    "HOME",
+    "TMPDIR",
+    "XDG_STATE_HOME",
+    "OPENBLAS_NUM_THREADS",
+)
 _PASSED_ON_PREFIXES = (
     "LANG",  # with the next two: names of files mean the same folders to a worker as to whoever asks it
     "LC_",
