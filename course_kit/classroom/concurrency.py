@@ -130,9 +130,9 @@ class Turns:
         if self._looked is not None and now - self._looked > _LOOK_S:
             self._look()
             if self._idle_share > _IDLE and len(self._begun) >= self._allowed:
-                # So many more as would have kept busy what idled, if each of them waits as much as those that run.
-                more = max(int(self._allowed * self._idle_share), 1)
-                self._allowed = min(self._allowed + more, self._most)
+                # So many as would have kept all busy, if each of them waits as much as those that run.
+                enough = int(self._allowed / max(1.0 - self._idle_share, self._allowed / self._most))
+                self._allowed = min(max(enough, self._allowed + 1), self._most)
             elif self._idle_share < _BUSY:
                 self._allowed = max(self._allowed - 1, self._usual)
         if self._idle_share < _BUSY:

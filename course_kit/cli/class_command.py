@@ -251,7 +251,7 @@ def _left_out(dropped: Sequence[tuple[str, str]]) -> str:
 
 
 def _early_executor(options: argparse.Namespace, graders: list[str]) -> Executor | None:
-    """The workers of this machine, which get ready while the submissions are looked for; None where none may be needed."""
+    """The workers of this machine, to get ready while submissions are looked for; None where none may be needed."""
     return None if options.scheduler or options.resume else executor(options, graders)
 
 
