@@ -38,7 +38,7 @@ def one_line(text: str) -> str:
 
 
 def escaped(text: str) -> str:
-    """Printable text within HTML, in elements and in attributes. Templates do this to whatever is filled in."""
+    """Printable text within HTML, in elements and in attributes; templates do the same to whatever is filled in."""
     return escape(printable(text))
 
 

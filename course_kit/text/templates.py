@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
-from course_kit.text.sanitize import escaped
+from course_kit.text.sanitize import printable
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -42,11 +42,11 @@ def load(folder: Path) -> None:
 @cache  # one for each folder of templates, of which there are few
 def _environment(folder: Path) -> Environment:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
-    from markupsafe import Markup
+    from markupsafe import Markup, escape  # in C: a class run fills in a hundred thousand values
 
     def filled_in(value: object) -> Markup:
         """A value as it stands in a page: HTML of other templates as it is, everything else as text."""
-        return value if isinstance(value, Markup) else Markup(escaped(str(value)))  # noqa: S704 - just escaped
+        return value if isinstance(value, Markup) else escape(printable(str(value)))
 
     return Environment(
         loader=FileSystemLoader(folder),

@@ -289,7 +289,7 @@ def test_link_leads_from_the_notebooks_folder_to_the_lesson() -> None:
     html = render_html(replace(REPORT, checks=(taught,)), root / "exercises" / "temperature_service")
     section = catalogue()["service.no_return"].section.replace(" ", "-")
     assert f'href="../../notebooks/01_services.ipynb#{section}"' in html
-    assert catalogue()["service.no_return"].explanation.replace("'", "&#x27;") in html
+    assert catalogue()["service.no_return"].explanation.replace("'", "&#39;") in html
     assert 'href="notebooks/01_services.ipynb#' in render_html(replace(REPORT, checks=(taught,)), root)
 
 

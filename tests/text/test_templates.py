@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 WILD = "<script>'\"&\x1b[2J\u202e\r\n👩\u200d👧"
-HARMLESS = "&lt;script&gt;&#x27;&quot;&amp;\ufffd[2J\ufffd\n👩\u200d👧"
+HARMLESS = "&lt;script&gt;&#39;&#34;&amp;\ufffd[2J\ufffd\n👩\u200d👧"
 
 
 def written(folder: Path, **files: str) -> Path:
