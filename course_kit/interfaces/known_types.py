@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from course_kit.interfaces import catalogue, hints, sources
 from course_kit.interfaces.errors import InterfaceNotFoundError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 _PARTS_SHORT, _PARTS_FULL = 2, 3
 
@@ -80,7 +83,8 @@ def full_name(type_name: str) -> str:
     if len(parts) not in (_PARTS_SHORT, _PARTS_FULL) or not all(parts):
         reason = f"{type_name!r} is not an interface name: expected package/srv/Name, such as std_srvs/srv/SetBool."
         raise InterfaceNotFoundError(type_name, _nearest(parts), reason)
-    fitting = [name for name in _types_of(parts[0]) if _fits(name.split("/"), parts)]
+    kinds = [kind for kind in sources.KINDS if len(parts) == _PARTS_SHORT or kind == parts[1]]
+    fitting = [name for name in _types_of(parts[0], kinds) if _fits(name.split("/"), parts)]
     if len(fitting) > 1:
         choice = " or ".join(repr(name) for name in sorted(fitting))
         raise InterfaceNotFoundError(type_name, None, f"{type_name!r} could be {choice}: use the full name.")
@@ -100,9 +104,9 @@ def _nearest(parts: list[str]) -> str | None:
     return hints.nearest("/".join(parts), same) or hints.nearest("/".join(parts), known) or next(iter(same), None)
 
 
-def _types_of(package: str) -> set[str]:
+def _types_of(package: str, kinds: Sequence[str] = sources.KINDS) -> set[str]:
     """An installed package hides a live one of the same name, as it does on import."""
     installed = catalogue.installed_types(package)
     if installed:
         return installed
-    return {f"{package}/{kind}/{name}" for kind in sources.KINDS for name in sources.names(package, kind)}
+    return {f"{package}/{kind}/{name}" for kind in kinds for name in sources.names(package, kind)}

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.declared.evaluation import (
@@ -44,6 +45,7 @@ class Expression:
     tree: ast.expr
 
     @classmethod
+    @lru_cache(maxsize=1024)  # a check works out the same ones for each of its inputs
     def parse(cls, text: str) -> Expression:
         """Read an expression.
 
