@@ -43,7 +43,15 @@ class Watcher(Protocol):
 class GradingLoop:
     """Gives an executor enough to do, until all is done or somebody has asked to stop."""
 
-    def __init__(self, records: Records, watcher: Watcher, stops: Callable[[], int], hidden: tuple[str, ...]) -> None:
+    def __init__(
+        self,
+        records: Records,
+        watcher: Watcher,
+        stops: Callable[[], int],
+        hidden: tuple[str, ...],
+        *,
+        require_isolation: bool = False,
+    ) -> None:
         """Prepare.
 
         Args:
@@ -51,11 +59,13 @@ class GradingLoop:
             watcher: told how it goes.
             stops: how often somebody has asked to stop: once, and what is under way is finished; twice, given up.
             hidden: folders that no submission may see.
+            require_isolation: no submission runs where it is not fully isolated.
         """
         self._records = records
         self._watcher = watcher
         self._stops = stops
         self._hidden = hidden
+        self._require_isolation = require_isolation
         self._versions: dict[str, dict[str, str]] = {}
         self.done: list[Record] = []
 
@@ -99,7 +109,7 @@ class GradingLoop:
             group = next(waiting, None)
             if group is None:
                 return
-            task = group[0].task(self._hidden)
+            task = group[0].task(self._hidden, require_isolation=self._require_isolation)
             if task is None:
                 self._keep(group, group[0].unreadable())
             else:

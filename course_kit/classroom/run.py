@@ -51,6 +51,7 @@ class Plan:
         seeds: a seed for each student, where each is to be asked other questions.
         layout: a layout's name, or "auto".
         resume: go on where an earlier run into the same folder has ended.
+        require_isolation: no submission runs where it is not fully isolated.
     """
 
     source: Path
@@ -62,6 +63,7 @@ class Plan:
     resume: bool = False
     more: tuple[Path, ...] = ()
     roster: Roster | None = None
+    require_isolation: bool = False
 
     @property
     def sources(self) -> tuple[Path, ...]:
@@ -103,7 +105,9 @@ class ClassRun:
         require_submissions(self.intake, plan.sources, plan.exercises)
         self._apply_to_class()
         run_note.write(plan, self.seed)
-        self._loop = GradingLoop(self._records, watcher, stops, hidden_folders(plan))
+        self._loop = GradingLoop(
+            self._records, watcher, stops, hidden_folders(plan), require_isolation=plan.require_isolation
+        )
         self._kept: list[Record] = []
         self.gone: list[str] = []
 

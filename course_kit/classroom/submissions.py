@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -55,9 +56,17 @@ class Handed:
         """Whether its program has a loop that may be endless; a guess, good enough to begin with such programs."""
         return self.text is not None and self.text.facts.loops
 
-    def task(self, hidden: tuple[str, ...]) -> Task | None:
-        """What an executor is asked to do, with the folders it must hide; None when there is nothing to run."""
-        return Task(self.exercise, self.text, self.entry.source, self.seed, hidden) if self.text else None
+    def task(self, hidden: tuple[str, ...], *, require_isolation: bool) -> Task | None:
+        """What an executor is asked to do; None when there is nothing to run.
+
+        Args:
+            hidden: the folders that it must hide.
+            require_isolation: run it only where it is fully isolated.
+        """
+        if self.text is None:
+            return None
+        shown = self.entry.source
+        return Task(self.exercise, self.text, shown, self.seed, hidden, require_isolation=require_isolation)
 
     def unreadable(self) -> Report:
         """The report of one that has no text."""
@@ -119,6 +128,9 @@ def read(  # noqa: PLR0913 - what a submission is read for
             text = reader.read(copy, exercise)
             return replace(one, text=text, size=len(text.source.encode(errors="replace")))
     except UnreadableError as problem:
+        if not os.path.lexists(path):
+            gone = f"{path.name} is no longer there: it was removed while the class was graded."
+            return Handed(entry, exercise, seed, problem=gone, status="error")
         return Handed(entry, exercise, seed, problem=str(problem), size=_size(path))
     except GradingError as problem:
         return Handed(entry, exercise, seed, problem=str(problem), size=_size(path), status="error")

@@ -104,8 +104,8 @@ def require_machine(options: argparse.Namespace, exercises: Iterable[Exercise]) 
     if not options.scheduler:
         for one in exercises:
             needs.require(one.limits)
-    if options.require_isolation:
-        isolation_status().require()
+        if options.require_isolation:  # each worker insists on it, too; of a cluster only they can
+            isolation_status().require()
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -133,6 +133,7 @@ def _run(options: argparse.Namespace) -> int:
         seeds=seeds.read(options.seeds) if options.seeds else None,
         layout=options.layout,
         resume=options.resume,
+        require_isolation=options.require_isolation,
     )
     if options.dry_run:
         return _dry_run(plan)

@@ -31,7 +31,7 @@ def seconds() -> float | None:
     """Seconds until a client was answered by a server in another process, on a domain of their own; None if never."""
     with environment.exclusive_domain() as domain_id:
         environ = environment.child_environment(ROS_DOMAIN_ID=str(domain_id))
-        server = Child([sys.executable, "-c", _SERVER], environ=environ, stderr=NOWHERE)
+        server = Child([sys.executable, "-c", _SERVER], environ=environ, folder="/", stderr=NOWHERE)
         try:
             return _ask(domain_id)
         finally:

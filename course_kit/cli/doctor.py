@@ -219,6 +219,7 @@ def _run(program: str, **environ: str) -> tuple[str, bool]:
     """The last line that a Python program prints in a process of its own, and whether it has failed."""
     done = subprocess.run(
         [sys.executable, "-c", program],
+        cwd="/",  # a Python looks for modules in its working directory, where a learner's rclpy.py may lie
         env=environment.child_environment(**environ),
         capture_output=True,
         text=True,

@@ -43,6 +43,7 @@ class Task:
         seed: what the checks draw their random values from.
         hidden: folders the submission must not see, wherever they lie: what others have handed in, and their results.
         first_failure: stop at the first failed check that costs points; the report has those that were run by then.
+        require_isolation: refuse to run it where it would not be fully isolated, wherever the worker is.
     """
 
     exercise: Exercise
@@ -51,6 +52,7 @@ class Task:
     seed: int
     hidden: tuple[str, ...] = ()
     first_failure: bool = False
+    require_isolation: bool = False
 
 
 def grade(  # noqa: PLR0913 - the options of one verb
@@ -118,16 +120,15 @@ def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None, re
         used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
         text = reader.read(copy, task)
         shown = submission.readable(str(path))
-        return grade_task(Task(task, text, shown, seed), used, require_isolation=require_isolation)
+        return grade_task(Task(task, text, shown, seed, require_isolation=require_isolation), used)
 
 
-def grade_task(task: Task, worker: Worker | None = None, *, require_isolation: bool = False) -> Report:
+def grade_task(task: Task, worker: Worker | None = None) -> Report:
     """Grade a submission that has been read.
 
     Args:
         task: what is to be graded.
         worker: a running worker to use; one is started and ended when None.
-        require_isolation: refuse to run it where it would not be fully isolated.
 
     Raises:
         GradingError: a broken installation, a lack of isolation, or the worker ended.
@@ -135,7 +136,7 @@ def grade_task(task: Task, worker: Worker | None = None, *, require_isolation: b
     job = exercise_job.of_submission(task.exercise, task.text, task.seed)
     job = replace(job, hidden=(*job.hidden, *task.hidden), first_failure=task.first_failure)
     with Worker() if worker is None else nullcontext(worker) as used:
-        return _grade(task.exercise, job, task.shown, used, require_isolation)
+        return _grade(task.exercise, job, task.shown, used, task.require_isolation)
 
 
 def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:

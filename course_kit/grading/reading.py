@@ -98,8 +98,6 @@ class Reader(Closing):
             ReadingStoppedError: somebody has asked to stop.
         """
         told = self._ask("read", copy, exercise)
-        if "unreadable" in told:
-            raise UnreadableError(told["unreadable"])
         fault, facts = told["fault"], told["facts"]
         return Submission(
             name=copy.name,
@@ -160,7 +158,7 @@ class Reader(Closing):
                 pass
             else:
                 if self._understood(copy, ended):
-                    return _checked(answer)
+                    return _readable(_checked(answer))
             words = self._said.last_line()
             self.close()
             self._start()
@@ -248,6 +246,17 @@ def _checked(answer: bytes) -> Record:
         told = None
     if not isinstance(told, dict):
         raise GradingError("The process that reads submissions sent an answer that makes no sense.")
+    return told
+
+
+def _readable(told: Record) -> Record:
+    """The same answer.
+
+    Raises:
+        UnreadableError: it says that there is nothing to be read.
+    """
+    if "unreadable" in told:
+        raise UnreadableError(str(told["unreadable"]))
     return told
 
 

@@ -28,7 +28,11 @@ LARGEST = _MB  # bytes of a program
 LARGEST_NOTEBOOK = 64 * _MB  # bytes of a notebook's file, most of them outputs
 _LARGEST = {PROGRAM: LARGEST, NOTEBOOK: LARGEST_NOTEBOOK}
 _BLOCK = _MB
-_OF_THE_MACHINE = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO)
+# Also a file that nobody may read: whoever hands something in does not set its permissions here.
+_OF_THE_MACHINE = (
+    *(errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO),
+    *(errno.EACCES, errno.EPERM, errno.ESTALE),
+)
 
 
 class UnreadableError(ValueError):

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from typing import Any, BinaryIO
 
 TOO_MUCH_MEMORY, FAILED = 69, 70  # exit statuses of a child; the second is a mistake of ours
+_TOO_MUCH = "{} cannot be read: it has too many parts. Hand in only the cells that the exercise asks for."
 _WORK: dict[str, Callable[[str, BinaryIO, Any], dict[str, object]]] = {
     "read": text.read,
     "glance": glance.at,
@@ -106,5 +107,8 @@ def _answer(request: Mapping[str, Any], submission: int, answer: int) -> None:
     with open(submission, "rb", closefd=False) as file:
         file.seek(0)  # whoever wrote it has left it at its end
         told = _WORK[request["do"]](request["name"], file, request)
+    told_as_bytes = json.dumps(told).encode()
+    if len(told_as_bytes) > limits.ANSWER_BYTES:
+        told_as_bytes = json.dumps({"unreadable": _TOO_MUCH.format(request["name"])}).encode()
     with open(answer, "wb", closefd=False) as file:
-        file.write(json.dumps(told).encode())
+        file.write(told_as_bytes)

@@ -639,3 +639,13 @@ def test_the_newer_of_two_files_in_a_zip_counts(tmp_path: Path) -> None:
         for name, year in (("jane/a/temperature_service.py", 2026), ("jane/b/temperature_service.py", 2020)):
             packed.writestr(zipfile.ZipInfo(name, (year, 1, 1, 0, 0, 0)), "pass")
     assert collect(tmp_path / "all.zip").entries[0].source == "jane/a/temperature_service.py"
+
+
+def test_brackets_in_each_other_in_a_gradescope_export_end_nothing(tmp_path: Path) -> None:
+    """A value of YAML that is nested too deeply for its parser."""
+    names = [f"assignment_1_export/submission_{number}/{PROGRAM}" for number in (5, 6)]
+    root = lay_out(tmp_path / "in", names)
+    entry = "submission_{}:\n  :submitters:\n  - :name: {}\n    :sid: '{}'\n"
+    text = "---\n" + entry.format(5, "[" * 970, 50) + entry.format(6, "Bob", 60)
+    (root / "assignment_1_export/submission_metadata.yml").write_text(text)
+    assert set(taken(collect(root))) == {"50", "60"}

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom import exports
+from course_kit.classroom import exports, submissions
 from course_kit.classroom.intake import roster
 from course_kit.classroom.progress import RunProgress
 from course_kit.classroom.records import Entry, Record, Records, safe_name
 from course_kit.classroom.rules.seeds import Seeds
 from course_kit.classroom.run import ClassRun, Plan
 from course_kit.grading import GradingError
+from course_kit.grading.reading import Reader
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
 if TYPE_CHECKING:
@@ -184,6 +185,13 @@ def test_a_full_disk_ends_the_run_and_costs_nothing_that_was_written(
     assert executor.closed
     assert {record.entry.student for record in Records(out)} >= {"ada", "cem"}
     assert run(handed_in, out, StandInForGrading(), resume=True).complete
+
+
+def test_what_vanishes_while_a_class_is_graded_gets_no_zero(tmp_path: Path) -> None:
+    with Reader() as reader:
+        found = submissions.read(Entry("ada", SERVICE.id, "ada/temperature_service.py"), tmp_path, SERVICE, 1, reader)
+    assert (found.status, found.unreadable().status) == ("error", "error")
+    assert "temperature_service.py is no longer there" in found.problem
 
 
 def test_a_record_survives_its_file(tmp_path: Path) -> None:

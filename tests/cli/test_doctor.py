@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from course_kit import environment
+from course_kit.cli import discovery_trial
 from course_kit.cli import doctor as command
 from tests.course_copy import REPOSITORY, Course, copy_course
 from tests.environment.overwritten import overwrite_lark
@@ -22,6 +23,16 @@ def doctor(**changes: str | None) -> subprocess.CompletedProcess[str]:
         [sys.executable, "-m", "course_kit", "doctor"],
         env=environment.child_environment(**changes), capture_output=True, text=True, timeout=100, check=False,
     )  # fmt: skip
+
+
+def test_it_loads_nothing_from_the_folder_that_one_is_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A learner's, or strangers' submissions; each test of an installation is a Python of its own."""
+    for name in ("rclpy", "example_interfaces", "json", "sitecustomize"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'sprung')!r}, 'a').write({name!r})\n")
+    monkeypatch.chdir(tmp_path)
+    assert command.interfaces().verdict == "ok"
+    assert discovery_trial.seconds() is not None
+    assert not (tmp_path / "sprung").exists()
 
 
 def line_about(subject: str, output: str) -> str:

@@ -91,6 +91,14 @@ def test_packages_from_elsewhere_are_left_aside_unless_ros_brings_them(clone: Cl
     assert "PYTHONPATH" not in sourced.stderr
 
 
+def test_of_a_sourced_ros_no_entry_means_the_folder_that_one_is_in(clone: Clone) -> None:
+    """Strangers' programs may lie there; `PYTHONPATH=$PYTHONPATH:/more` makes an empty entry, which means it."""
+    (clone.root / "course_kit/cli/main.py").write_text("import os; print(os.environ['PYTHONPATH'])\n")
+    done = clone.course("doctor", PYTHONPATH=":/a folder:here/below:/b:.:", **clone.sourced())
+    *given, _ = done.stdout.split(f":{clone.root}")  # which the stand-in adds
+    assert given[0] == "/a folder:/b", done.stderr
+
+
 def test_the_installer_gets_no_settings_for_other_installations(clone: Clone, tmp_path: Path) -> None:
     others = {"PYTHONPATH": str(tmp_path), "VIRTUAL_ENV": "/x", "PIP_TARGET": "/x", "PIP_USER": "1"}
     clone.course("doctor", **clone.sourced(), **others)

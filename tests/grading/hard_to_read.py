@@ -119,6 +119,9 @@ NOTEBOOKS = {
     "a million empty cells": notebook(
         lambda right: cells(MAGIC + right)[:-2] + ', {"cell_type": "raw"}' * 1_000_000 + "]}", "graded", "", 10.0
     ),
+    "more cells than an answer can list": notebook(
+        lambda right: cells(MAGIC + right, *[MAGIC] * 600_000), "unreadable", "too many parts"
+    ),
     "cells that are a text": notebook(lambda _: '{"cells": "abc"}', "unreadable", "not a Jupyter"),
     "cells that are a number": notebook(lambda _: '{"cells": 1e999}', "unreadable", "not a Jupyter"),
     "cells that are none": notebook(lambda _: '{"cells": [null, 1, []]}', "unreadable", "not a Jupyter"),

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
 
 from course_kit.grading.submission import LARGEST, UnreadableError
 from tests.reading import read
+from tests.unprivileged import reachable_folder
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -53,6 +56,30 @@ def test_exactly_the_largest_size_is_read(tmp_path: Path) -> None:
     path = tmp_path / "a.py"
     path.write_bytes(b"#" * LARGEST)
     assert len(read(path, EXERCISE).source) == LARGEST
+
+
+COPY_AS_NOBODY = """
+import os, sys
+from pathlib import Path
+from course_kit.grading.submission import Copy
+if os.getuid() == 0:
+    os.setgroups([])
+    os.setresgid(65534, 65534, 65534)
+    os.setresuid(65534, 65534, 65534)
+try:
+    Copy(Path(sys.argv[1]))
+except Exception as problem:
+    print(type(problem).__name__, problem)
+"""
+
+
+def test_a_file_that_may_not_be_read_is_the_fault_of_no_student() -> None:
+    with reachable_folder() as folder:
+        (folder / "a.py").write_text("x = 1")
+        (folder / "a.py").chmod(0)
+        command = [sys.executable, "-c", COPY_AS_NOBODY, str(folder / "a.py")]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.stdout == "GradingError a.py cannot be read: Permission denied.\n", done.stderr
 
 
 def test_missing_folder_pipe_and_loop(tmp_path: Path) -> None:

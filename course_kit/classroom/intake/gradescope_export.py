@@ -104,6 +104,6 @@ def _value(text: str) -> str:
     """A scalar of YAML as text."""
     try:
         value = yaml.load(text, Loader=yaml.BaseLoader)  # noqa: S506 - makes nothing but texts
-    except yaml.YAMLError:
+    except (yaml.YAMLError, RecursionError):
         return ""
     return value.strip() if isinstance(value, str) else ""

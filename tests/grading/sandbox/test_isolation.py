@@ -24,6 +24,17 @@ report = grading.grade("temperature_service", sys.argv[1], seed=3)
 print(report.isolation, file=sys.stderr)
 print(report.to_json())
 """
+GRADE_BY_A_WORKER_OF_A_CLASS = """
+from contextlib import closing
+from course_kit.grading import exercise, submission
+from course_kit.grading.engine import Task
+from course_kit.grading.reading import Reader
+from course_kit.grading.workers.pool import Pool
+asked = exercise.load("temperature_service")
+with submission.Copy(Path(sys.argv[1])) as copy, Reader() as reader, closing(Pool()) as pool:
+    report = pool.grade(Task(asked, reader.read(copy, asked), "jane.py", 7, require_isolation=sys.argv[2] == "require"))
+print(report.status, report.problem)
+"""
 PATIENCE_S = 100.0  # against hanging only
 DAEMON = """
 import os, signal, sys, time
@@ -125,6 +136,17 @@ def test_a_command_that_requires_isolation_refuses_to_grade_without_namespaces(t
         assert done.returncode == 2
         assert "Nothing was graded: --require-isolation asks for full isolation" in done.stderr
         assert done.stdout == ""
+
+
+@pytest.mark.attack("Machines")
+def test_each_worker_of_a_class_insists_on_isolation() -> None:
+    """Also one of a cluster, on a machine that nobody has asked before, and one that replaces another."""
+    solution = str(ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py")
+    for wish, status in (("require", "error"), ("no", "graded")):
+        done = python(WITHOUT_NAMESPACES + GRADE_BY_A_WORKER_OF_A_CLASS, solution, wish)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.split()[0] == status
+        assert ("--require-isolation asks for full isolation" in done.stdout) == (wish == "require")
 
 
 def test_solution_is_graded_without_namespaces() -> None:
