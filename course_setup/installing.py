@@ -142,7 +142,7 @@ class Installer:
         """Have Python compile the course once; else each command does it where Python may not keep what it compiles."""
         folder = self.root / "course_kit"
         if folder.is_dir():
-            command = [environment.python, "-I", "-m", "compileall", "-q", folder]
+            command = [str(environment.python), "-I", "-m", "compileall", "-q", str(folder)]
             subprocess.run(command, cwd=self.root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
 
     def _install(self, environment: Environment, wanted: Sequence[str]) -> None:

@@ -95,7 +95,7 @@ def prove(edition: Path, solutions: Mapping[str, Path], watcher: ProofWatcher) -
     known = {one.program for pair in starters.values() for one in pair}
     found = [one for one in edition_programs.find(edition, wanted) if one.program not in known]
     watcher.begin(len({one.program for one in found}))
-    executor = Local(graders=[task.grader for task in tasks.values()])
+    executor = Local(None, [task.grader for task in tasks.values()], [task.limits for task in tasks.values()])
     try:
         findings = _compare(_Grading(executor, tasks, watcher), starters, found)
     finally:

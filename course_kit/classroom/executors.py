@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import logging
 import os
+import sys
 from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.classroom.concurrency import Turns
+from course_kit.grading import needs
 from course_kit.grading.errors import GradingError
 from course_kit.grading.workers.pool import Pool
 
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from course_kit.grading.engine import Task
+    from course_kit.grading.limits import Limits
     from course_kit.grading.report import Report
 
 _WORKERS_PER_CORE = 2  # a grading waits for answers about as long as it computes
@@ -57,15 +60,20 @@ class SchedulerLostError(GradingError):
 class Local:
     """Workers on this machine, started ahead of time."""
 
-    def __init__(self, workers: int | None = None, graders: Sequence[str] = ()) -> None:
+    def __init__(
+        self, workers: int | None = None, graders: Sequence[str] = (), promised: Sequence[Limits] = ()
+    ) -> None:
         """Start the workers.
 
         Args:
-            workers: how many at work; when None as many as fit this machine. While processors idle there are more.
+            workers: how many at work; when None as many as fit this machine. While processors idle there are more, and
+                never more than it has processes for.
             graders: modules of checks that they will need, as far as that is known: loaded once for all of them.
+            promised: what submissions may use.
         """
-        usual = workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0))
-        self.slots = _MORE_WHEN_IDLE * usual
+        most = min(map(needs.side_by_side, promised), default=sys.maxsize)
+        usual = min(workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0)), most)
+        self.slots = min(_MORE_WHEN_IDLE * usual, most)
         self._pool = Pool(self.slots, graders)
         self._turns = Turns(self._pool.grade, usual, self.slots)
 

@@ -140,13 +140,12 @@ def _run(options: argparse.Namespace) -> int:
     require_folders_apart(plan.sources, plan.out)
     tally = RunProgress(sys.stderr)
     with run_lock.hold(plan.out):
-        graders = [one.grader for one in chosen.values()]
         with interrupts() as stops, ExitStack() as ends:
-            early = _early_executor(options, graders)
+            early = _early_executor(options, plan.exercises)
             if early is not None:
                 ends.callback(early.close)
             grading = ClassRun(plan, tally, stops)
-            book = grading.grade(lambda: early or executor(options, graders))
+            book = grading.grade(lambda: early or executor(options, plan.exercises))
         tally.end()
         intake_words.say(grading.intake, say)
         if grading.gone:
@@ -251,12 +250,12 @@ def _left_out(dropped: Sequence[tuple[str, str]]) -> str:
     return f"{many(reasons, 'student')} handed in something that was not graded: {some(reasons)}."
 
 
-def _early_executor(options: argparse.Namespace, graders: list[str]) -> Executor | None:
+def _early_executor(options: argparse.Namespace, exercises: Sequence[Exercise]) -> Executor | None:
     """The workers of this machine, to get ready while submissions are looked for; None where none may be needed."""
-    return None if options.scheduler or options.resume else executor(options, graders)
+    return None if options.scheduler or options.resume else executor(options, exercises)
 
 
-def executor(options: argparse.Namespace, graders: list[str]) -> Executor:
+def executor(options: argparse.Namespace, exercises: Sequence[Exercise]) -> Executor:
     """Where submissions are graded, as the options say.
 
     Raises:
@@ -266,7 +265,7 @@ def executor(options: argparse.Namespace, graders: list[str]) -> Executor:
 
     if options.scheduler:
         return executors.Cluster(options.scheduler)
-    started = executors.Local(options.workers, graders)
+    started = executors.Local(options.workers, [one.grader for one in exercises], [one.limits for one in exercises])
     from course_kit.classroom import exports
 
     exports.get_ready()  # needed at the end: now it costs no time, as the workers take as long

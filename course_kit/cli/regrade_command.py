@@ -58,8 +58,7 @@ def _run(options: argparse.Namespace) -> int:
     with run_lock.hold(options.out), interrupts() as stops:
         chosen = Selection(options.exercise, options.check, options.student)
         regrade = Regrade(ClassRun(plan, progress, stops), options.out, chosen, progress)
-        graders = [one.grader for one in plan.exercises]
-        changes = regrade.grade(lambda: class_command.executor(options, graders), stops, hidden_folders(plan))
+        changes = regrade.grade(lambda: class_command.executor(options, plan.exercises), stops, hidden_folders(plan))
         progress.end()
         if not regrade.complete:
             say("course-kit: stopped. Nothing was changed. The same command goes on.")

@@ -13,7 +13,7 @@ import sys
 from contextlib import suppress
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.grading import limits, machine
 from course_kit.grading.errors import GradingError
@@ -34,6 +34,14 @@ _SHARED_MEMORY = "/dev/shm"  # noqa: S108 - only its free space is read
 _SHARED_KB = 64  # of shared memory, without which ROS 2 is killed when it is loaded
 _PROC = Path("/proc/self/stat")
 _AGAIN = ", then grade again."
+_OF_A_USER = (
+    "You may have {allowed} processes and threads here (ulimit -u), {used} are there, and a grading takes up to "
+    f"{{needed}}. End some or allow more (ulimit -u {{more}}){_AGAIN}"
+)
+_OF_A_GROUP = (
+    "This container or service may have {allowed} processes and threads (pids.max), {used} are there, and a grading "
+    f"takes up to {{needed}}. Allow more (docker run --pids-limit {{more}}){_AGAIN}"
+)
 _RESOURCES = (
     # What the kernel limits, its name for `ulimit`, and what it is.
     (resource.RLIMIT_NOFILE, "-n", "have {} open files"),
@@ -42,6 +50,14 @@ _RESOURCES = (
     (resource.RLIMIT_CPU, "-t", "compute for {} s"),
     (resource.RLIMIT_FSIZE, "-f", "write files of {} kB"),
 )
+
+
+class _TaskRoom(NamedTuple):
+    """How many processes and threads there may be, how many there are, and how to say that these are too many."""
+
+    allowed: int
+    used: int
+    told: str
 
 
 def require(promised: Limits) -> None:
@@ -83,6 +99,15 @@ def lacking(promised: Limits, *, guest: bool, disk: str = "") -> str:
     return next(chain(_shortages(promised, guest=guest), _full_disk(disk, 2 * promised.file_mb)), "")
 
 
+def side_by_side(promised: Limits) -> int:
+    """How many submissions that are promised so much this machine has processes for at the same time, at least one.
+
+    Each may use all it is promised: a thread that cannot be started then is the fault of none of them.
+    """
+    rooms = _task_rooms(guest=False)  # each worker's submissions have a user of their own, where they have one
+    return max(1, min(((room.allowed - room.used) // _tasks(promised) for room in rooms), default=_FEW))
+
+
 def raise_soft_limits() -> None:
     """Take for this process, and all it starts, what its user may have anyhow: many systems begin with little."""
     for what, _, _ in (*_RESOURCES, (resource.RLIMIT_NPROC, "", "")):
@@ -108,28 +133,27 @@ def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
                 f"A process may {told.format(allowed)} here (ulimit {option}), but a submission is promised {least}. "
                 f"Allow more (ulimit {option} {least}, or in /etc/security/limits.conf){_AGAIN}"
             )
-    tasks = promised.tasks + limits.SPARE_TASKS + _OWN_TASKS
-    yield from _too_few_tasks(tasks, guest=guest)
+    yield from _too_few_tasks(_tasks(promised), guest=guest)
     yield from _full_shared_memory()
 
 
 def _too_few_tasks(needed: int, *, guest: bool) -> Iterator[str]:
-    allowed, used = _known(resource.getrlimit(resource.RLIMIT_NPROC)[1]), 0
-    if not guest and allowed < _FEW:
-        used = tree.tasks_of_user(os.getuid())
-    if (guest or os.getuid() != 0) and allowed - used < needed:  # the kernel holds root to nothing
-        yield (
-            f"You may have {allowed} processes and threads here (ulimit -u), {used} are there, and a grading takes up "
-            f"to {needed}. End some or allow more (ulimit -u {used + needed}){_AGAIN}"
-        )
+    for room in _task_rooms(guest=guest):
+        if room.allowed - room.used < needed:
+            yield room.told.format(allowed=room.allowed, used=room.used, needed=needed, more=room.used + needed)
+
+
+def _task_rooms(*, guest: bool) -> Iterator[_TaskRoom]:
+    """What limits the processes and threads of all gradings together; a limit that nobody reaches is left out."""
+    allowed = _known(resource.getrlimit(resource.RLIMIT_NPROC)[1])
+    if guest:  # of whom there is nothing yet
+        yield _TaskRoom(allowed, 0, _OF_A_USER)
+    elif os.getuid() != 0 and allowed < _FEW:  # the kernel holds root to nothing
+        yield _TaskRoom(allowed, tree.tasks_of_user(os.getuid()), _OF_A_USER)
     for group in machine.own_groups("pids"):
         with suppress(OSError, ValueError):
             allowed, used = (int((group / f"pids.{name}").read_text(encoding="ascii")) for name in ("max", "current"))
-            if allowed - used < needed:
-                yield (
-                    f"This container or service may have {allowed} processes and threads (pids.max), {used} are there, "
-                    f"and a grading takes up to {needed}. Allow more (docker run --pids-limit {used + needed}){_AGAIN}"
-                )
+            yield _TaskRoom(allowed, used, _OF_A_GROUP)
 
 
 def _full_disk(folder: str, least_mb: int) -> Iterator[str]:
@@ -152,6 +176,11 @@ def _full_shared_memory() -> Iterator[str]:
                 f"{_SHARED_MEMORY} is full, and ROS 2 needs a little of it. Delete what nobody needs there, or give it "
                 f"more room (docker run --shm-size){_AGAIN}"
             )
+
+
+def _tasks(promised: Limits) -> int:
+    """Processes and threads that a grading may take."""
+    return promised.tasks + limits.SPARE_TASKS + _OWN_TASKS
 
 
 def _known(limit: int) -> int:

@@ -7,11 +7,13 @@ import os
 import platform
 import subprocess
 import sys
+from contextlib import closing
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit.classroom.executors import Local
 from course_kit.grading import machine, needs
 from course_kit.grading.limits import Limits
 from course_kit.grading.sandbox import isolation
@@ -43,6 +45,15 @@ except OSError:
 flags = ctypes.c_ulong(0x4000 | 0x40000)
 assert libc.mount(None, b"/", None, flags, None) == 0
 assert libc.mount(b"tmpfs", sys.argv.pop(1).encode(), b"tmpfs", ctypes.c_ulong(0), sys.argv.pop(1).encode()) == 0
+"""
+AS_NOBODY_ALONE = """
+import os, sys
+sys.path.insert(0, sys.argv.pop(1))
+from tests.grading.sandbox import attack_modes
+if os.getuid() == 0:
+    attack_modes.open_the_way(sys.base_prefix)
+    attack_modes.become_nobody()
+attack_modes.refuse_namespaces({})
 """
 FILLED = "open('/dev/shm/full', 'wb', buffering=0).write(bytes(8192))\n"
 
@@ -178,6 +189,37 @@ def test_a_container_may_have_too_few_processes(
     said = needs.lacking(Limits(), guest=True)
     assert ("240 processes and threads (pids.max), 50 are there" in said) == lacks
     assert bool(said) == lacks
+
+
+@pytest.mark.parametrize(("most", "slots"), [("max", 12), ("660", 3), ("200", 1)])
+def test_no_more_are_graded_at_once_than_a_container_has_processes_for(
+    most: str, slots: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each may take all it is promised: else a right program's thread could not be started, as its own fault."""
+    (tmp_path / "own").write_text("0::/\n")
+    (tmp_path / "pids.max").write_text(f"{most}\n")
+    (tmp_path / "pids.current").write_text("50\n")
+    monkeypatch.setattr(machine, "_CGROUPS", tmp_path)
+    monkeypatch.setattr(machine, "_OWN_GROUPS", tmp_path / "own")
+    with closing(Local(4, promised=[Limits()])) as executor:
+        assert executor.slots == slots
+
+
+def test_gradings_side_by_side_leave_each_other_their_threads() -> None:
+    """Without namespaces the kernel counts all tasks of a user together."""
+    with reachable_folder() as home:
+        for number in range(10):
+            (home / "work" / f"s{number}").mkdir(parents=True)
+            (home / "work" / f"s{number}" / f"{EXERCISE}.py").write_text(f"{SOLUTION.read_text()}\n# by s{number}\n")
+        home.chmod(0o777)
+        where = [str(home / "work"), "--out", str(home / "out")]
+        command = ["class", *where, "--exercise", EXERCISE, "--workers", "10"]
+        done = run(
+            [sys.executable, "-c", AS_NOBODY_ALONE + COMMAND, str(ROOT), *command],
+            HOME=str(home), TMPDIR=str(home), XDG_STATE_HOME=str(home),
+        )  # fmt: skip
+        assert "10 passed" in done.stderr, done.stderr
+        assert done.returncode == 0, done.stderr
 
 
 def test_without_namespaces_too_the_solution_is_graded_where_nothing_is_missing() -> None:

@@ -151,7 +151,7 @@ class ProgramGrader(Closing):
         self._exercise, self._store = exercise, store
         self._folder = tempfile.TemporaryDirectory(prefix="course-kit-prove-")
         self._reader = Reader()
-        self._executor = Local(workers or None, [exercise.grader] if exercise.grader else [])
+        self._executor = Local(workers or None, [exercise.grader] if exercise.grader else [], [exercise.limits])
 
     def close(self) -> None:
         """End them; what is under way is given up."""

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox.file_view import FileView
 
 _COUNTS_BY_NAMESPACE = (5, 14)  # Linux
+_STARTED_MEANWHILE = 1024  # processes and threads of the same user
 _NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}  # a program leaves nothing beside what it imports
 
 
@@ -110,7 +111,11 @@ def _user(job: Job) -> int:
 
 
 def _others(job: Job) -> int:
-    """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""
+    """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace.
+
+    With what others may start meanwhile, such as gradings side by side: a thread that cannot be started because of them
+    would be told as the submission's fault. What it may have itself the init process sees to.
+    """
     version = tuple(int(part) for part in os.uname().release.split(".")[:2])
     counted_apart = job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
-    return 0 if counted_apart else tree.tasks_of_user(os.getuid())
+    return 0 if counted_apart else tree.tasks_of_user(os.getuid()) + _STARTED_MEANWHILE
