@@ -192,9 +192,9 @@ def arrange_files(view: FileView, scratch: str, megabytes: int, user: int = 0) -
     Raises:
         OSError: the kernel refuses.
     """
-    file_view.lay_out(scratch, view, scratch, megabytes, user)
     with suppress(OSError):  # then only the filter of system calls keeps it from making user namespaces
         Path("/proc/sys/user/max_user_namespaces").write_text("0", encoding="ascii")
+    file_view.lay_out(scratch, view, scratch, megabytes, user)  # from here on /proc is read-only
 
 
 def become(user: int) -> None:

@@ -187,6 +187,36 @@ except OSError:
 """,
         ("files", "landlock"),
     ),
+    "changes_the_kernel": Attack(
+        "opens settings of the kernel for writing, such as the program that is run when one crashes",
+        "its /proc is read-only",
+        """
+import os
+mine = [name for name in os.listdir("/proc") if name.isdigit() or name in ("self", "thread-self", "net", "mounts")]
+for folder, folders, files in os.walk("/proc"):
+    folders[:] = [name for name in folders if folder != "/proc" or name not in mine]
+    for path in [os.path.join(folder, name) for name in files if name not in mine]:
+        try:
+            os.close(os.open(path, os.O_WRONLY | os.O_NONBLOCK))
+            print("WON: could write", path)
+        except OSError:
+            pass
+""",
+        ("files", "landlock"),
+    ),
+    "reads_the_machines_keys": Attack(
+        "lists the machine's private keys",
+        "its file system has none",
+        """
+import os
+for folder in ("/etc/ssl/private", "/etc/ssh"):
+    try:
+        print("WON:", os.listdir(folder), "in", folder)
+    except OSError:
+        pass
+""",
+        ("files", "landlock"),
+    ),
     "leaves_keys": Attack(
         "leaves a key in the user's session keyring",
         "it has an empty keyring of its own, and the calls are refused",
