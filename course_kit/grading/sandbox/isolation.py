@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.sandbox import file_view, landlock, namespaces, seccomp
+from course_kit.grading.sandbox import file_view, landlock, namespaces, seccomp, socket_memory
 from course_kit.process.fork import fork
 
 if TYPE_CHECKING:
@@ -171,6 +171,8 @@ def enter_network(user: int = 0) -> None:
     """Put this process and its later children into a network of their own with nothing but loopback."""
     namespaces.enter(namespaces.CLONE_NEWNET, user)
     namespaces.raise_loopback()
+    with suppress(OSError):  # then a socket of TCP may hold more than it counts with
+        socket_memory.bound_tcp()
 
 
 def enter_processes(user: int = 0) -> None:
