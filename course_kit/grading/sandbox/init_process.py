@@ -189,7 +189,8 @@ class _Watch:
         everything = self._everything()
         usage = tree.usage(everything)
         waited_s = self._waiting.look(everything, usage.tasks)
-        return {"cpu_s": usage.cpu_s, "waited_s": waited_s, "tasks": usage.tasks, "memory": usage.memory}
+        times = {"cpu_s": usage.cpu_s, "waited_s": waited_s, "hidden_s": self._waiting.hidden_s}
+        return {**times, "tasks": usage.tasks, "memory": usage.memory}
 
 
 def _how(status: int) -> Record:
