@@ -72,7 +72,7 @@ def held(process_ids: Iterable[int], patience_s: float) -> Held:
     hidden = False
     for process_id in process_ids:
         try:
-            _note_held(process_id, sizes, sockets)
+            _note_all_held(process_id, sizes, sockets)
         except PermissionError:
             hidden = True
         except OSError:  # it has ended
@@ -82,10 +82,27 @@ def held(process_ids: Iterable[int], patience_s: float) -> Held:
     return Held(sum(sizes.values()), len(sockets), hidden)
 
 
-def _note_held(process_id: int, sizes: dict[tuple[int, int], int], sockets: set[str]) -> None:
-    """Add the files in memory of a process, by device and number, and its sockets, by name."""
+def _note_all_held(process_id: int, sizes: dict[tuple[int, int], int], sockets: set[str]) -> None:
+    """Add what a process holds, whichever of its threads /proc tells it by.
+
+    Raises:
+        PermissionError: it hides that.
+        OSError: it has ended.
+    """
+    for number_of in (int, tree.speaker):
+        number = number_of(process_id)
+        try:
+            if _note_held(number, sizes, sockets):
+                return
+        except PermissionError:
+            if tree.has_memory(number):  # else it is about to end, and belongs to root from then on
+                raise
+
+
+def _note_held(process_id: int, sizes: dict[tuple[int, int], int], sockets: set[str]) -> bool:
+    """Add files in memory, by device and number, and sockets, by name; whether anything at all is open."""
     folder = f"/proc/{process_id}/fd"
-    names = os.listdir(folder) or os.listdir(folder := f"/proc/{tree.speaker(process_id)}/fd")  # noqa: PTH208 - hot
+    names = os.listdir(folder)  # noqa: PTH208 - hot
     for name in names:
         with suppress(FileNotFoundError):  # closed meanwhile
             target = os.readlink(f"{folder}/{name}")  # noqa: PTH115 - hot
@@ -94,6 +111,7 @@ def _note_held(process_id: int, sizes: dict[tuple[int, int], int], sockets: set[
                 sizes[status.st_dev, status.st_ino] = status.st_blocks * 512
             elif target.startswith("socket:"):
                 sockets.add(target)
+    return bool(names)
 
 
 def oom_kills() -> int:

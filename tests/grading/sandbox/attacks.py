@@ -326,6 +326,20 @@ for family, address in ((socket.AF_UNIX, %SOCKET%), (socket.AF_UNIX, "\\0" + %NA
 """,
         ("network", "files"),
     ),
+    "lends_its_output": Attack(
+        "sends its output to a process that lives on, so that whoever reads it never comes to an end",
+        "no more is read of a program that has ended than it can have left",
+        """
+import socket
+for address in (%SOCKET%, "\\0" + %NAME%):
+    line = socket.socket(socket.AF_UNIX)
+    try:
+        line.connect(address)
+        socket.send_fds(line, [b"x"], [1, 2])  # they lie there as long as the server lives, which does not take them
+    except OSError:
+        pass
+""",
+    ),
     "plants_files": Attack(
         "writes outside its scratch directory",
         "all else is read-only",
