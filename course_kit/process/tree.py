@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterable
 
 _TICKS = os.sysconf("SC_CLK_TCK")
+_ENDED = "Z"  # as a state: of a process, or of its first thread while others go on
 _PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
@@ -55,10 +56,37 @@ def usage(process_ids: Iterable[int]) -> Usage:
     for process_id in process_ids:
         with suppress(OSError, ValueError, IndexError):
             fields = _stat(process_id)
+            if fields[0] == _ENDED and int(fields[17]) > 1:
+                fields = _stat(speaker(process_id))
             cpu_s += sum(map(int, fields[11:15])) / _TICKS
             tasks += int(fields[17])
             memory += int(fields[21]) * _PAGE
     return Usage(cpu_s, tasks, memory)
+
+
+def speaker(process_id: int) -> int:
+    """A number by which /proc tells a process's memory and files: its own, or a thread's if the first has ended.
+
+    Raises:
+        OSError: it has ended.
+    """
+    if _stat(process_id)[0] != _ENDED:
+        return process_id
+    threads = [int(name) for name in os.listdir(f"/proc/{process_id}/task")]  # noqa: PTH208 - hot
+    return next((thread for thread in threads if thread != process_id and _lives(thread)), process_id)
+
+
+def has_memory(process_id: int) -> bool:
+    """Whether a process, or a thread, has memory still; the first thing that one gives back which ends."""
+    with suppress(OSError, ValueError, IndexError):
+        return int(_stat(process_id)[20]) > 0
+    return False
+
+
+def _lives(thread: int) -> bool:
+    with suppress(OSError, IndexError):
+        return _stat(thread)[0] != _ENDED
+    return False
 
 
 def tasks_of_user(user: int) -> int:

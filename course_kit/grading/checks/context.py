@@ -288,7 +288,7 @@ class CheckContext:
     def _look(self, own_waiting: Callable[[], float] = scheduling.own_waiting) -> State:
         if self._started:
             process = self.process(fresh=True)
-            self._used = self._used_before.plus(process.cpu_s, process.waited_s)
+            self._used = self._used_before.plus(process.cpu_s, process.waited_s, process.hidden_s)
         busy_s = machine.processor_times().busy
         return State(self._used, Used(time.process_time(), own_waiting()), busy_s or None)
 

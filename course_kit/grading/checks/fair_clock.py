@@ -19,18 +19,24 @@ class Used(NamedTuple):
     Attributes:
         cpu_s: seconds of computing, all of them together.
         waited_s: seconds the one that suffered most was ready to run and others had the processors.
+        hidden_s: seconds of computing that nobody knows of, at most.
     """
 
     cpu_s: float = 0.0
     waited_s: float = 0.0
+    hidden_s: float = 0.0
 
-    def plus(self, cpu_s: float, waited_s: float) -> Used:
+    def plus(self, cpu_s: float, waited_s: float, hidden_s: float = 0.0) -> Used:
         """The same and more."""
-        return Used(self.cpu_s + cpu_s, self.waited_s + waited_s)
+        return Used(self.cpu_s + cpu_s, self.waited_s + waited_s, self.hidden_s + hidden_s)
 
     def since(self, before: Used) -> Used:
         """What has come to it since then."""
-        return Used(self.cpu_s - before.cpu_s, self.waited_s - before.waited_s)
+        return Used(
+            cpu_s=self.cpu_s - before.cpu_s,
+            waited_s=self.waited_s - before.waited_s,
+            hidden_s=self.hidden_s - before.hidden_s,
+        )
 
 
 class State(NamedTuple):
@@ -165,5 +171,6 @@ class FairClock:
         since = State(now.submission.since(before.submission), now.grader.since(before.grader))
         lost = min(waited(since), wall - since.submission.cpu_s / self._share, self._most * wall)
         if now.busy_s is not None and before.busy_s is not None:
-            lost = min(lost, now.busy_s - before.busy_s - since.submission.cpu_s - since.grader.cpu_s)
+            own = since.submission.cpu_s + since.submission.hidden_s + since.grader.cpu_s
+            lost = min(lost, now.busy_s - before.busy_s - own)
         return max(lost, 0.0)

@@ -19,6 +19,7 @@ class ProcessStatus:
     limit: str | None = None
     cpu_s: float = 0.0
     waited_s: float = 0.0
+    hidden_s: float = 0.0
     tasks: int = 0
     memory: int = 0
     stdout: str = ""

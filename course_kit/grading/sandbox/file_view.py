@@ -25,7 +25,10 @@ ROBOT = str(_PACKAGE / "robot.py")  # the one module that exercises ask a submis
 MODULES_OF_KIT = ("autoload", "robot", "environment", "interfaces", "launch")
 _PARTS_OF_KIT = ("__init__.py", "py.typed", *MODULES_OF_KIT, *(f"{name}.py" for name in MODULES_OF_KIT))
 _SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store")
-_SETTINGS = ("ld.so.cache", "ld.so.conf", "ld.so.conf.d", "alternatives", "localtime", "timezone", "mime.types", "ssl")
+_SETTINGS = (
+    *("ld.so.cache", "ld.so.conf", "ld.so.conf.d", "alternatives", "localtime", "timezone", "mime.types"),
+    *("ssl/certs", "ssl/openssl.cnf"),  # and not ssl/private, which holds the machine's keys
+)
 _SEARCH_PATHS = ("LD_LIBRARY_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "COURSE_KIT_INTERFACE_PATH")
 _DEVICES = ("null", "zero", "random", "urandom")
 _DEVICE_LINKS = {"fd": "/proc/self/fd", "stdin": "fd/0", "stdout": "fd/1", "stderr": "fd/2"}
@@ -146,6 +149,7 @@ def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int =
         mounts.processes(f"{root}/proc")
     except OSError:  # refused in containers that mask parts of /proc: the old one shows more, and allows no more
         mounts.bind("/proc", f"{root}/proc")
+    mounts.make_read_only(f"{root}/proc")  # the kernel's settings ask who writes, and not what he is capable of
     mounts.change_root(root)
     os.umask(umask)
 

@@ -12,14 +12,13 @@ import signal
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from course_kit.grading.sandbox import memory, namespaces, runner
+from course_kit.grading.sandbox import memory, namespaces, runner, socket_memory
 from course_kit.grading.sandbox.isolation import arrange_files
 from course_kit.grading.sandbox.scheduling import Waiting, last_task
 from course_kit.process import tree
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
-    from course_kit.grading.limits import Limits
     from course_kit.grading.plain_data import Record
     from course_kit.grading.sandbox.runner import Program
     from course_kit.grading.sandbox.sandbox import Conditions, Streams
@@ -54,6 +53,8 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
         os.set_blocking(end, False)
     signal.signal(signal.SIGCHLD, lambda *_: None)
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    starting, arranged = os.pipe()
+    os.set_blocking(starting, False)
     child = os.fork()
     if child == 0:
         try:
@@ -63,24 +64,36 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
         finally:
             os._exit(FAILED)
     namespaces.forbid_tracing()
-    for end in (inside.stdout, inside.stderr, inside.evidence):
+    for end in (inside.stdout, inside.stderr, inside.evidence, arranged):
         os.close(end)
-    _Watch(child, cell.limits, inside, Waiting(child, with_children=bool(program.command))).until_end(reader)
+    waiting = Waiting(child, with_children=bool(program.command))
+    _Watch(child, cell, inside, waiting, starting).until_end(reader)
     if not cell.isolation.processes:
         tree.end_descendants()
     os._exit(0)
 
 
 class _Watch:
-    def __init__(self, child: int, limits: Limits, inside: Streams, waiting: Waiting) -> None:
+    def __init__(self, child: int, cell: Conditions, inside: Streams, waiting: Waiting, starting: int) -> None:
+        """Watch a program.
+
+        Args:
+            child: the number of its process.
+            cell: under which conditions.
+            inside: the streams' ends for the sandbox.
+            waiting: who keeps it from running.
+            starting: a pipe that ends when the process is locked in, and becomes the program.
+        """
         self._child = child
-        self._limits = limits
+        self._limits = cell.limits
+        self._own_network = cell.isolation.network
         self._inside = inside
         self._waiting = waiting
+        self._starting = starting
         self._root = tree.this_process()
         self._known: list[int] = []  # what was there when the task `_last` was the latest that had been started
         self._last = 0
-        self._files, self._files_at = 0, -1.0  # bytes in files in memory, and what had been computed then
+        self._held, self._held_at = memory.Held(), -1.0  # by descriptors, and what had been computed then
 
     def until_end(self, wakeup: int) -> None:
         poll = select.poll()
@@ -130,17 +143,35 @@ class _Watch:
         self._waiting.notice(everything, usage.tasks)
         if usage.tasks > self._limits.tasks:
             return "processes"
-        allowed = self._limits.memory_mb * _MB
-        files = self._files_in_memory(everything, usage.cpu_s)
-        if usage.memory + files > allowed and memory.exact_use(everything, files, _PATIENCE_S) > allowed:
-            return "memory"
-        return ""
+        return "memory" if self._takes_too_much(everything, usage) else ""
 
-    def _files_in_memory(self, everything: list[int], computed: float) -> int:
-        """Bytes that take memory without being mapped; a program that has not computed meanwhile has written none."""
-        if computed != self._files_at:
-            self._files, self._files_at = memory.in_files(everything, _PATIENCE_S), computed
-        return self._files
+    def _takes_too_much(self, everything: list[int], usage: tree.Usage) -> bool:
+        allowed = self._limits.memory_mb * _MB
+        files, sockets, hidden = self._what_is_held(everything, usage.cpu_s)
+        if hidden:
+            return True
+        if usage.memory + files + socket_memory.at_most(sockets) <= allowed:
+            return False
+        in_sockets = socket_memory.in_use(sockets) if self._own_network else socket_memory.of_others(sockets)
+        return memory.exact_use(everything, files, _PATIENCE_S) + in_sockets > allowed
+
+    def _what_is_held(self, everything: list[int], computed: float) -> memory.Held:
+        """What takes memory without being mapped; a program that has not computed meanwhile has not changed it."""
+        if computed != self._held_at:
+            started = self._has_started()  # first: until then its process hides as the grader's own do
+            held = memory.held(everything, _PATIENCE_S)
+            sockets = socket_memory.number_here() if self._own_network else held.sockets
+            self._held = held._replace(sockets=sockets, hidden=held.hidden and started)
+            self._held_at = computed
+        return self._held
+
+    def _has_started(self) -> bool:
+        if self._starting >= 0:
+            with suppress(BlockingIOError):
+                os.read(self._starting, 1)
+                os.close(self._starting)
+                self._starting = -1
+        return self._starting < 0
 
     def _everything(self) -> list[int]:
         """All the program has started; process 1 of a PID namespace sees nothing else.
@@ -158,7 +189,8 @@ class _Watch:
         everything = self._everything()
         usage = tree.usage(everything)
         waited_s = self._waiting.look(everything, usage.tasks)
-        return {"cpu_s": usage.cpu_s, "waited_s": waited_s, "tasks": usage.tasks, "memory": usage.memory}
+        times = {"cpu_s": usage.cpu_s, "waited_s": waited_s, "hidden_s": self._waiting.hidden_s}
+        return {**times, "tasks": usage.tasks, "memory": usage.memory}
 
 
 def _how(status: int) -> Record:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.sandbox import file_view, landlock, namespaces, seccomp
+from course_kit.grading.sandbox import file_view, landlock, namespaces, seccomp, socket_memory
 from course_kit.process.fork import fork
 
 if TYPE_CHECKING:
@@ -171,6 +171,8 @@ def enter_network(user: int = 0) -> None:
     """Put this process and its later children into a network of their own with nothing but loopback."""
     namespaces.enter(namespaces.CLONE_NEWNET, user)
     namespaces.raise_loopback()
+    with suppress(OSError):  # then a socket of TCP may hold more than it counts with
+        socket_memory.bound_tcp()
 
 
 def enter_processes(user: int = 0) -> None:
@@ -192,9 +194,9 @@ def arrange_files(view: FileView, scratch: str, megabytes: int, user: int = 0) -
     Raises:
         OSError: the kernel refuses.
     """
-    file_view.lay_out(scratch, view, scratch, megabytes, user)
     with suppress(OSError):  # then only the filter of system calls keeps it from making user namespaces
         Path("/proc/sys/user/max_user_namespaces").write_text("0", encoding="ascii")
+    file_view.lay_out(scratch, view, scratch, megabytes, user)  # from here on /proc is read-only
 
 
 def become(user: int) -> None:

@@ -67,6 +67,18 @@ class OutputCollector:
         else:
             self._keep(name, data)
 
+    def take_the_rest(self) -> None:
+        """Read what is left when all processes of the sandbox are dead.
+
+        The streams need not end: without a network of its own a program may have sent them to a process that lives on,
+        and that may write for ever. So no more is read than can have been there.
+        """
+        for name in self.open_streams().values():
+            for _ in range(0, _LAST_WORDS, _CHUNK):
+                if getattr(self._streams, name) >= 0:
+                    self.take(name)
+        self.over = True
+
     def too_much_output(self) -> bool:
         """Whether it has printed more than it may."""
         return sum(output.count for output in self._output.values()) > self._limit

@@ -74,25 +74,13 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
         cell: under which conditions.
         inside: the streams' ends for the sandbox.
     """
-    set_name("submission")
-    folder = cell.scratch
-    os.setsid()
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it
-    atexit._clear()  # noqa: SLF001 - what the launcher has registered is not the program's
-    os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
     try:
-        locking.lock_in(cell)
-    except OSError as problem:  # it worked when it was tried out
-        inside.tell(problem=f"the sandbox cannot be closed: {problem}")
+        evidence = _lock_in(cell, inside)
+        program = _prepare(program, cell)
+    except Exception as problem:  # noqa: BLE001 - all of it is the kit's; it worked when it was tried out
+        inside.tell(problem=f"the program could not be started: {problem}")
         return
-    evidence = _arrange_streams(inside)
-    variables = {**cell.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}
-    os.environ.update(variables)
-    sys.dont_write_bytecode = True
-    tempfile.tempdir = None  # the grader's own choice; TMPDIR counts now
-    os.chdir(program.folder or folder)
-    limits.apply_to_this_process(cell.limits, cell.others)
-    program = _with_files(program, Path(folder))
+    os.close(inside.status)
     if program.command:
         _execute(program)
     gc.enable()
@@ -111,14 +99,45 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
     _finish(status)
 
 
+def _lock_in(cell: Conditions, inside: Streams) -> int:
+    """Give up every right and every stream that is not the program's; returns the descriptor for evidence.
+
+    Of `inside` only the status is open then, on which a failure can still be told.
+    """
+    set_name("submission")
+    os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it
+    atexit._clear()  # noqa: SLF001 - what the launcher has registered is not the program's
+    os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
+    locking.lock_in(cell)
+    return _arrange_streams(inside)
+
+
+def _prepare(program: Program, cell: Conditions) -> Program:
+    """Lay out all that the program finds when it begins; returns it with the names of its files among its arguments."""
+    folder = cell.scratch
+    variables = {**cell.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}
+    os.environ.update(variables)
+    sys.dont_write_bytecode = True
+    tempfile.tempdir = None  # the grader's own choice; TMPDIR counts now
+    os.chdir(program.folder or folder)
+    program = _with_files(program, Path(folder))
+    if not program.command:
+        Path(program.name).write_text(program.source, encoding="utf-8", errors="surrogatepass")
+    limits.apply_to_this_process(cell.limits, cell.others)
+    return program
+
+
 def _arrange_streams(inside: Streams) -> int:
-    """Standard streams to the pipes, every other descriptor closed but the one returned."""
-    evidence = fcntl.fcntl(inside.evidence, fcntl.F_DUPFD_CLOEXEC, _FIRST_HIGH_DESCRIPTOR)
+    """Standard streams to the pipes, every other descriptor closed but the one returned and that of the status."""
+    evidence, inside.status = (
+        fcntl.fcntl(one, fcntl.F_DUPFD_CLOEXEC, _FIRST_HIGH_DESCRIPTOR) for one in (inside.evidence, inside.status)
+    )
     nothing = os.open(os.devnull, os.O_RDONLY)
     for source, target in ((nothing, 0), (inside.stdout, 1), (inside.stderr, 2)):
         os.dup2(source, target)
     os.closerange(3, evidence)
-    os.closerange(evidence + 1, os.sysconf("SC_OPEN_MAX"))
+    os.closerange(inside.status + 1, os.sysconf("SC_OPEN_MAX"))
     sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115 - it stays open
     for name, descriptor in (("stdout", 1), ("stderr", 2)):
         stream = _text(descriptor)
@@ -156,7 +175,6 @@ def _execute(program: Program) -> None:
 
 def _run(program: Program, evidence: int) -> None:
     path = Path.cwd() / program.name
-    path.write_text(program.source, encoding="utf-8")
     sys.argv = [program.name, *program.arguments]
     sys.path.insert(0, str(path.parent))
     module = ModuleType("__main__")

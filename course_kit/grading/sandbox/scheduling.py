@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import os
 import resource
+import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
 _PROC = "/proc"
 _TICKS = os.sysconf("SC_CLK_TCK")
 _NS = 1e9
 _OWN, _OF_CHILDREN = slice(11, 13), slice(13, 15)  # columns of /proc/PID/stat after the name: times of computing
-_UNSEEN = 8  # tasks of a program with children that may come and go without being noticed
 
 
 class _Times(NamedTuple):
@@ -43,24 +43,37 @@ class Waiting:
     Between two looks that is the time of the thread that has waited longest, minus what everything else of the program
     has computed meanwhile: while that had a processor, the waiting was the program's own doing. Its children are
     counted as what keeps it waiting, and not as what waits: the node is in the program itself.
+
+    What children compute that come and go between two looks, nobody need ever be told (SIGCHLD may be ignored). So as
+    many as there were of them are taken to have had a processor each for all the time, as far as there are so many.
+
+    Attributes:
+        seconds: of waiting.
+        hidden_s: seconds that children may have computed at most without anybody's notice.
     """
 
-    def __init__(self, program: int, *, with_children: bool) -> None:
+    def __init__(
+        self, program: int, *, with_children: bool, clock: Callable[[], float] = time.monotonic, processors: int = 0
+    ) -> None:
         """Begin with a program that has just been started.
 
         Args:
             program: the number of its process.
             with_children: whether the node may be in any process that the program starts, as with a command.
+            clock: seconds since whenever.
+            processors: how many it may use; 0 for those of this process.
         """
-        self.seconds = 0.0
+        self.seconds = self.hidden_s = 0.0
+        self._clock, self._processors = clock, processors or len(os.sched_getaffinity(0))
         self._program, self._with_children = program, with_children
         self._threads: dict[str, _Times] = {}
         self._children: dict[int, float] = {}  # seconds of computing, also of those that have ended
         self._reaped = _reaped()  # of processes that are none of the program's
         self._ended = 0.0  # seconds of threads and children that have ended, as far as the kernel adds them up
         self._elsewhere = 0.0  # the last two together, at the last look
-        self._tasks, self._last_task = 0, 0
-        self._in_the_dark = False  # since the last look: nobody knows what some children have computed
+        self._has_children = False
+        self._tasks, self._last_task, self._noticed_at = 0, 0, clock()
+        self._hidden_before = 0.0  # at the last look
 
     def notice(self, process_ids: Sequence[int], tasks: int) -> None:
         """Take in what children have computed, as often as possible: of one that has ended nobody else may know.
@@ -69,15 +82,19 @@ class Waiting:
             process_ids: the program and everything it has started.
             tasks: how many processes and threads that is.
         """
-        if self._with_children or (len(process_ids) == 1 and not self._children):
+        self._has_children |= len(process_ids) > 1
+        if not self._has_children:
             return
-        for child in process_ids:
-            if child != self._program:
-                computed = sum(_columns(child, _OWN)) / _TICKS
-                self._children[child] = max(computed, self._children.get(child, 0.0))
+        if not self._with_children:  # else they are looked at thread by thread
+            for child in process_ids:
+                if child != self._program:
+                    computed = sum(_columns(child, _OWN)) / _TICKS
+                    self._children[child] = max(computed, self._children.get(child, 0.0))
         before, self._tasks = self._tasks, tasks
         last, self._last_task = self._last_task, last_task()
-        self._in_the_dark |= bool(last) and self._last_task - last - max(tasks - before, 0) > _UNSEEN
+        since, self._noticed_at = self._noticed_at, self._clock()
+        if last and (unseen := self._last_task - last - max(tasks - before, 0)) > 0:
+            self.hidden_s += min(unseen, self._processors) * (self._noticed_at - since)
 
     def look(self, process_ids: Sequence[int], tasks: int) -> float:
         """Look at the program, and return the seconds so far; for the arguments see `notice`."""
@@ -89,11 +106,10 @@ class Waiting:
         for name, times in self._threads.items():
             earlier = before.get(name, _Times(0.0, 0.0))
             computed[name], waited[name] = times.computed - earlier.computed, times.waited - earlier.waited
-        everything = sum(computed.values()) + self._computed_elsewhere()
+        hidden, self._hidden_before = self.hidden_s - self._hidden_before, self.hidden_s
+        everything = sum(computed.values()) + self._computed_elsewhere() + hidden
         longest = max((waited[name] - (everything - computed[name]) for name in waited), default=0.0)
-        if not self._in_the_dark:
-            self.seconds += max(longest, 0.0)
-        self._in_the_dark = False
+        self.seconds += max(longest, 0.0)
         return self.seconds
 
     def _computed_elsewhere(self) -> float:

@@ -13,6 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 _PREFIX = "course-kit-worker-"
+_MODE = 0o711  # a submission that runs as a user of its own finds its directory in it, and sees no other
 _NAME = re.compile(rf"{_PREFIX}(?P<process>\d+)-\w+\Z")
 
 
@@ -22,12 +23,15 @@ def make() -> Path:
         with suppress(OSError):  # somebody else removes it at the same time
             if _is_left_over(path):
                 remove(path)
-    return Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-"))
+    folder = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-"))
+    folder.chmod(_MODE)
+    return folder
 
 
 def clear(folder: Path) -> None:
     """Remove what a grading that was broken off has left in the folder, and make it anew if somebody has removed it."""
     folder.mkdir(mode=0o700, exist_ok=True)
+    folder.chmod(_MODE)  # whatever the mask of this process is
     for path in folder.iterdir():
         remove(path)
 

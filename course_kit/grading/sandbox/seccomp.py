@@ -1,7 +1,8 @@
 """System calls that a submission does without (seccomp(2)): the kernel answers them with "not permitted".
 
 They would lead out of the sandbox (other processes' memory and descriptors, namespaces, mounts, keyrings, the
-terminal's input), or take memory that nothing counts (System V's). The filter holds for all descendants and cannot be
+terminal's input), take memory that nothing counts (System V's, large buffers of sockets), or hide what is counted (a
+process's descriptors). The filter holds for all descendants and cannot be
 taken back. It needs no privilege and works where namespaces do not.
 """
 
@@ -17,23 +18,37 @@ from course_kit.grading.sandbox import namespaces
 from course_kit.process import libc
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
 _PR_SET_SECCOMP, _MODE_FILTER = 22, 2
 
 # Offsets in struct seccomp_data.
-_NUMBER, _ARCHITECTURE, _FIRST_ARGUMENT, _SECOND_ARGUMENT = 0, 4, 16, 24
-# BPF: load a word, compare, test bits, return.
-_LOAD, _EQUAL, _BITS, _AT_LEAST, _RETURN = 0x20, 0x15, 0x45, 0x35, 0x06
+_NUMBER, _ARCHITECTURE, _FIRST_ARGUMENT, _SECOND_ARGUMENT, _THIRD_ARGUMENT = 0, 4, 16, 24, 32
+# BPF: load a word, compare, test bits, keep some bits, return.
+_LOAD, _EQUAL, _BITS, _AT_LEAST, _AND, _RETURN = 0x20, 0x15, 0x45, 0x35, 0x54, 0x06
 _ALLOW, _ERRNO = 0x7FFF0000, 0x00050000
+_DONE = _ERRNO  # without doing it: error 0 is none
 
 _NAMESPACE_FLAGS = 0x7E020080  # CLONE_NEW..., time namespaces included
 _TIOCSTI, _TIOCLINUX = 0x5412, 0x541C  # type into a terminal
+_CLONE_FILES, _CLONE_THREAD = 0x400, 0x10000
+_CLOSE_RANGE_UNSHARE = 2
+# Options of prctl: PR_SET_DUMPABLE would keep the init process from seeing which files in memory are open.
+_REFUSED_OPTIONS = (4,)
+# What can be counted: AF_UNIX, AF_INET, AF_INET6 and AF_NETLINK, with none of the protocols that come after IDP.
+_FAMILIES = (1, 2, 10, 16)
+_PROTOCOLS = 23
+_SOL_SOCKET, _BUFFER_SIZES = 1, (7, 8)  # SO_SNDBUF, SO_RCVBUF: the kernel cuts down such a wish, too
 _X32 = 0x40000000  # system calls of the x32 interface of x86-64
 
 _AUDIT = {"x86_64": 0xC000003E, "aarch64": 0xC00000B7}
 _CLONE = {"x86_64": 56, "aarch64": 220}
 _IOCTL = {"x86_64": 16, "aarch64": 29}
+_PRCTL = {"x86_64": 157, "aarch64": 167}
+_SOCKET = {"x86_64": 41, "aarch64": 198}
+_SOCKETPAIR = {"x86_64": 53, "aarch64": 199}
+_SETSOCKOPT = {"x86_64": 54, "aarch64": 208}
+_CLOSE_RANGE = 436
 _CLONE3 = 435  # its flags lie in memory where no filter can look; the C library falls back to clone
 
 # Newer calls have the same number everywhere.
@@ -156,15 +171,34 @@ def _filter(machine: str) -> Iterator[bytes]:
     yield from _if(_EQUAL, _CLONE3, unknown)
     for number in sorted(_REFUSED[machine].values()):
         yield from _if(_EQUAL, number, refuse)
-    yield _instruction(_EQUAL, _CLONE[machine], 0, 3)
-    yield _load(_FIRST_ARGUMENT)
-    yield from _if(_BITS, _NAMESPACE_FLAGS, refuse)
-    yield _load(_NUMBER)
-    yield _instruction(_EQUAL, _IOCTL[machine], 0, 5)
-    yield _load(_SECOND_ARGUMENT)
-    yield from _if(_EQUAL, _TIOCSTI, refuse)
-    yield from _if(_EQUAL, _TIOCLINUX, refuse)
+    for number, tests in _by_arguments(machine):
+        yield _instruction(_EQUAL, number, 0, len(tests) + 1)
+        yield from tests
+        yield _load(_NUMBER)
     yield _return(_ALLOW)
+
+
+def _by_arguments(machine: str) -> Iterator[tuple[int, list[bytes]]]:
+    """System calls that are refused for some arguments: the number, and the instructions that find these."""
+    refuse = _ERRNO | errno.EPERM
+    # A thread with descriptors of its own would have some that /proc does not list with those of its process.
+    threads = [_instruction(_AND, _CLONE_THREAD | _CLONE_FILES), *_if(_EQUAL, _CLONE_THREAD, refuse)]
+    yield _CLONE[machine], [_load(_FIRST_ARGUMENT), *_if(_BITS, _NAMESPACE_FLAGS, refuse), *threads]
+    yield _CLOSE_RANGE, [_load(_THIRD_ARGUMENT), *_if(_BITS, _CLOSE_RANGE_UNSHARE, refuse)]
+    yield _IOCTL[machine], [_load(_SECOND_ARGUMENT), *_any((_TIOCSTI, _TIOCLINUX), refuse)]
+    yield _PRCTL[machine], [_load(_FIRST_ARGUMENT), *_any(_REFUSED_OPTIONS, refuse)]
+    sizes = [_load(_THIRD_ARGUMENT), *_any(_BUFFER_SIZES, _DONE)]
+    yield _SETSOCKOPT[machine], [_load(_SECOND_ARGUMENT), _instruction(_EQUAL, _SOL_SOCKET, 0, len(sizes)), *sizes]
+    families = [_instruction(_EQUAL, family, len(_FAMILIES) - at) for at, family in enumerate(_FAMILIES)]
+    families = [_load(_FIRST_ARGUMENT), *families, _return(_ERRNO | errno.EAFNOSUPPORT)]
+    protocols = [_load(_THIRD_ARGUMENT), *_if(_AT_LEAST, _PROTOCOLS, _ERRNO | errno.EPROTONOSUPPORT)]
+    for call in (_SOCKET[machine], _SOCKETPAIR[machine]):
+        yield call, [*families, *protocols]
+
+
+def _any(values: Iterable[int], result: int) -> Iterator[bytes]:
+    for value in values:
+        yield from _if(_EQUAL, value, result)
 
 
 def _if(test: int, value: int, result: int) -> Iterator[bytes]:

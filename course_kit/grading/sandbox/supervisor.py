@@ -282,10 +282,7 @@ class Supervisor:
         if self._sandbox is None or self._collector is None:
             return
         self._sandbox.end()
-        # All writers are dead: the streams end, and reading them cannot block.
-        while streams := self._collector.open_streams():
-            for name in streams.values():
-                self._collector.take(name)
+        self._collector.take_the_rest()
         self._sandbox.streams.close()
 
     def _stop(self) -> None:

@@ -159,8 +159,6 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
     folder = scratch.make()
     found = common.isolation
     user = isolation.guest(os.getpid()) if found.user else 0
-    if user:
-        folder.chmod(0o711)  # that user finds its own directory in it, and sees no other
     os.environ["ROS_LOG_DIR"] = str(folder)  # of the grader process, which logs nothing
     loaded = set(common.loaded)
     try:

@@ -30,8 +30,8 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Time:
 
 
 def look(**values: Any) -> State:
-    """A state by its figures that are not 0: `waited` and `computed` of the submission, the same of the grader."""
-    submission = Used(values.get("computed", 0.0), values.get("waited", 0.0))
+    """A state by its figures that are not 0: of the submission (`hidden` among them) and of the grader."""
+    submission = Used(values.get("computed", 0.0), values.get("waited", 0.0), values.get("hidden", 0.0))
     grader = Used(values.get("grader_computed", 0.0), values.get("grader_waited", 0.0))
     return State(submission, grader, values.get("busy"))
 
@@ -48,6 +48,16 @@ def test_waiting_for_a_processor_is_not_counted(clock: Time) -> None:
     assert fair.grader_lost() == 1.5
     assert not fair.past(2.6)
     assert fair.past(2.4)
+
+
+def test_what_nobody_knows_of_counts_as_the_submissions_own(clock: Time) -> None:
+    states = [look(busy=10.0)]
+    fair = FairClock(Recent(lambda: states[-1]))
+    clock.now += 4.0
+    states.append(look(grader_waited=3.0, busy=18.0))
+    assert fair.fair() == 1.0
+    states.append(look(grader_waited=3.0, hidden=6.0, busy=18.0))
+    assert fair.fair() == 2.0
 
 
 def test_threads_are_counted_only_when_the_time_can_be_up(clock: Time) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
@@ -130,6 +131,8 @@ SLOW = """
             time.sleep(0.2)
 """
 ANSWERS = '        """Answer one request; a refusal carries its reason."""\n'
+IMPORTS = "import hashlib\nimport os\nimport signal\nimport threading\nimport time\n"
+UNNOTICED = "with children too short to be noticed"
 STARVERS = {
     "alone": "def starve():\n    pass\n",
     "with twelve busy children": """
@@ -139,15 +142,50 @@ def starve():
             while True:
                 pass
 """,
+    UNNOTICED: """
+def fork_without_end():
+    os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
+    while True:
+        if os.fork() == 0:
+            end = time.process_time() + 0.014
+            while time.process_time() < end:
+                pass
+            os._exit(0)
+        try:
+            os.wait()
+        except ChildProcessError:  # it has ended
+            pass
+
+def wait_for_a_processor():
+    os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
+    os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 19)
+    much = bytes(2**27)
+    while True:
+        hashlib.sha256(much)  # others may run Python meanwhile
+
+def starve():
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # they are not waited for, and nobody is told what they have used
+    for begin in (fork_without_end, wait_for_a_processor):
+        threading.Thread(target=begin, daemon=True).start()
+""",
 }
+
+
+def starving(starver: str) -> str:
+    changes = (("import math\n", f"import math\n{IMPORTS}{STARVERS[starver]}"), (ANSWERS, ANSWERS + SLOW))
+    return changed("temperature_service", *changes)
 
 
 @pytest.mark.parametrize("starver", STARVERS)
 def test_starving_itself_buys_a_slow_program_no_patience(starver: str, grade: Grade) -> None:
-    changes = (
-        ("import math\n", f"import math\nimport os\nimport time\n{STARVERS[starver]}"),
-        (ANSWERS, ANSWERS + SLOW),
-    )
-    report = grade("temperature_service", changed("temperature_service", *changes))
+    report = grade("temperature_service", starving(starver))
+    assert failed(report) == {"fifty_calls": "service.blocks"}
+    assert report.score == 8.5
+
+
+def test_starving_itself_buys_a_command_no_patience(tmp_path: Path) -> None:
+    program = tmp_path / "answer.py"
+    program.write_text(starving(UNNOTICED))
+    report = grading.grade("temperature_service", exec_command=f"{sys.executable} {program}", seed=3)
     assert failed(report) == {"fifty_calls": "service.blocks"}
     assert report.score == 8.5

@@ -7,6 +7,7 @@ Everything is imported before the user changes: the interpreter may lie where th
 
 from __future__ import annotations
 
+import atexit
 import json
 import os
 import stat
@@ -18,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from course_kit.grading import exercise, exercise_job
-from course_kit.grading.sandbox import isolation, launcher, mounts, namespaces, seccomp
+from course_kit.grading.sandbox import file_view, isolation, launcher, mounts, namespaces, seccomp
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
 from course_kit.process import libc, tree
@@ -27,7 +28,9 @@ from tests.grading.conftest import EXERCISE, ROOT
 
 USER, USER_ALONE, AS_ROOT, ROOT_ALONE = "user", "user without namespaces", "root", "root without namespaces"
 BARE = "user without namespaces and Landlock"
-OF_USER, OF_ROOT = (USER, USER_ALONE, BARE), (AS_ROOT, ROOT_ALONE)
+ROOT_ITSELF = "root whose Python nobody else can read"
+ROOT_ITSELF_ALONE = f"{ROOT_ITSELF}, without namespaces"
+OF_USER, OF_ROOT = (USER, USER_ALONE, BARE), (AS_ROOT, ROOT_ALONE, ROOT_ITSELF, ROOT_ITSELF_ALONE)
 _LANDLOCK = {"landlock_create_ruleset": 444}
 NOBODY = 65534
 
@@ -64,7 +67,9 @@ def main() -> None:
     if mode in OF_USER and os.getuid() == 0:
         open_the_way(sys.base_prefix)
         become_nobody()
-    if mode not in (USER, AS_ROOT):
+    if mode in (ROOT_ITSELF, ROOT_ITSELF_ALONE):
+        hide_the_kit(file_view.ROBOT)
+    if mode not in (USER, AS_ROOT, ROOT_ITSELF):
         refuse_namespaces(_LANDLOCK if mode == BARE else {})
     namespaces.forbid_tracing()
     adopt_orphans()
@@ -111,6 +116,17 @@ def open_the_way(path: str) -> None:
         os.close(opened)
 
 
+def hide_the_kit(path: str) -> None:
+    """Have nobody but root read a file that submissions need, as with a Python in root's home; as root."""
+    libc.call("unshare", namespaces.CLONE_NEWNS)
+    mounts.detach()
+    opened, private = tempfile.mkstemp()  # its mode is 0600
+    atexit.register(os.unlink, private)
+    os.write(opened, Path(path).read_bytes())
+    os.close(opened)
+    mounts.bind(private, path)
+
+
 def become_nobody() -> None:
     """Give up root."""
     os.setgroups([])
@@ -123,6 +139,8 @@ def refuse_namespaces(more: dict[str, int]) -> None:
     """Have the kernel refuse what the default profile of Docker refuses, namespaces and mounts, and `more`."""
     machine = os.uname().machine
     known = seccomp._REFUSED[machine]
+    options = seccomp._REFUSED_OPTIONS
     seccomp._REFUSED[machine] = {**more, **{name: known[name] for name in ("unshare", "setns", "mount")}}
+    seccomp._REFUSED_OPTIONS = ()
     seccomp.install()
-    seccomp._REFUSED[machine] = known
+    seccomp._REFUSED[machine], seccomp._REFUSED_OPTIONS = known, options

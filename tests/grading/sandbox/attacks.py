@@ -73,6 +73,16 @@ def call(name, *arguments):
     ),
 )
 
+_FILLER = """
+import os, threading, time
+held = []
+def fill():
+    for number in range(150):
+        held.append(os.memfd_create("x"))
+        for _ in range(10):
+            os.write(held[-1], bytes(2**20))
+"""
+
 ATTACKS = {
     "reads_the_solution": Attack(
         "runs the solution that lies in the checkout",
@@ -187,6 +197,36 @@ except OSError:
 """,
         ("files", "landlock"),
     ),
+    "changes_the_kernel": Attack(
+        "opens settings of the kernel for writing, such as the program that is run when one crashes",
+        "its /proc is read-only",
+        """
+import os
+mine = [name for name in os.listdir("/proc") if name.isdigit() or name in ("self", "thread-self", "net", "mounts")]
+for folder, folders, files in os.walk("/proc"):
+    folders[:] = [name for name in folders if folder != "/proc" or name not in mine]
+    for path in [os.path.join(folder, name) for name in files if name not in mine]:
+        try:
+            os.close(os.open(path, os.O_WRONLY | os.O_NONBLOCK))
+            print("WON: could write", path)
+        except OSError:
+            pass
+""",
+        ("files", "landlock"),
+    ),
+    "reads_the_machines_keys": Attack(
+        "lists the machine's private keys",
+        "its file system has none",
+        """
+import os
+for folder in ("/etc/ssl/private", "/etc/ssh"):
+    try:
+        print("WON:", os.listdir(folder), "in", folder)
+    except OSError:
+        pass
+""",
+        ("files", "landlock"),
+    ),
     "leaves_keys": Attack(
         "leaves a key in the user's session keyring",
         "it has an empty keyring of its own, and the calls are refused",
@@ -286,6 +326,20 @@ for family, address in ((socket.AF_UNIX, %SOCKET%), (socket.AF_UNIX, "\\0" + %NA
 """,
         ("network", "files"),
     ),
+    "lends_its_output": Attack(
+        "sends its output to a process that lives on, so that whoever reads it never comes to an end",
+        "no more is read of a program that has ended than it can have left",
+        """
+import socket
+for address in (%SOCKET%, "\\0" + %NAME%):
+    line = socket.socket(socket.AF_UNIX)
+    try:
+        line.connect(address)
+        socket.send_fds(line, [b"x"], [1, 2])  # they lie there as long as the server lives, which does not take them
+    except OSError:
+        pass
+""",
+    ),
     "plants_files": Attack(
         "writes outside its scratch directory",
         "all else is read-only",
@@ -316,6 +370,118 @@ for number in range(150):
 print("WON: 1.5 GB")
 time.sleep(2)
 """,
+    ),
+    "hides_memory_files": Attack(
+        "takes 1.5 GB in files in memory behind the back of who counts: not dumpable, in a thread with descriptors of its own",
+        "the calls that hide descriptors are refused",
+        _FILLER
+        + """
+import ctypes
+libc = ctypes.CDLL(None, use_errno=True)
+done = [libc.prctl(4, 0, 0, 0, 0) == 0]  # PR_SET_DUMPABLE
+call = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)
+stack = ctypes.create_string_buffer(2**16)
+top = (ctypes.addressof(stack) + 2**16) & -16
+flags = 0x100 | 0x200 | 0x800 | 0x10000  # CLONE_VM, CLONE_FS, CLONE_SIGHAND and CLONE_THREAD, without CLONE_FILES
+done.append(libc.clone(ctypes.cast(libc.pause, ctypes.c_void_p), ctypes.c_void_p(top), flags, None) > 0)
+def unshare():
+    done.append(libc.close_range(2**31, 2**31, 2) == 0)  # CLOSE_RANGE_UNSHARE
+    fill()
+if done == [False, False]:
+    thread = threading.Thread(target=unshare)
+    thread.start()
+    thread.join()
+else:
+    fill()
+if any(done):
+    print("WON: hidden", done)
+print("WON: 1.5 GB")
+time.sleep(2)
+""",
+    ),
+    "leaves_its_first_thread": Attack(
+        "takes 1.5 GB in files in memory, and 200 MB of other memory, after its first thread has ended",
+        "they count as memory, whichever thread is left",
+        _FILLER
+        + """
+import ctypes
+def go():
+    time.sleep(0.2)
+    held.append(bytearray(200 * 2**20))
+    fill()
+    print("WON: 1.5 GB", flush=True)
+    time.sleep(2)
+threading.Thread(target=go).start()
+ctypes.CDLL(None).syscall({"x86_64": 60, "aarch64": 93}[os.uname().machine], 0)
+""",
+    ),
+    "hands_memory_files_on": Attack(
+        "hands 1.5 GB in files in memory on to programs that nobody may read, and that therefore hide their descriptors",
+        "the process that counts may look into them; without a namespace of its own, hiding counts as too much memory",
+        """
+import os, shutil, subprocess, time
+shutil.copy("/bin/sleep", "sleep")
+os.chmod("sleep", 0o111)
+for number in range(50):
+    held = [os.memfd_create("x") for _ in range(3)]
+    for one in held * 10:
+        os.write(one, bytes(2**20))
+    subprocess.Popen(["./sleep", "60"], pass_fds=held)
+    for one in held:
+        os.close(one)
+print("WON: 1.5 GB")
+time.sleep(2)
+""",
+    ),
+    "fills_sockets": Attack(
+        "takes 400 MB in sockets: open, closed, waiting to be accepted, with larger buffers",
+        "sockets count with what they can hold, and get no larger buffers",
+        """
+import os, socket, time
+def fill(line):
+    line.setblocking(False)
+    sent = 0
+    try:
+        while True:
+            sent += line.send(bytes(32768))
+    except OSError:
+        return sent
+total = 0
+held = [socket.socket(socket.AF_UNIX)]
+held[0].bind("listening")
+held[0].listen(4096)
+while total < 400 * 2**20:
+    if len(held) < 100:
+        line, other = socket.socketpair()
+        line.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 2**22)
+        held += [line, other]
+    else:
+        line = socket.socket(socket.AF_UNIX)
+        try:
+            line.connect("listening")
+        except OSError:
+            break
+    total += fill(line)
+    if line not in held:
+        line.close()
+print("WON:", total // 2**20, "MB")
+time.sleep(2)
+""",
+        ("network",),
+    ),
+    "makes_strange_sockets": Attack(
+        "makes sockets of families and protocols that nobody counts, such as one to the host of a virtual machine",
+        "the calls are refused",
+        """
+import socket
+for family, kind, protocol in ((40, 1, 0), (38, 5, 0), (30, 5, 0), (17, 3, 3), (31, 3, 1), (2, 1, 262), (2, 5, 132), (2, 2, 136)):
+    try:
+        socket.socket(family, kind, protocol)
+        print("WON: made", family, protocol)
+    except OSError:
+        pass
+""",
+        ("syscalls",),
     ),
     "fills_the_disk": Attack(
         "writes a thousand files of a megabyte",

@@ -76,6 +76,15 @@ def test_attack_is_held_or_admitted(attack: str, mode: str, outcomes: dict[str, 
         assert {result["status"] for result in outcome["results"]} <= {"failed", "skipped"}
 
 
+@pytest.mark.timeout(400)
+@pytest.mark.parametrize("mode", MODES)
+def test_a_program_that_only_ends_is_over_no_limit(mode: str, outcomes: dict[str, dict[str, Any]]) -> None:
+    """While a process ends, its descriptors can be seen by root alone, as those of one that hides."""
+    ended = [BEFORE, "lends_its_output", "reads_a_file", "makes_strange_sockets"]
+    found = {name: outcomes[mode][name]["results"][0]["diagnosis"] for name in ended}
+    assert not any(diagnosis.startswith("limit") for diagnosis in found.values()), found
+
+
 def test_everything_is_isolated_where_namespaces_are_allowed(outcomes: dict[str, dict[str, Any]]) -> None:
     """Without it the rows above would show little."""
     restricted = Path("/proc/sys/kernel/apparmor_restrict_unprivileged_userns")

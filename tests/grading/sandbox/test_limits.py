@@ -9,6 +9,7 @@ import pytest
 
 from course_kit.grading.job import Job
 from course_kit.grading.limits import Limits
+from course_kit.grading.sandbox import socket_memory
 
 if TYPE_CHECKING:
     from course_kit import grading
@@ -33,6 +34,19 @@ def test_memory(
     folder = strict_exercises(memory_mb=300)
     source = before(solution, f"global kept; kept = bytearray(b'x' * 1_000_000 * {megabytes})")
     assert first_diagnosis(grade_source(source, exercises=folder)) == expected
+
+
+def test_sockets_of_an_ordinary_program_are_far_from_the_limit_on_memory(
+    grade_source: Grade, worker: grading.Worker, solution: str
+) -> None:
+    """It and the grader share a network; each participant of the graph has about a dozen."""
+    code = "import threading; threading.Timer(0.1, lambda: print(open('/proc/net/sockstat').readline())).start()"
+    report = grade_source(before(solution, code))
+    assert report.score == 10.0
+    if worker.ready().network:
+        sockets = int(report.stdout.split()[2])
+        assert sockets > 2
+        assert socket_memory.of_others(sockets) < Limits().memory_mb * 1024 * 1024 / 10
 
 
 @pytest.mark.parametrize(("threads", "expected"), [(10, None), (80, "limit.processes")])

@@ -100,18 +100,40 @@ def test_what_has_ended_has_computed_all_the_same(proc: MadeUpProc, ended: str) 
     assert waiting.look([PROGRAM], 1) == pytest.approx(0.0)
 
 
-def test_while_children_come_and_go_unseen_nothing_counts(proc: MadeUpProc) -> None:
-    waiting = Waiting(PROGRAM, with_children=False)
+class Clock:
+    """Seconds that are set."""
+
+    now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.mark.parametrize("with_children", [False, True])
+def test_while_children_may_have_had_the_processors_unseen_nothing_counts(
+    proc: MadeUpProc, *, with_children: bool
+) -> None:
+    clock = Clock()
+    waiting = Waiting(PROGRAM, with_children=with_children, clock=clock, processors=2)
     proc.threads(PROGRAM, main=(0.0, 1.0))
     proc.process(CHILD, 0.0)
     assert waiting.look([PROGRAM, CHILD], 20) == pytest.approx(1.0)
-    proc.started(150)  # fifty, and no more than before are there
+    proc.started(101)  # one, and no more than before are there
+    clock.now = 1.0
     waiting.notice([PROGRAM, CHILD], 20)
+    assert waiting.hidden_s == pytest.approx(1.0)
     proc.threads(PROGRAM, main=(0.0, 2.0))
-    assert waiting.look([PROGRAM], 20) == pytest.approx(1.0)
+    assert waiting.look([PROGRAM, CHILD], 20) == pytest.approx(1.0)
+    proc.started(150)  # many, which cannot have had more processors than there are
+    clock.now = 2.0
     proc.threads(PROGRAM, main=(0.0, 3.0))
+    assert waiting.look([PROGRAM, CHILD], 20) == pytest.approx(1.0)
+    assert waiting.hidden_s == pytest.approx(3.0)
+    proc.threads(PROGRAM, main=(0.0, 4.0))
     proc.started(180)
-    assert waiting.look([PROGRAM], 50) == pytest.approx(2.0)  # thirty, and they are there
+    clock.now = 3.0
+    assert waiting.look([PROGRAM, CHILD], 50) == pytest.approx(2.0)  # thirty, and they are there
+    assert waiting.hidden_s == pytest.approx(3.0)
 
 
 def test_threads_may_come_and_go(proc: MadeUpProc) -> None:

@@ -1,0 +1,46 @@
+"""What fails before the first line of a program is the machine's fault, and no grade."""
+
+from __future__ import annotations
+
+import stat
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from course_kit.grading import exercise, exercise_job
+from course_kit.grading.sandbox import scratch
+from tests.grading.conftest import EXERCISE
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit import grading
+
+
+def test_a_program_that_cannot_be_started_is_no_grade(worker: grading.Worker, tmp_path: Path) -> None:
+    job = exercise_job.of_running(exercise.load(EXERCISE), 3)
+    outcome = worker.grade(replace(job, mode="exec", name="true", command=("true",), folder=str(tmp_path / "gone")))
+    assert outcome["results"] == []
+    assert "the program could not be started: [Errno 2] No such file or directory" in outcome["problem"]
+
+
+def test_a_source_that_cannot_be_written_is_no_grade(worker: grading.Worker) -> None:
+    """As on a disk that is full."""
+    job = exercise_job.of_running(exercise.load(EXERCISE), 3)
+    outcome = worker.grade(replace(job, mode="run", name="no/such/folder.py", source="print('begins')"))
+    assert outcome["results"] == []
+    assert "the program could not be started: [Errno 2] No such file or directory" in outcome["problem"]
+    assert outcome["stdout"] == ""
+
+
+def test_a_workers_folder_that_somebody_has_removed_is_made_anew_as_it_was() -> None:
+    folder = scratch.make()
+    try:
+        mode = stat.S_IMODE(folder.stat().st_mode)
+        folder.rmdir()
+        scratch.clear(folder)
+        assert stat.S_IMODE(folder.stat().st_mode) == mode
+        (folder / "left").mkdir()
+        scratch.clear(folder)
+        assert list(folder.iterdir()) == []
+    finally:
+        scratch.remove(folder)
