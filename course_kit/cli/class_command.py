@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit import environment
 from course_kit.cli import intake_words
 from course_kit.cli.class_words import FAILED, INTERRUPTED, command_to_continue, interrupts, many, say, some, told
+from course_kit.text.console import tell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -94,14 +95,15 @@ def run(options: argparse.Namespace) -> int:
 
 
 def require_machine(options: argparse.Namespace, exercises: Iterable[Exercise]) -> None:
-    """See that this machine can give submissions what their exercises promise.
+    """See that this machine can give submissions what their exercises promise, and say so where that is less as root.
 
     Raises:
         GradingError: it cannot, and they would be graded here; or it does not isolate them, and has to.
     """
-    from course_kit.grading import isolation_status, needs
+    from course_kit.grading import advice_for_root, isolation_status, needs
 
     if not options.scheduler:
+        tell(advice_for_root())
         for one in exercises:
             needs.require(one.limits)
         if options.require_isolation:  # each worker insists on it, too; of a cluster only they can
@@ -190,12 +192,8 @@ def _dry_run(plan: Plan) -> int:
 
 def _finish(book: Gradebook, options: argparse.Namespace) -> int:
     from course_kit.classroom import exports
-    from course_kit.grading import advice_for_root
 
     out = options.out
-
-    if advice := advice_for_root():
-        print(f"course-kit: {advice}", file=sys.stderr)
     page = exports.write_all(book, out)
     if book.left:
         what = (

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.cli import added_exercises, autograde, drills_command, folder_commands, hub_command, streams
+from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -124,7 +125,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return code  # noqa: TRY300 - no more can go wrong
     except environment.DomainError as problem:
-        return _cannot(problem)
+        return cannot(problem)
     except KeyboardInterrupt:
         print("\ncourse-kit: stopped.", file=sys.stderr)
         return 130
@@ -141,9 +142,9 @@ def _add_exercises(folders: Sequence[str]) -> int:
 
     try:
         for sentence in exercise_folders.add(folders):
-            _tell(sentence)
+            tell(sentence)
     except GradingError as problem:
-        return _cannot(problem)
+        return cannot(problem)
     return 0
 
 
@@ -176,10 +177,12 @@ def _grade(options: argparse.Namespace) -> int:
     try:
         if options.format in autograde.FORMATS:
             return autograde.run(options)
+        if options.format == "text" and not options.attach:
+            tell(grading.advice_for_root())
         autograde.require_no_target(options)
         if not options.attach and options.exec_command is None:
             options.path, note = workspace.to_grade(options.exercise, options.path)
-            _tell(note)
+            tell(note)
         report = grading.grade(
             options.exercise,
             options.path,
@@ -189,13 +192,12 @@ def _grade(options: argparse.Namespace) -> int:
             require_isolation=options.require_isolation,
         )
     except grading.GradingError as problem:
-        return _cannot(problem)
+        return cannot(problem)
     if options.format == "json":
         streams.print_json(report.to_json())
     else:
         print(grading.render_text(report))
-        _tell(grading.advice_for_root())
-    _tell(progress.record(report))
+    tell(progress.record(report))
     if report.passed and options.format != "json":
         print("\n".join(["", *wrapped(next_step(options.exercise))]))
     return grading.exit_code(report)
@@ -210,7 +212,7 @@ def _watch(options: argparse.Namespace) -> int:
     try:
         return watch.watch(options.exercise, options.path)
     except GradingError as problem:
-        return _cannot(problem)
+        return cannot(problem)
 
 
 def _list(options: argparse.Namespace) -> int:
@@ -220,13 +222,13 @@ def _list(options: argparse.Namespace) -> int:
     try:
         rows, told = course_list.rows()
     except GradingError as problem:
-        return _cannot(problem)
+        return cannot(problem)
     if options.format == "json":
         streams.print_json(course_list.to_json(rows))
     else:
         print(course_list.to_text(rows, sys.stdout.encoding))
     for sentence in told:
-        _tell(sentence)
+        tell(sentence)
     return 0
 
 
@@ -237,9 +239,9 @@ def _hint(options: argparse.Namespace) -> int:
     try:
         text, trouble = hints.hint(options.exercise, f"{environment.command()} hint", again=options.again)
     except GradingError as problem:
-        return _cannot(problem)
+        return cannot(problem)
     print(text, end="")
-    _tell(trouble)
+    tell(trouble)
     return 0
 
 
@@ -250,7 +252,7 @@ def _reset(options: argparse.Namespace) -> int:
     try:
         return starters.reset(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
     except GradingError as problem:
-        return _cannot(problem)
+        return cannot(problem)
 
 
 def _solution(options: argparse.Namespace) -> int:
@@ -260,17 +262,7 @@ def _solution(options: argparse.Namespace) -> int:
     try:
         return starters.solution(options.exercise, show=options.show, copy=options.copy)
     except GradingError as problem:
-        return _cannot(problem)
-
-
-def _cannot(problem: Exception) -> int:
-    _tell(str(problem))
-    return 2
-
-
-def _tell(sentence: str) -> None:
-    if sentence:
-        print(f"course-kit: {sentence}", file=sys.stderr)
+        return cannot(problem)
 
 
 if __name__ == "__main__":

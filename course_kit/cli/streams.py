@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import io
+import json
 import os
+import re
 import sys
+
+_UNUSUAL = re.compile(r"[^ -~\n]")
 
 
 def read_names_as_utf_8() -> None:
@@ -25,7 +29,14 @@ def speak_to_any_terminal() -> None:
 
 
 def print_json(document: str) -> None:
-    """JSON is UTF-8, whatever the terminal's own encoding."""
+    """JSON is UTF-8, whatever the terminal's own encoding.
+
+    What would steer a terminal, or turn the writing round, stands in it as an escape, which means the same.
+    """
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding="utf-8")
-    print(document)
+    print(_UNUSUAL.sub(_escaped, document))
+
+
+def _escaped(found: re.Match[str]) -> str:
+    return found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1]

@@ -11,7 +11,7 @@ import time
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from course_kit.grading import Worker, exercise, grade
+from course_kit.grading import Worker, advice_for_root, exercise, grade
 from course_kit.grading.errors import GradingError
 from course_kit.learner import progress, workspace
 from course_kit.text.console import tell, wrapped
@@ -44,6 +44,8 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
     best: Report | None = None
     try:
         with _Grader(task.id, path) as grader:
+            if advice := advice_for_root():
+                print("\n".join(wrapped(f"{advice[:1].upper()}{advice[1:]}")))
             print(f"Watching {path}: it is graded each time you save it. Ctrl-C ends.", flush=True)
             before: Report | None = None
             for _ in saves(path, threading.Event()):

@@ -17,7 +17,7 @@ def tell(sentence: object) -> None:
     Args:
         sentence: a text, or an error whose text is meant for people.
     """
-    if told := str(sentence):
+    if told := printable(str(sentence)):  # names of files and words of submissions may stand in it
         sys.stderr.write(f"course-kit: {told}\n")
         sys.stderr.flush()
 

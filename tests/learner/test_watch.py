@@ -105,6 +105,7 @@ def test_ctrl_c_ends_it_wherever_it_was_started(tmp_path: Path, file: Path) -> N
 @pytest.mark.answers
 def test_each_save_gets_one_verdict_and_ctrl_c_ends_it(watching: Watching, file: Path) -> None:
     assert "1 of 10 points: not passed yet" in watching.until("points")
+    assert ("You are grading as root." in " ".join(watching.lines)) == (os.geteuid() == 0)
     save_by_renaming(file, SOLUTION.read_text())
     assert "10 of 10 points: passed" in watching.until("points")
     assert "+9 since the last save" in watching.lines[-1]
