@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import stat
 import struct
@@ -10,6 +11,7 @@ import time
 import timeit
 import unicodedata
 import zipfile
+import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +19,7 @@ import pytest
 
 from course_kit.classroom.intake import archive, collecting, layouts, listing
 from course_kit.classroom.intake.listing import FILE, FOLDER, Item
+from course_kit.classroom.rules import submission_times
 from course_kit.grading import GradingError, exercise
 from course_kit.text.sanitize import one_line
 
@@ -649,3 +652,48 @@ def test_brackets_in_each_other_in_a_gradescope_export_end_nothing(tmp_path: Pat
     text = "---\n" + entry.format(5, "[" * 970, 50) + entry.format(6, "Bob", 60)
     (root / "assignment_1_export/submission_metadata.yml").write_text(text)
     assert set(taken(collect(root))) == {"50", "60"}
+
+
+def long_list(path: Path, megabytes: int) -> None:
+    """A zip without files whose list of names is that long, as it says itself: it holds nothing but zeros there."""
+    names = bytes(megabytes << 20)
+    path.write_bytes(names + struct.pack("<4sHHHHIIH", b"PK\5\6", 0, 0, 1, 1, len(names), 0, 0))
+
+
+def test_a_zip_that_lists_a_million_files_is_one_students_problem(tmp_path: Path) -> None:
+    """Python reads the whole list, and makes half a kilobyte of each name, before anybody is asked."""
+    lay_out(tmp_path / "in", IN_FOLDERS.values())
+    (tmp_path / "in/mallory").mkdir()
+    long_list(tmp_path / "in/mallory/work.zip", 9)
+    found = collect(tmp_path / "in")
+    assert taken(found) == {**IN_FOLDERS, "mallory": "mallory/work.zip"}  # which gets a report that it is no program
+    [(path, why)] = found.left
+    assert path == "mallory/work.zip"
+    assert "it lists too many files (their names take more than 8 MB)" in why
+
+
+def test_a_class_may_list_more_than_one_student(tmp_path: Path) -> None:
+    long_list(tmp_path / "class.zip", 65)
+    with pytest.raises(GradingError, match=r"class\.zip cannot be read .*more than 64 MB"):
+        collect(tmp_path / "class.zip")
+
+
+def test_a_commit_that_unpacks_to_much_takes_no_memory(tmp_path: Path) -> None:
+    git = tmp_path / "bob/.git"
+    commit = b"tree 4b825dc642cb6eb9a060e54bf8d69288fbee4904\nauthor B <b> 0 +0000\ncommitter B <b> 0 +0000\n\n"
+    names = {}
+    for name, size in (("small", 10), ("large", 300 << 20)):
+        content = b"commit %d\0" % (len(commit) + size) + commit + b" " * size
+        names[name] = hashlib.sha1(content, usedforsecurity=False).hexdigest()
+        path = git / "objects" / names[name][:2] / names[name][2:]
+        path.parent.mkdir(parents=True)
+        path.write_bytes(zlib.compress(content, 1))
+    objects = git / "objects"
+    assert submission_times._git(["cat-file", "-t", names["small"]], bare(tmp_path, objects)) == "commit\n"
+    assert submission_times._git(["cat-file", "-p", names["large"]], bare(tmp_path, objects)) is None
+
+
+def bare(folder: Path, objects: Path) -> dict[str, str]:
+    """The variables with which git reads these objects from an empty repository."""
+    subprocess.run(["git", "init", "--bare", "--quiet", str(folder / "bare")], check=True)
+    return {"GIT_DIR": str(folder / "bare"), "GIT_OBJECT_DIRECTORY": str(objects)}

@@ -9,6 +9,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from course_kit.grading.render.program import LONGEST
 from course_kit.reader.fingerprints import shape
 from course_kit.text.templates import render
 
@@ -57,7 +58,7 @@ def pages(texts: ProgramTexts, pairs: Sequence[Pair], called: Mapping[str, Stude
         return
     template = _TEMPLATES / "comparison.html"
     for place, pair in enumerate(pairs[:MOST_PAIRS]):
-        sides = [texts.lines(one) for one in (pair.first, pair.second)]
+        sides = [[line[:LONGEST] for line in texts.lines(one)] for one in (pair.first, pair.second)]
         rows = list(compare(*(lines[:_MOST_LINES] for lines in sides)))
         cut = any(len(lines) > _MOST_LINES for lines in sides)
         names = [str(called[one.entry.student]) for one in (pair.first, pair.second)]

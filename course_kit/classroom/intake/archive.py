@@ -33,6 +33,8 @@ MOST = 1_000_000  # members; each costs half a kilobyte of memory
 LARGEST = 16 * 1024**3  # bytes unpacked; 3,000 notebooks of 5 MB, most of it pictures
 LARGEST_OF_ONE = 64 * 1024**2  # of these from one student
 MOST_OF_ONE = 1000  # files unpacked of one student
+NAMES = 64 * 1024**2  # bytes of the list of names: half a million files
+NAMES_OF_ONE = 8 * 1024**2  # of a zip of one student's: 60,000 files, which takes half a second
 DEEPEST = 40  # parts of a path
 _LONGEST_PART = 255  # bytes of a part of a path: Linux's NAME_MAX
 _BLOCK = 1024 * 1024
@@ -47,13 +49,14 @@ _BROKEN = (zipfile.BadZipFile, EOFError, ValueError, OverflowError, NotImplement
 class Archive:
     """A zip as a `Listing`: what is fetched lies below the workspace afterwards."""
 
-    def __init__(self, path: Path, workspace: Path | None) -> None:
+    def __init__(self, path: Path, workspace: Path | None, names: int = NAMES) -> None:
         """Read the names in a zip.
 
         Args:
             path: the zip.
             workspace: where to unpack; emptied if an earlier run has unpacked there. None where only the names are
                 of interest.
+            names: bytes that the list of names may have.
 
         Raises:
             GradingError: it is no zip that can be read, it is too large, or the workspace holds something else.
@@ -68,7 +71,7 @@ class Archive:
         self._members: dict[str, zipfile.ZipInfo] = {}
         self._folders: dict[str, dict[str, Item]] = {"": {}}
         try:
-            self._file = NamesReader(path)
+            self._file = NamesReader(path, names)
         except OSError as problem:
             raise GradingError(f"{path} cannot be read: {problem.strerror}.") from problem
         try:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import struct
+import zipfile
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -26,17 +27,28 @@ _BEFORE_NAME = 5  # bytes: a version, a checksum
 class NamesReader(io.BufferedReader):
     """A zip's bytes, in whose list of names each name is what it says it is."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, most: int) -> None:
         """Open the file.
+
+        Args:
+            path: the zip.
+            most: bytes that its list of names may have; Python reads it at once, and makes an object of each name.
 
         Raises:
             OSError: it cannot be opened.
         """
         super().__init__(io.FileIO(path))
         self._mends = True
+        self._most = most
 
     def read(self, size: int | None = -1, /) -> bytes:
-        """As every file does it."""
+        """As every file does it.
+
+        Raises:
+            zipfile.BadZipFile: the list of names is too long.
+        """
+        if self._mends and size is not None and size > self._most:
+            raise zipfile.BadZipFile(f"it lists too many files (their names take more than {self._most >> 20} MB)")
         data = super().read(size)
         return _mended(data) if self._mends and data.startswith(_SIGNATURE) else data
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from course_kit.grading.reading import Reader
 
 _MOST_OPENED = 200  # files of one student into which is looked for what they are for
+_LONGEST_LOOK_S = 30.0  # at them together; 200 ordinary ones take 1 s
 _MOST_LISTED = 50  # files of one student that are listed one by one
 _MOST_TOLD = 3  # problems of one student in a sentence
 _MOST_OTHERS = 10  # of an entry
@@ -61,9 +63,11 @@ class Chooser:
         self.dropped: list[tuple[str, str]] = []
         self.others: list[Entry] = []
         self.empty: set[str] = set()
+        self._look_until = 0.0
 
     def take(self, student: str, units: Sequence[Unit]) -> None:
         """Choose among a student's files."""
+        self._look_until = time.monotonic() + _LONGEST_LOOK_S
         if odd := next((unit.odd for unit in units if unit.odd), ""):
             self.odd.append((student, odd))
         files, problems = self._files(units)
@@ -165,7 +169,7 @@ class Chooser:
         told = len(self._exercises) == 1 or bool(for_it and all(file.unit.exercise for file in for_it))
         alone = told and (len(programs) == 1 or (not programs and len(for_it) == 1))
         for place, file in enumerate(programs or for_it):
-            seen = self._glance(file, exercise, opened=place < _MOST_OPENED)
+            seen = self._glance(file, exercise, opened=place < _MOST_OPENED and time.monotonic() < self._look_until)
             sureness = _sureness(file, exercise, seen) or (ONLY_ONE if alone else 0)
             if sureness:  # whatever it is, its student gets a report that says what is wrong with it
                 is_starter = seen.identity in self._starters[exercise.id]

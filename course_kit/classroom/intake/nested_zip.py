@@ -6,7 +6,7 @@ import errno
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.intake.archive import Archive
+from course_kit.classroom.intake.archive import NAMES_OF_ONE, Archive
 from course_kit.classroom.intake.combined_listing import moved
 from course_kit.classroom.intake.listing import FOLDER, Item, look_through
 from course_kit.grading.errors import GradingError
@@ -48,7 +48,7 @@ def unpack(root: Path, item: Item) -> Contents:
     """
     folder = f"{item.path}{CONTENTS}"
     try:
-        with Archive(root / item.path, root / folder) as archive:
+        with Archive(root / item.path, root / folder, NAMES_OF_ONE) as archive:
             found = look_through(archive, Item("", FOLDER))
             wanted = [one for one in found.files if one.is_program or len(found.files) == 1]
             problems = archive.fetch(wanted)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake import arrangement, gradescope_export, listing, recognition, students
-from course_kit.classroom.intake.archive import Archive, make_empty
+from course_kit.classroom.intake.archive import NAMES_OF_ONE, Archive, make_empty
 from course_kit.classroom.intake.combined_listing import CopiedFolder, Several, moved
 from course_kit.classroom.intake.wrappers import AUTO, Download
 from course_kit.grading.errors import GradingError
@@ -179,7 +179,7 @@ def _is_download(path: Path, exercises: Sequence[Exercise]) -> bool:
     if _exercise_of(path.stem, exercises):
         return True
     try:
-        with Archive(path, None) as archive:
+        with Archive(path, None, NAMES_OF_ONE) as archive:  # of each zip in a folder, whosever it is
             items = recognition.entries(archive, "")
             lone = recognition.likely(items)
             within = recognition.inside(archive, lone[0]) if len(lone) == 1 else []

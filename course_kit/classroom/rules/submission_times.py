@@ -1,7 +1,8 @@
 """When a submission was handed in, as far as anything but a student's own file times tells it.
 
 In this order: what the platform told, as Gradescope's list does, nbgrader's `timestamp.txt`, the last commit of a clone
-that changed the file. A student can set the time of a commit; `git push` leaves none in a clone.
+that changed the file. A student can set the time of a commit; `git push` leaves none in a clone. And where
+a platform takes folders, a student can hand in a `timestamp.txt` of their own.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ STAMP = "timestamp.txt"
 SUBMITTED_AT = "submitted_at"  # see `Entry.platform`
 _LONGEST_STAMP = 200  # bytes
 _GIT_S = 10.0
+# Git reads an object of a stranger's as a whole, however large it unpacks.
+_WITHIN_LIMITS = 'ulimit -d 262144 && ulimit -t 10 && exec "$0" "$@"'
 _STAMP = re.compile(r"(?P<time>\d{4}-\d\d-\d\d[ T]\d\d:\d\d(:\d\d(\.\d{1,6})?)?)\s*(?P<zone>[\w/+:-]*)", re.ASCII)
 _COMMIT = re.compile(r"[0-9a-f]{40}([0-9a-f]{24})?\Z")
 _REFERENCE = re.compile(r"refs/[\w./+@-]{1,200}\Z", re.ASCII)
@@ -133,11 +136,11 @@ def _time_of(objects: Path, commit: str, path: str) -> datetime | None:
 
 
 def _git(arguments: list[str], variables: Mapping[str, str]) -> str | None:
-    """What git prints; None where there is no git, or it fails or takes too long."""
+    """What git prints; None where there is no git, or it fails, or takes too long or too much memory."""
     usual = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
     try:
         done = subprocess.run(
-            ["git", *arguments],
+            ["/bin/sh", "-c", _WITHIN_LIMITS, "git", *arguments],
             env={**usual, **variables},
             stdin=subprocess.DEVNULL,
             capture_output=True,
