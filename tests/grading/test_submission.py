@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.submission import LARGEST, UnreadableError
+from course_kit.grading.errors import GradingError
+from course_kit.grading.submission import LARGEST, Copy, UnreadableError
 from tests.reading import read
 
 if TYPE_CHECKING:
@@ -66,6 +67,19 @@ def test_missing_folder_pipe_and_loop(tmp_path: Path) -> None:
     (tmp_path / "loop.py").symlink_to("loop.py")
     with pytest.raises(UnreadableError, match="cannot be read"):
         read(tmp_path / "loop.py", EXERCISE)
+
+
+def test_a_file_that_is_closed_to_whoever_grades_is_nobody_s_zero(tmp_path: Path) -> None:
+    closed = tmp_path / "closed.py"
+    closed.write_text("x = 1\n")
+    closed.chmod(0)
+    user = os.geteuid()
+    os.seteuid(user or 65534)  # root may read everything
+    try:
+        with pytest.raises(GradingError, match=r"^closed.py cannot be read: Permission denied.$"):
+            Copy(closed)
+    finally:
+        os.seteuid(user)
 
 
 def test_link_out_of_its_folder_is_refused_and_one_inside_is_followed(tmp_path: Path) -> None:
