@@ -28,7 +28,7 @@ LARGEST = _MB  # bytes of a program
 LARGEST_NOTEBOOK = 64 * _MB  # bytes of a notebook's file, most of them outputs
 _LARGEST = {PROGRAM: LARGEST, NOTEBOOK: LARGEST_NOTEBOOK}
 _BLOCK = _MB
-# Also a file that nobody may read: whoever hands something in does not set its permissions here.
+# Rights belong to whoever grades: a file that was closed to them, perhaps by another submission, is nobody's zero.
 _OF_THE_MACHINE = (
     *(errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO),
     *(errno.EACCES, errno.EPERM, errno.ESTALE),

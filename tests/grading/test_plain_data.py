@@ -38,7 +38,8 @@ def test_a_job_arrives_with_all_its_parts() -> None:
 
 
 def test_the_conditions_and_the_program_of_a_sandbox_arrive() -> None:
-    cell = Conditions(Limits(tasks=9), Isolation(files=True), "/scratch", FileView(("/usr",), ("/usr/x",)), {"A": "b"})
+    view = FileView(("/usr",), ("/usr/x",), ("/bin",))
+    cell = Conditions(Limits(tasks=9), Isolation(files=True), "/scratch", view, {"A": "b"})
     assert Conditions.from_record(through_json(cell)) == cell
     program = Program("a.py", "text", arguments=("-p", "x"), files={"f": "text"}, command=("sh",))
     assert rebuilt(Program, through_json(program)) == program

@@ -10,7 +10,7 @@ import os
 import sys
 import tempfile
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,6 +38,7 @@ _ACCOUNTS = {
     "hosts": "127.0.0.1 localhost\n::1 localhost\n",
     "nsswitch.conf": "passwd: files\ngroup: files\nhosts: files\n",
 }
+_MOST_LINKS = 40  # that Linux follows, too
 _ROOT_MB = 1  # of the root itself, which holds nothing but folders and the files above
 
 
@@ -45,17 +46,29 @@ _ROOT_MB = 1  # of the root itself, which holds nothing but folders and the file
 class FileView:
     """What is seen.
 
+    All names are real ones, without a link among their folders: one under two names would be shown by one of them where
+    it is masked by the other.
+
     Attributes:
         shown: files and folders, read-only.
-        masked: folders within these that look empty but for what of `shown` lies in them.
+        masked: files and folders within these that look empty but for what of `shown` lies in them.
+        links: those on the way to what is shown, for whoever looks for it by another name.
     """
 
     shown: tuple[str, ...] = ()
     masked: tuple[str, ...] = ()
+    links: tuple[str, ...] = ()
 
     def with_more(self, shown: Iterable[str] = (), masked: Iterable[str] = ()) -> FileView:
-        """The same view and more."""
-        return FileView((*self.shown, *shown), (*self.masked, *masked))
+        """The same view and more, by whatever names."""
+        named = list(shown)
+        real = list(map(os.path.realpath, named))
+        links = (link for one, other in zip(named, real, strict=True) if one != other for link in _links(one))
+        return FileView(
+            tuple(dict.fromkeys((*self.shown, *real))),
+            tuple(dict.fromkeys((*self.masked, *map(os.path.realpath, masked)))),
+            tuple(dict.fromkeys((*self.links, *links))),
+        )
 
 
 def of_a_program() -> FileView:
@@ -78,8 +91,19 @@ def named(words: Iterable[str], folder: str) -> list[str]:
 def _view(places: Iterable[str], wanted: Iterable[str] = ()) -> FileView:
     kit = [str(_PACKAGE / part) for part in _PARTS_OF_KIT]
     shown = {path for path in places if _is_safe(path)} | set(wanted)
-    masked = () if set(_checkout()) & shown else (str(_PACKAGE), *_checkout(), os.path.expanduser("~"))  # noqa: PTH111
-    return FileView(tuple(sorted({*_system(), *shown, *kit})), masked)
+    is_shown = set(_checkout()) & set(map(os.path.realpath, shown))
+    masked = () if is_shown else (str(_PACKAGE), *_checkout(), os.path.expanduser("~"))  # noqa: PTH111
+    return FileView().with_more(sorted({*_system(), *shown, *kit}), masked)
+
+
+def _links(path: str) -> Iterator[str]:
+    """The links that are followed on the way to a file, in this order."""
+    for _ in range(_MOST_LINKS):
+        link = next((one for one in (*reversed(Path(path).parents), Path(path)) if one.is_symlink()), None)
+        if link is None:
+            return
+        yield str(link)
+        path = os.path.normpath(link.parent / link.readlink() / Path(path).relative_to(link))
 
 
 def _checkout() -> tuple[str, ...]:
@@ -92,14 +116,13 @@ def _system() -> list[str]:
 
 
 def _interpreter() -> list[str]:
-    """Python, its libraries and ROS, each where it is and where it says it is."""
+    """Python, its libraries and ROS, each where it says it is."""
     named = [sys.prefix, sys.base_prefix, sys.exec_prefix, *(entry for entry in sys.path if os.path.isabs(entry))]  # noqa: PTH117
     for variable in _SEARCH_PATHS:
         named += _entries(os.environ.get(variable, ""))
     named.append(os.path.dirname(os.path.realpath(sys.executable)))  # noqa: PTH120 - as text, like the others
     named += [os.path.dirname(path) for path in _mapped()]  # noqa: PTH120
-    named = list(dict.fromkeys(named))
-    return [*named, *(os.path.realpath(path) for path in named)]
+    return list(dict.fromkeys(named))
 
 
 def _entries(text: str) -> list[str]:
@@ -115,8 +138,9 @@ def _mapped() -> set[str]:
 
 def _is_safe(path: str) -> bool:
     """Whether a folder that a variable names may be shown; one around a home, this kit or /tmp would show too much."""
-    guarded = [*map(Path, _checkout()), Path(tempfile.gettempdir()), Path(os.path.expanduser("~"))]  # noqa: PTH111 - never fails
-    return path != "/" and not any(path == str(place) or Path(path) in place.parents for place in guarded)
+    named = (*_checkout(), tempfile.gettempdir(), os.path.expanduser("~"))  # noqa: PTH111 - never fails
+    real = Path(os.path.realpath(path))
+    return str(real) != "/" and not any(Path(os.path.realpath(one)).is_relative_to(real) for one in named)
 
 
 def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:
@@ -156,7 +180,7 @@ def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int =
 
 def _in_order(view: FileView) -> list[tuple[str, bool]]:
     """Path, and whether it is a mask; each after the folders it lies in, without what is shown already."""
-    kinds = dict.fromkeys(view.shown, False) | dict.fromkeys(view.masked, True)
+    kinds = dict.fromkeys(view.links, False) | dict.fromkeys(view.shown, False) | dict.fromkeys(view.masked, True)
     order: list[tuple[str, bool]] = []
     for path, is_mask in sorted(kinds.items()):
         around = next((kind for other, kind in reversed(order) if path.startswith(f"{other}/")), True)
@@ -170,7 +194,7 @@ def _show(root: str, path: str) -> None:
     if os.path.islink(path):  # noqa: PTH114 - /bin is one to usr/bin on most systems
         os.makedirs(os.path.dirname(target), exist_ok=True)  # noqa: PTH103, PTH120
         with suppress(FileExistsError):
-            os.symlink(os.readlink(path), target)  # noqa: PTH115, PTH211
+            os.symlink(os.path.realpath(path), target)  # noqa: PTH211 - its own text may lead through other links
     elif os.path.isdir(path):  # noqa: PTH112
         os.makedirs(target, exist_ok=True)  # noqa: PTH103
         mounts.bind(path, target)
@@ -183,6 +207,11 @@ def _show(root: str, path: str) -> None:
 def _mask(root: str, path: str) -> None:
     if os.path.isdir(path) and os.path.isdir(f"{root}{path}"):  # noqa: PTH112
         mounts.memory(f"{root}{path}", _ROOT_MB)
+    elif os.path.isfile(path) and os.path.isfile(f"{root}{path}"):  # noqa: PTH113
+        empty = Path(f"{root}/.empty")
+        empty.touch()
+        mounts.bind(str(empty), f"{root}{path}")
+        empty.unlink()  # what is mounted stays
 
 
 def _write_accounts(root: str, scratch: str, user: int) -> None:
@@ -208,8 +237,11 @@ def _open_devices(folder: str) -> None:
 
 
 def readable(view: FileView) -> Iterator[str]:
-    """The view as a list for Landlock, which knows no masks: a folder with a mask in it is listed entry by entry."""
-    for path, is_mask in _in_order(view):
+    """The view as a list for Landlock, which knows no masks: a folder with a mask in it is listed entry by entry.
+
+    No link is in it: a rule holds for what the link leads to, and that may be what is masked, or around it.
+    """
+    for path, is_mask in _in_order(replace(view, links=())):
         if not is_mask:
             yield from _around(path, [mask for mask in view.masked if mask.startswith(f"{path}/")])
     yield from (f"/dev/{name}" for name in _DEVICES[1:])
@@ -222,5 +254,5 @@ def _around(path: str, masks: list[str]) -> Iterator[str]:
         return
     with os.scandir(path) as entries:
         for entry in entries:
-            if entry.path not in masks:
+            if entry.path not in masks and not entry.is_symlink():
                 yield from _around(entry.path, [mask for mask in masks if mask.startswith(f"{entry.path}/")])

@@ -77,7 +77,8 @@ def _make_rules(attributes: bytes | None, size: int, flags: int = 0) -> int:
 
 def _allow(rules: int, path: str, rights: int) -> None:
     with suppress(FileNotFoundError, PermissionError, NotADirectoryError):  # what cannot be opened needs no rule
-        opened = os.open(path, os.O_PATH | os.O_CLOEXEC)
+        # A link would give its rights to what it leads to.
+        opened = os.open(path, os.O_PATH | os.O_CLOEXEC | os.O_NOFOLLOW)
         try:
             if not stat.S_ISDIR(os.fstat(opened).st_mode):
                 rights &= _OF_FILES

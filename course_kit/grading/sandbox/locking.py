@@ -24,7 +24,7 @@ def lock_in(cell: Conditions) -> None:
     namespaces.drop_privileges()
     namespaces.allow_tracing()  # what it starts may look into /proc/self, as everywhere
     if cell.isolation.syscalls:
-        seccomp.install()
+        seccomp.install(processes=cell.isolation.processes, files=cell.isolation.files)
     _forget_the_grader()
 
 

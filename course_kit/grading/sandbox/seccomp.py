@@ -24,6 +24,7 @@ _PR_SET_SECCOMP, _MODE_FILTER = 22, 2
 
 # Offsets in struct seccomp_data.
 _NUMBER, _ARCHITECTURE, _FIRST_ARGUMENT, _SECOND_ARGUMENT, _THIRD_ARGUMENT = 0, 4, 16, 24, 32
+_PRIO_USER = 2
 # BPF: load a word, compare, test bits, keep some bits, return.
 _LOAD, _EQUAL, _BITS, _AT_LEAST, _AND, _RETURN = 0x20, 0x15, 0x45, 0x35, 0x54, 0x06
 _ALLOW, _ERRNO = 0x7FFF0000, 0x00050000
@@ -138,6 +139,28 @@ _REFUSED = {
     },
 }
 
+# Where there is no PID namespace the kernel asks only whose the other process is. By the argument that names it:
+_OF_PROCESSES = {
+    "x86_64": {
+        _FIRST_ARGUMENT: (203, 144, 142, 314, 256),
+        _SECOND_ARGUMENT: (141, 251),
+    },
+    "aarch64": {
+        _FIRST_ARGUMENT: (122, 119, 118, 274, 238),
+        _SECOND_ARGUMENT: (140, 30),
+    },
+}  # sched_set{affinity, scheduler, param, attr}, migrate_pages; setpriority, ioprio_set
+_LIMITS = {
+    "x86_64": 302,
+    "aarch64": 261,
+}  # prlimit64: with it even the init process of a PID namespace could be stopped
+# Where there is no file system of its own: Landlock does not ask about these. They are answered as done and change
+# nothing: no filter sees which file is meant, and programs copy files of their own with their mode and times.
+_OF_FILES = {
+    "x86_64": (90, 91, 268, 452, 92, 93, 94, 260, 132, 235, 261, 280, 188, 189, 190, 197, 198, 199, 463, 466),
+    "aarch64": (52, 53, 452, 54, 55, 88, 5, 6, 7, 14, 15, 16, 463, 466),
+}  # ch{mod, own} and utime with their relatives, {set, remove}xattr with theirs
+
 
 class _Program(ctypes.Structure):
     """struct sock_fprog."""
@@ -145,8 +168,13 @@ class _Program(ctypes.Structure):
     _fields_ = (("length", ctypes.c_ushort), ("filter", ctypes.c_char_p))
 
 
-def install() -> None:
+def install(*, processes: bool = True, files: bool = True) -> None:
     """Put the filter on this process and all it will start.
+
+    Args:
+        processes: whether there is a PID namespace; else calls that change another process are refused as well.
+        files: whether there is a file system of its own; else calls that change a file's mode, owner, times and
+            attributes do nothing.
 
     Raises:
         OSError: this kernel has no such filters, or this kind of processor is not known here.
@@ -154,19 +182,41 @@ def install() -> None:
     machine = os.uname().machine
     if machine not in _AUDIT:
         raise OSError(errno.ENOSYS, f"there is no list of system calls for {machine}")
-    code = b"".join(_filter(machine))
+    code = b"".join((*_opening(machine), *_more(machine, processes, files), *_filter(machine)))
     program = _Program(len(code) // 8, code)
     namespaces.forbid_new_privileges()
     libc.prctl(_PR_SET_SECCOMP, _MODE_FILTER, ctypes.byref(program), what="SECCOMP")
 
 
+def _opening(machine: str) -> Iterator[bytes]:
+    """Begin with this architecture only, and load the number of the call."""
+    yield _load(_ARCHITECTURE)
+    yield _instruction(_EQUAL, _AUDIT[machine], 1, 0)
+    yield _return(_ERRNO | errno.ENOSYS)  # the 32-bit interface has other numbers
+    yield _load(_NUMBER)
+
+
+def _more(machine: str, processes: bool, files: bool) -> Iterator[bytes]:
+    """What is missing without namespaces."""
+    for number in () if files else _OF_FILES[machine]:
+        yield from _if(_EQUAL, number, _ERRNO)  # error 0: done
+    calls = {_FIRST_ARGUMENT: (), _SECOND_ARGUMENT: ()} if processes else _OF_PROCESSES[machine]
+    for argument, numbers in calls.items():
+        for number in numbers if argument == _SECOND_ARGUMENT else (_LIMITS[machine], *numbers):
+            user = argument == _SECOND_ARGUMENT  # then the first says what kind of number it is, PRIO_USER for one
+            yield _instruction(_EQUAL, number, 0, 6 if user else 4)
+            if user:
+                yield _load(_FIRST_ARGUMENT)
+                yield _instruction(_AT_LEAST, _PRIO_USER, 2, 0)
+            yield _load(argument)
+            yield _instruction(_EQUAL, 0, 1, 0)
+            yield _return(_ERRNO | errno.EPERM)
+            yield _load(_NUMBER)
+
+
 def _filter(machine: str) -> Iterator[bytes]:
     """The instructions, eight bytes each. Every test that hits returns at once; what passes all is allowed."""
     refuse, unknown = _ERRNO | errno.EPERM, _ERRNO | errno.ENOSYS
-    yield _load(_ARCHITECTURE)
-    yield _instruction(_EQUAL, _AUDIT[machine], 1, 0)
-    yield _return(unknown)  # the 32-bit interface has other numbers
-    yield _load(_NUMBER)
     yield from _if(_AT_LEAST, _X32, unknown)
     yield from _if(_EQUAL, _CLONE3, unknown)
     for number in sorted(_REFUSED[machine].values()):

@@ -500,6 +500,48 @@ if written > 100:
 """,
         ("files",),
     ),
+    "closes_files": Attack(
+        "takes the rights to a file of the user's away, and its time",
+        "its file system has none; without namespaces the calls change nothing",
+        """
+import os
+before = os.stat(%FILE%) if os.path.exists(%FILE%) else None
+for change in (lambda: os.utime(%FILE%, (1, 1)), lambda: os.setxattr(%FILE%, "user.x", b"1"), lambda: os.chmod(%FILE%, 0o604)):
+    try:
+        change()
+    except OSError:
+        pass
+if before and (before.st_mode, before.st_mtime) != (os.stat(%FILE%).st_mode, os.stat(%FILE%).st_mtime):
+    print("WON: changed the mode or the time of a file")
+""",
+        ("syscalls",),
+    ),
+    "limits_others": Attack(
+        "changes the limits, priority and processors of other processes, the guard beside it included",
+        "it sees none but its guard, and the calls are refused",
+        """
+import os, resource
+for name in [name for name in os.listdir("/proc") if name.isdigit() and name != os.readlink("/proc/self")]:
+    other = int(name)
+    try:
+        resource.prlimit(other, resource.RLIMIT_CORE, resource.prlimit(other, resource.RLIMIT_CORE))
+        print("WON: the limits of", name)
+    except OSError:
+        pass
+    if other == 1:
+        continue
+    for change in (
+        lambda: os.setpriority(os.PRIO_PROCESS, other, os.getpriority(os.PRIO_PROCESS, other)),
+        lambda: os.sched_setaffinity(other, os.sched_getaffinity(other)),
+    ):
+        try:
+            change()
+            print("WON: priority or processors of", name)
+        except OSError:
+            pass
+""",
+        ("syscalls",),
+    ),
     "kills_others": Attack(
         "kills every process it can name",
         "it sees no process but its own",

@@ -41,6 +41,8 @@ def prepared(stack: ExitStack, folder: Path) -> dict[str, str]:
     folder.chmod(0o755)
     victim = folder / "of_another_student.py"
     victim.write_text(SECRET_OF_A_STUDENT)
+    if os.getuid() == 0:  # as an ordinary user's it can be changed by a program of that user's
+        os.chown(victim, attack_modes.NOBODY, attack_modes.NOBODY)
     name = f"course-kit-{secrets.token_hex(8)}"
     by_file, by_name = (stack.enter_context(socket.socket(socket.AF_UNIX)) for _ in range(2))
     by_file.bind(str(folder / "socket"))
