@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox.file_view import FileView
 
 _COUNTS_BY_NAMESPACE = (5, 14)  # Linux
+# What the user's other programs, gradings among them, may start while this one runs: not a learner's to answer for. The
+# init process holds the submission to its own number.
+_STARTED_MEANWHILE = 4096
 _NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}  # a program leaves nothing beside what it imports
 
 
@@ -113,4 +116,4 @@ def _others(job: Job) -> int:
     """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace."""
     version = tuple(int(part) for part in os.uname().release.split(".")[:2])
     counted_apart = job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
-    return 0 if counted_apart else tree.tasks_of_user(os.getuid())
+    return 0 if counted_apart else tree.tasks_of_user(os.getuid()) + _STARTED_MEANWHILE
