@@ -142,6 +142,29 @@ def hidden() -> list[str]:
     return [str(folder.resolve()) for named, _ in _added() for folder in _exercises(named)]
 
 
+def hidden_beside(solution: Path, grader: str) -> list[str]:
+    """What belongs to an exercise and lies outside of its folder.
+
+    Args:
+        solution: where its solution is, with helpers beside it perhaps.
+        grader: the module or file with its checks; all of the package that the module is in belongs to it.
+    """
+    around = solution.resolve().parent
+    found = [solution.resolve() if _is_of_libraries(around) else around]
+    top = grader.partition(".")[0]
+    if top.isidentifier() and top != __name__.partition(".")[0]:  # of the kit no submission sees a grader anyhow
+        with suppress(ImportError, ValueError):
+            spec = find_spec(top)
+            named = [] if spec is None else [*(spec.submodule_search_locations or filter(None, [spec.origin]))]
+            found += [place for one in named if not _is_of_libraries(place := Path(one).resolve())]
+    return list(map(str, found))
+
+
+def _is_of_libraries(folder: Path) -> bool:
+    """Whether Python looks for modules in it or below it, so that hiding it would hide them, too."""
+    return any(Path(entry).resolve().is_relative_to(folder) for entry in sys.path if os.path.isabs(entry))  # noqa: PTH117
+
+
 def _added() -> Iterator[tuple[Path, str]]:
     """Each folder that was added, and who names it."""
     yield from ((Path(entry), VARIABLE) for entry in _entries() if os.path.isabs(entry))  # noqa: PTH117

@@ -59,7 +59,15 @@ def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
         own_start=task.practice,  # a drill's program runs: without its start it would be another one
         variable=task.variable,
         limits=task.limits,
-        hidden=tuple(dict.fromkeys((str(task.folder.resolve()), *exercise_folders.hidden()))),
+        hidden=tuple(
+            dict.fromkeys(
+                (
+                    str(task.folder.resolve()),
+                    *exercise_folders.hidden(),
+                    *exercise_folders.hidden_beside(task.solution, task.grader),
+                )
+            )
+        ),
         interfaces=task.interfaces,
         points=task.points,
         declared=tuple(asdict(one) for one in task.declared),

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox.file_view import FileView
 
 _COUNTS_BY_NAMESPACE = (5, 14)  # Linux
-_STARTED_MEANWHILE = 1024  # processes and threads of the same user
+# What the user's other programs, gradings among them, may start while this one runs.
+_STARTED_MEANWHILE = 4096
 _NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}  # a program leaves nothing beside what it imports
 
 

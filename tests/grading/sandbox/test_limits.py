@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import resource
 from typing import TYPE_CHECKING
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from course_kit.grading.job import Job
 from course_kit.grading.limits import Limits
 from course_kit.grading.sandbox import socket_memory
+from tests.grading.sandbox import attack_modes
 
 if TYPE_CHECKING:
     from course_kit import grading
@@ -153,3 +155,12 @@ def test_infinite_loop_in_a_callback_names_its_line(grade_source: Grade, solutio
 def test_a_mistake_in_the_limits_is_named(values: dict[str, object]) -> None:
     with pytest.raises(ValueError, match=next(iter(values))):
         Limits.from_mapping(values)
+
+
+def test_what_the_user_starts_meanwhile_takes_nothing_from_a_submission_without_namespaces() -> None:
+    """There the kernel counts all of a user's tasks together; those of other gradings come and go."""
+    asks = "import resource; print('LIMIT', *resource.getrlimit(resource.RLIMIT_NPROC))\n"
+    outcome = attack_modes.outcomes(attack_modes.USER_ALONE, {"asks": asks})["asks"]
+    soft = int(outcome["stdout"].split()[1])
+    _, hard = resource.getrlimit(resource.RLIMIT_NPROC)
+    assert soft >= 4096 or soft == hard, outcome
