@@ -10,13 +10,14 @@ from __future__ import annotations
 import atexit
 import json
 import os
+import shlex
 import stat
 import subprocess
 import sys
 import tempfile
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import exercise, exercise_job
 from course_kit.grading.sandbox import file_view, isolation, launcher, mounts, namespaces, seccomp
@@ -26,11 +27,15 @@ from course_kit.process import libc, tree
 from course_kit.process.parent import adopt_orphans
 from tests.grading.conftest import EXERCISE, ROOT
 
+if TYPE_CHECKING:
+    from course_kit.grading.job import Job
+
 USER, USER_ALONE, AS_ROOT, ROOT_ALONE = "user", "user without namespaces", "root", "root without namespaces"
 BARE = "user without namespaces and Landlock"
+COMMAND = "user, by --exec"
 ROOT_ITSELF = "root whose Python nobody else can read"
 ROOT_ITSELF_ALONE = f"{ROOT_ITSELF}, without namespaces"
-OF_USER, OF_ROOT = (USER, USER_ALONE, BARE), (AS_ROOT, ROOT_ALONE, ROOT_ITSELF, ROOT_ITSELF_ALONE)
+OF_USER, OF_ROOT = (USER, COMMAND, USER_ALONE, BARE), (AS_ROOT, ROOT_ALONE, ROOT_ITSELF, ROOT_ITSELF_ALONE)
 _LANDLOCK = {"landlock_create_ruleset": 444}
 NOBODY = 65534
 
@@ -69,7 +74,7 @@ def main() -> None:
         become_nobody()
     if mode in (ROOT_ITSELF, ROOT_ITSELF_ALONE):
         hide_the_kit(file_view.ROBOT)
-    if mode not in (USER, AS_ROOT, ROOT_ITSELF):
+    if mode not in (USER, COMMAND, AS_ROOT, ROOT_ITSELF):
         refuse_namespaces(_LANDLOCK if mode == BARE else {})
     namespaces.forbid_tracing()
     adopt_orphans()
@@ -84,16 +89,24 @@ def main() -> None:
     programs = json.load(sys.stdin)
     seed = programs.pop("seed")
     print(json.dumps({"isolation": asdict(found)}), flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        _grade_each(programs, (task, seed), mode, found, (handle, starter))
+        os.chdir("/")
+
+
+def _grade_each(
+    programs: dict[str, str],
+    asked: tuple[exercise.Exercise, int],
+    mode: str,
+    found: isolation.Isolation,
+    started: tuple[launcher.Launcher, int],
+) -> None:
+    handle, starter = started
     for program, source in programs.items():
         user = isolation.guest(os.getpid()) if found.user else 0
-        job = replace(
-            exercise_job.of_running(task, seed),
-            mode="run",
-            name="answer.py",
-            source=source,
-            isolation=found,
-            user=user,
-        )
+        job = (of_command if mode == COMMAND else of_program)(*asked, source)
+        job = replace(job, isolation=found, user=user)
         sys.stdout.flush()
         if os.fork() == 0:
             outcome = Supervisor(job, handle).run()
@@ -101,6 +114,17 @@ def main() -> None:
             os._exit(0)
         os.wait()
         tree.end_descendants((starter,))
+
+
+def of_program(task: exercise.Exercise, seed: int, source: str) -> Job:
+    """The job of grading a program."""
+    return replace(exercise_job.of_running(task, seed), mode="run", name="answer.py", source=source)
+
+
+def of_command(task: exercise.Exercise, seed: int, source: str) -> Job:
+    """The job of grading the same program as a command, which sees the folder that it is started from."""
+    Path("answer.py").write_text(source)
+    return exercise_job.of_running(task, seed, shlex.join([sys.executable, "answer.py"]))
 
 
 def open_the_way(path: str) -> None:
