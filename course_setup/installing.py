@@ -117,7 +117,7 @@ class Installer:
         return locked_packages.version_of_numpy(self.python)
 
     def _require_venv(self) -> None:
-        asked = subprocess.run([self.python, "-c", "import ensurepip, venv"], capture_output=True, check=False)
+        asked = subprocess.run([self.python, "-I", "-c", "import ensurepip, venv"], capture_output=True, check=False)
         if asked.returncode:
             raise SetUpError(
                 f"This Python ({self.python}) comes without 'venv'. Debian, Ubuntu: sudo apt install python3-venv. Or "

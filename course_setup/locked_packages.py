@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
 FOLDER = Path("course_setup", "locked")
 _OLDEST_NUMPY = (1, 26)  # pyproject.toml asks for it
-_VERSION_OF_NUMPY = "import numpy; print(*numpy.__version__.split('.')[:2])"
+# Nothing is loaded from the folder that one is in, where strangers' programs may lie.
+_VERSION_OF_NUMPY = (
+    "import sys; sys.path[:] = filter(None, sys.path); import numpy; print(*numpy.__version__.split('.')[:2])"
+)
 
 
 def pip() -> list[str]:

@@ -45,8 +45,8 @@ esac
 # STAND_IN_PIP is the version of that pip, STAND_IN_NUMPY that of its numpy, such as "1 26"; it has none by itself.
 STAND_IN_ROS_PYTHON = f"""#!/bin/sh
 case "$*" in
-  "-c import rclpy" | "-c import ensurepip, venv") exit 0 ;;
-  "-c import numpy"*) if [ -n "${{STAND_IN_NUMPY:-}}" ]; then echo "$STAND_IN_NUMPY"; else exit 1; fi ;;
+  "-c "*"import rclpy" | "-I -c import ensurepip, venv") exit 0 ;;
+  "-c "*"import numpy"*) if [ -n "${{STAND_IN_NUMPY:-}}" ]; then echo "$STAND_IN_NUMPY"; else exit 1; fi ;;
   "-m venv "*) for last; do :; done
      echo "$@" >>"$STAND_IN_LOG"
      mkdir -p "$last/bin" "$last/lib/python3.10/site-packages/pip-${{STAND_IN_PIP:-26.0}}.dist-info"

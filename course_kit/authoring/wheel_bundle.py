@@ -25,6 +25,11 @@ _PARTS = ("pip", "course", "numpy", "ros", "build")
 _TEST_PARTS = ("test-ros", "test")
 _ONLY_AS_SOURCE = "empy"  # its people make no wheel; it is Python alone, and the bundle has what builds it
 _GLIBC = range(28, 4, -1)  # from 2.28, which `./course` asks for, down to the oldest that wheels are made for
+# As `-m pip`, which would put the folder that one is in before pip's own.
+_PIP = (
+    "import sys; sys.path[:] = filter(None, sys.path); import runpy; "
+    "runpy.run_module('pip', run_name='__main__', alter_sys=True)"
+)
 _DEADLINE_S = 3600.0
 
 
@@ -79,7 +84,7 @@ def _download(wanted: Sequence[LockedPackage], python: str, folder: Path) -> Non
         requirements = Path(work, "requirements.txt")
         requirements.write_text("".join(f"{one.line(with_marker=False)}\n" for one in wanted), encoding="utf-8")
         command = [
-            *(sys.executable, "-m", "pip", "download", "--disable-pip-version-check", "--quiet"),
+            *(sys.executable, "-c", _PIP, "download", "--disable-pip-version-check", "--quiet"),
             *("--no-deps", "--require-hashes", "--requirement", str(requirements)),
             *("--dest", str(folder), "--find-links", str(folder)),
             *("--only-binary=:all:", f"--no-binary={_ONLY_AS_SOURCE}", "--ignore-requires-python"),

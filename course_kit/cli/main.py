@@ -177,7 +177,7 @@ def _grade(options: argparse.Namespace) -> int:
     try:
         if options.format in autograde.FORMATS:
             return autograde.run(options)
-        if options.format == "text" and not options.attach:
+        if not options.attach:  # on stderr, beside JSON as well
             tell(grading.advice_for_root())
         autograde.require_no_target(options)
         if not options.attach and options.exec_command is None:

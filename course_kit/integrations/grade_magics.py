@@ -97,6 +97,8 @@ class GradeMagics(Magics):
         from course_kit.learner import progress
         from course_kit.learner.next_step import next_step
 
+        if file and (advice := grading.advice_for_root()):  # a notebook's own cells have run as root already
+            complain(f"{advice[:1].upper()}{advice[1:]}")
         try:
             report = grading.grade(exercise, file, seed=seed) if file else self.grade_cells(exercise, seed)
         except GradingError as problem:

@@ -53,6 +53,20 @@ def test_the_wheels_for_another_python_and_an_older_linux_are_downloaded(source:
     assert {path.name for path in bundle.iterdir()} == {f"{name}-1.0-{tag}.whl" for name, tag in tags.items()}
 
 
+def test_pip_loads_nothing_from_the_folder_that_one_is_in(
+    source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wanted = LockedPackage("plain", "1.0", "", (wheel(source, "plain", "py3-none-any"),))
+    inbox = tmp_path / "inbox"
+    inbox.mkdir()
+    for name in ("pip", "runpy", "json", "ssl"):
+        (inbox / f"{name}.py").write_text(f"open({str(tmp_path / 'loaded')!r}, 'a').write(__name__)\n")
+    monkeypatch.chdir(inbox)
+    wheel_bundle.download([wanted], "3.12", tmp_path)
+    assert (tmp_path / "plain-1.0-py3-none-any.whl").is_file()
+    assert not (tmp_path / "loaded").exists()
+
+
 def test_a_file_that_is_not_the_one_of_the_lock_is_refused(source: Path, tmp_path: Path) -> None:
     wheel(source, "plain", "py3-none-any")
     with pytest.raises(wheel_bundle.BundleError, match=r"Python 3\.12 did not finish; the lines above say why"):

@@ -43,6 +43,7 @@ def test_the_name_of_a_file_does_not_steer_the_terminal(tmp_path: Path) -> None:
     "words",
     [
         ["grade", "temperature_service", "no.py"],
+        ["grade", "temperature_service", "no.py", "--format", "json"],
         ["class", "{folder}", "--exercise", "temperature_service", "--out", "{folder}/out"],
     ],
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import graphlib
 import os
+import platform
 import resource
 import shutil
 from contextlib import contextmanager
@@ -15,7 +16,7 @@ import pytest
 
 from course_kit.grading.sandbox.namespaces import drop_privileges
 from course_setup import problems
-from tests.course_clone import STAND_IN_UV, Clone
+from tests.course_clone import BASE_PYTHON, STAND_IN_UV, Clone
 
 if TYPE_CHECKING:
     import subprocess
@@ -23,7 +24,13 @@ if TYPE_CHECKING:
 
 NEEDED = ("sh", "cat", "chmod", "cksum", "dirname", "env", "getconf", "readlink", "rm", "uname")
 OLD_PYTHON = """#!/bin/sh
-case "$*" in *python_version*) echo 3.9.2 ;; *) exit 1 ;; esac
+case "$*" in *"version_info[:3]"*) echo 3.9.2 ;; *) exit 1 ;; esac
+"""
+
+# Answers questions as the Python of a sourced ROS 2 would, and leaves installing to the stand-in.
+REAL_PYTHON = """#!/bin/sh
+echo "$@" >>"{asked}"
+case $1 in -m) exec "${{0%/*}}/ros_python" "$@" ;; *) PYTHONPATH="{ros}" exec "{python}" "$@" ;; esac
 """
 
 
@@ -97,6 +104,28 @@ def test_of_a_sourced_ros_no_entry_means_the_folder_that_one_is_in(clone: Clone)
     done = clone.course("doctor", PYTHONPATH=":/a folder:here/below:/b:.:", **clone.sourced())
     *given, _ = done.stdout.split(f":{clone.root}")  # which the stand-in adds
     assert given[0] == "/a folder:/b", done.stderr
+
+
+def test_looking_for_a_python_loads_nothing_from_the_folder_that_one_is_in(clone: Clone, tmp_path: Path) -> None:
+    """Each question is asked of a real Python, from among traps: for the one of a sourced ROS, and for any."""
+    inbox = tmp_path / "inbox"
+    inbox.mkdir()
+    for name in ("rclpy", "numpy", "platform", "venv", "ensurepip", "json"):
+        (inbox / f"{name}.py").write_text(f"open({str(tmp_path / 'loaded')!r}, 'a').write(__name__)\n")
+    for name in ("rclpy", "numpy"):
+        (tmp_path / "ros" / name).mkdir(parents=True)
+        (tmp_path / "ros" / name / "__init__.py").write_text("__version__ = '1.26.4'\n")
+    sourced = {**clone.sourced(), "COURSE_PYTHON": str(clone.tools / "real_python")}
+    clone.tool("real_python", REAL_PYTHON.format(asked=tmp_path / "asked", ros=tmp_path / "ros", python=BASE_PYTHON))
+    clone.course("doctor", cwd=inbox, **sourced)
+    asked = (tmp_path / "asked").read_text()
+    assert all(word in asked for word in ("import rclpy", "import ensurepip, venv", "import numpy"))
+    clone.tool("python3", f'#!/bin/sh\ncase $* in *implementation*) exit 1 ;; esac\nexec {BASE_PYTHON} "$@"\n')
+    for name in ("python3.12", "python3.13", "python3.14", "python3.11", "python3.10", "python"):
+        clone.tool(name, "#!/bin/sh\nexit 1\n")
+    told = refusal(clone.course("doctor", cwd=inbox, COURSE_PYTHON="", COURSE_NO_UV="1"))
+    assert f"{platform.python_version()} ({clone.tools / 'python3'})" in told
+    assert not (tmp_path / "loaded").exists(), (tmp_path / "loaded").read_text()
 
 
 def test_the_installer_gets_no_settings_for_other_installations(clone: Clone, tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 ROOT = Path(course_kit.__file__).parent
-PACKAGES = ("grading", "graders", "reader", "quiz")
+PACKAGES = ("grading", "graders", "reader", "quiz", "classroom", "text", "integrations")
 METHODS = {"match", "fullmatch", "search", "findall", "finditer", "sub", "split"}
 # Runs of each of these, and of each with what a pattern itself is made of before and behind.
 UNITS = (
@@ -52,6 +52,7 @@ UNITS = (
     "a\n",
     "0a",
 )
+MISFIT = "\n\0!"  # after which a pattern that wants the whole text tries all it has taken again
 SIZES = (1_000, 16_000)  # characters; a pattern that is cubic shows with the first, before the second takes an hour
 LONGER = 4  # times as long is the second text; twice could be one step in the processor's caches, of the factor 3
 MOST = 9.0  # times as long does it take: a square would be 16
@@ -95,6 +96,7 @@ def inputs(pattern: str) -> Iterator[Callable[[int], str]]:
     for piece in pieces:
         for unit in UNITS:
             yield lambda n, piece=piece, unit=unit: piece + unit * (n // len(unit))  # type: ignore[misc]
+            yield lambda n, piece=piece, unit=unit: piece + unit * (n // len(unit)) + MISFIT  # type: ignore[misc]
             if piece:
                 yield lambda n, piece=piece, unit=unit: (piece + unit) * (n // len(piece + unit))  # type: ignore[misc]
                 yield lambda n, piece=piece, unit=unit: unit * (n // len(unit)) + piece  # type: ignore[misc]

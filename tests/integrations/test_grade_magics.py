@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -55,6 +56,13 @@ def test_the_card_shows_the_grade_and_the_text_says_the_same(kernel: Kernel) -> 
     assert "10 of 10 points" in done.result["text/html"]
     assert "10 of 10 points" in done.result["text/plain"]
     assert "Next: lesson 2, notebooks/02_actions.ipynb; then exercise 2, move_robot." in done.stdout
+
+
+def test_who_grades_a_file_as_root_is_told_so_beforehand(kernel: Kernel) -> None:
+    """Also where there is nothing to grade, so not after it. The notebook's own cells have run as root anyway."""
+    done = kernel.run("%grade temperature_service no.py")
+    assert done.stderr.startswith("You are grading as root. Use an ordinary account") == (os.geteuid() == 0)
+    assert "root" not in kernel.run("%grade temperature_service").stderr
 
 
 @pytest.mark.parametrize(

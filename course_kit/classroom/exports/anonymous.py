@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.gradebook import Gradebook
     from course_kit.classroom.records import Record
 
+_BETWEEN_WORDS = re.compile(r"[\W_]+")
 _SHORTEST = 3  # letters of a part of a name that is looked for; shorter ones are words of their own
 _FIELDS = ("id", "title", "status", "points", "max_points", "sent", "expected", "got", "diagnosis", "message", "hint")
 
@@ -89,7 +90,7 @@ def _names(record: Record, student: str) -> re.Pattern[str]:
     """Everything by which a student may be called: identifiers, the name and its parts, the file and its folders."""
     entry = record.entry
     whole = {student, entry.name, entry.source, *entry.source.split("/"), *entry.platform.values()}
-    parts = {part for text in (student, entry.name) for part in re.split(r"[\W_]+", text)}
+    parts = {part for text in (student, entry.name) for part in _BETWEEN_WORDS.split(text)}
     wanted = {one for one in whole if one} | {one for one in parts if len(one) >= _SHORTEST}
     longest_first = sorted(wanted, key=lambda one: (-len(one), one))
     return re.compile("|".join(rf"(?<!\w){re.escape(one)}(?!\w)" for one in longest_first), re.IGNORECASE)

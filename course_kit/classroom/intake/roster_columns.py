@@ -50,7 +50,7 @@ _ID = "id"
 _PARTICIPANT = re.compile(r"(?P<word>\D{2,40})\s(?P<number>\d{1,18})")
 _MOST_LOOKED_AT = 50  # rows
 _IDENTIFIERS = (LOGIN, NUMBER, CANVAS, MOODLE, GITHUB, EMAIL)
-_LOGIN_CELL = re.compile(r"[\w.@+-]*[^\W\d_][\w.@+-]*")  # one word with a letter
+_LOGIN_CELL = re.compile(r"(?=[\d_.@+-]*[^\W\d_])[\w.@+-]*")  # one word with a letter
 _NUMBER_CELL = re.compile(r"\d{4,20}")  # longer than one that counts the rows
 _KINDS = {word: kind for kind, words in _WORDS.items() for word in words.split("|")}
 
@@ -97,8 +97,8 @@ def _with_identifier(kinds: list[str], rows: Sequence[Sequence[str]]) -> list[st
         cells = [row[place].strip() if place < len(row) else "" for row in rows]
         if kind or len(cells) < 2 or len(set(cells)) < len(cells):  # noqa: PLR2004 - of one nothing can be told
             continue
-        for found, pattern in ((NUMBER, _NUMBER_CELL), (LOGIN, _LOGIN_CELL)):
-            if all(pattern.fullmatch(cell) for cell in cells):
+        for found, fits in ((NUMBER, _NUMBER_CELL.fullmatch), (LOGIN, _LOGIN_CELL.fullmatch)):
+            if all(map(fits, cells)):
                 return [*kinds[:place], found, *kinds[place + 1 :]]
     return kinds
 

@@ -184,6 +184,29 @@ def test_the_folder_for_classroom_50_grades_with_the_kit_beside_it(tmp_path: Pat
     assert told == f"grade {SERVICE.id} . --seed=5 --format classroom50 --to result.json"
 
 
+@pytest.mark.attack("Files beside a submission")
+@pytest.mark.parametrize("where", ["beside the script", "where it is called"])
+def test_the_script_of_classroom_50_loads_nothing_of_a_students(where: str, tmp_path: Path) -> None:
+    """Whatever a workflow copies where. An empty entry of PYTHONPATH means the folder in which it is called."""
+    folder = autograders.classroom50(SERVICE.id, tmp_path / "temperature")
+    with zipfile.ZipFile(folder / "kit.zip", "w") as stand_in:
+        stand_in.writestr("ros2-course/course", "exit 3\n")
+    called = tmp_path / "checkout"
+    called.mkdir()
+    for name in ("pathlib", "subprocess", "tempfile", "zipfile", "random", "shutil", "signal", "struct"):
+        trap = (folder if where == "beside the script" else called) / f"{name}.py"
+        trap.write_text(f"open({str(tmp_path / 'loaded')!r}, 'a').write(__name__)\n")
+    done = subprocess.run(
+        [sys.executable, "-S", folder / "autograder.py"],  # packages may load modules before the script begins
+        cwd=called,
+        env={**os.environ, "PYTHONPATH": os.pathsep},
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 3
+    assert not (tmp_path / "loaded").exists(), (tmp_path / "loaded").read_text()
+
+
 @pytest.mark.parametrize("kind", ["gradescope", "classroom50"])
 def test_nothing_that_is_there_is_written_over(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     there = tmp_path / "there"
