@@ -1,4 +1,10 @@
-"""Whatever process of a class run is killed: no result is lost, none is wrong, and the run can be completed."""
+"""Whatever process of a class run is killed: no result is lost, none is wrong, and the run can be completed.
+
+The class command itself is killed in `test_interrupted_runs`. Thirty kills of each role in a class of sixty:
+
+    COURSE_KILLS=30 COURSE_KILLS_SIZE=60 .venv/bin/python -m pytest tests/classroom/test_killed_roles.py
+    COURSE_RUN_KILLS=30 .venv/bin/python -m pytest tests/classroom/test_interrupted_runs.py
+"""
 
 from __future__ import annotations
 
@@ -32,10 +38,13 @@ ROLES = (
     "grade enter",
     "grade init",
     "submission",
+    "reader",
+    "reader's child",
 )
+READING = b"course_kit.reader.process"
 SIZE = int(os.environ.get("COURSE_KILLS_SIZE", "8"))
 KILLS = int(os.environ.get("COURSE_KILLS", "3"))  # of each role
-PATIENCE_S = 100.0  # against hanging only
+PATIENCE_S = 100.0 + 10.0 * SIZE  # against hanging only
 WRONG = "validation.missing"
 
 
@@ -81,6 +90,27 @@ def of_role(run: subprocess.Popen[bytes], role: str) -> Iterator[psutil.Process]
                 yield process
 
 
+def readers(run: subprocess.Popen[bytes], role: str) -> Iterator[psutil.Process]:
+    """The process that reads submissions, or its child that reads one: it lives for a few milliseconds."""
+    for reader in _children(run.pid):
+        if READING in _command(reader):
+            yield from map(psutil.Process, [reader] if role == "reader" else _children(reader))
+
+
+def _children(process: int) -> list[int]:
+    found: list[int] = []
+    with suppress(OSError):  # it has ended meanwhile
+        for path in Path(f"/proc/{process}/task").glob("*/children"):
+            found += map(int, path.read_text().split())
+    return found
+
+
+def _command(process: int) -> bytes:
+    with suppress(OSError):
+        return Path(f"/proc/{process}/cmdline").read_bytes()
+    return b""
+
+
 def wait_for_others(run: subprocess.Popen[bytes], out: Path) -> None:
     """Wait until more results have come than there are workers, so that it is somebody else's turn."""
     before, pause = len(results(out)), threading.Event()
@@ -91,10 +121,11 @@ def wait_for_others(run: subprocess.Popen[bytes], out: Path) -> None:
 def kill_some(run: subprocess.Popen[bytes], role: str, out: Path, chance: random.Random) -> int:
     """Kill processes of a role at moments nobody has chosen; returns how many it were."""
     killed, pause = 0, threading.Event()
+    find, longest_s = (readers, 0.15) if role.startswith("reader") else (of_role, 0.25)
     while killed < KILLS and run.poll() is None:
-        pause.wait(chance.random() / 4)  # no synchronisation: any moment will do
+        pause.wait(chance.random() * longest_s)  # no synchronisation: any moment will do
         try:
-            if found := list(of_role(run, role)):
+            if found := list(find(run, role)):
                 chance.choice(found).send_signal(signal.SIGKILL)
                 killed += 1
                 if role == "submission":  # one that is killed again and again is taken to do it itself
@@ -104,7 +135,7 @@ def kill_some(run: subprocess.Popen[bytes], role: str, out: Path, chance: random
     return killed
 
 
-@pytest.mark.timeout(400)
+@pytest.mark.timeout(4 * PATIENCE_S)
 @pytest.mark.parametrize("role", ROLES)
 def test_killing_costs_nothing_and_makes_nothing_wrong(
     role: str, inbox: Path, scores: dict[str, float], tmp_path: Path

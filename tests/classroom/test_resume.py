@@ -241,6 +241,20 @@ def test_a_timestamp_in_a_zip_counts(tmp_path: Path) -> None:
     assert scores(book) == {"ada": 8.0, "bob": 10.0}
 
 
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_timestamp_of_a_students_own_does_not_replace_nbgraders(packed: bool, tmp_path: Path) -> None:
+    """It lies in a folder, or in a zip, that they have handed in; nbgrader's lies around it."""
+    week = tmp_path / "submitted/ada/week1"
+    hand_in(week, "mine", "right = 1", "2026-11-19 12:00:00.0 UTC")
+    (week / "timestamp.txt").write_text("2026-11-22 12:00:00.0 UTC")
+    if packed:
+        shutil.make_archive(str(week / "mine"), "zip", week / "mine")
+        shutil.rmtree(week / "mine")
+    settings(tmp_path / "submitted", class_toml=RULES + DUE)
+    book, _ = again(tmp_path / "submitted")
+    assert scores(book) == {"ada": 8.0}
+
+
 def test_a_list_of_gradescopes_tells_when(tmp_path: Path) -> None:
     entry = Entry("ada", "temperature_service", "ada.py", platform={"submitted_at": "2026-11-20 14:59:30.5 -08:00"})
     assert submitted(tmp_path, entry) == datetime(2026, 11, 20, 22, 59, 30, tzinfo=timezone.utc)

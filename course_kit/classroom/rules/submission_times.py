@@ -48,11 +48,15 @@ def submitted(root: Path, entry: Entry, zone: tzinfo | None = None) -> datetime 
     if told and (moment := read_stamp(told, zone)):
         return moment
     source = PurePosixPath(entry.source)
-    if len(source.parts) > 1:  # beside a submission in its student's folder, not between those of all
-        stamp = _read_text(root / source.parent / STAMP, _LONGEST_STAMP)
-        if stamp is not None and (moment := read_stamp(stamp, zone)):
-            return moment
-    return _committed(root, source)
+    stamp = _outermost_stamp(root, source)
+    return read_stamp(stamp, zone) or _committed(root, source)
+
+
+def _outermost_stamp(root: Path, source: PurePosixPath) -> str:
+    """What the note says; empty without one. Further in, a student may have put another one beside their file."""
+    folders = (root.joinpath(*source.parts[:depth]) for depth in range(1, len(source.parts)))
+    notes = (_read_text(folder / STAMP, _LONGEST_STAMP) for folder in folders)
+    return next((note for note in notes if note is not None), "")
 
 
 def read_stamp(text: str, zone: tzinfo | None = None) -> datetime | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -61,6 +62,16 @@ def test_class_loads_nothing_from_the_folder_it_grades(kind: str, inbox: Path) -
         COMMANDS[kind], inbox, "class", ".", "--exercise", EXERCISE, "--out", str(out), "--layout", "files"
     )
     assert (out / "grades.csv").is_file(), done.stderr
+    again = course_kit(COMMANDS[kind], inbox, "regrade", str(out), "--write")
+    assert again.returncode == 0, again.stderr
+    assert not (inbox.parent / "loaded").exists(), (inbox.parent / "loaded").read_text()
+
+
+@pytest.mark.parametrize("kind", COMMANDS)
+def test_an_autograder_loads_nothing_from_the_folder_it_grades(kind: str, inbox: Path) -> None:
+    done = course_kit(COMMANDS[kind], inbox, "grade", EXERCISE, ".", "--format", "gradescope", "--to", "../result")
+    assert done.returncode == 0, done.stderr
+    assert json.loads((inbox.parent / "result").read_text())["score"] >= 0
     assert not (inbox.parent / "loaded").exists(), (inbox.parent / "loaded").read_text()
 
 
