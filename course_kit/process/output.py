@@ -51,7 +51,7 @@ class LastWords:
 
     def last_line(self) -> str:
         """What it has printed last; nothing when the file is closed."""
-        with suppress(ValueError):
+        with suppress(ValueError, OSError):  # the latter where another thread closes it just now
             descriptor = self.file.fileno()
             end = os.pread(descriptor, self._MOST, max(os.fstat(descriptor).st_size - self._MOST, 0))
             return end.decode("utf-8", errors="replace").strip().rpartition("\n")[2]

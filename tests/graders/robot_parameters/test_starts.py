@@ -15,6 +15,7 @@ from tests.graders.robot_parameters.conftest import EXERCISE, SOLUTION, not_pass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 STARTS = {"start_arguments", "start_file", "start_invalid"}
 
@@ -34,9 +35,10 @@ def test_a_command_is_given_arguments_and_files() -> None:
     assert not_passed(report) == []
 
 
-def test_a_command_that_takes_no_arguments_ignores_them() -> None:
-    program = f"import runpy, sys; sys.argv = ['node']; runpy.run_path({str(SOLUTION)!r}, run_name='__main__')"
-    report = grading.grade(EXERCISE, exec_command=shlex.join([sys.executable, "-c", program]))
+def test_a_command_that_takes_no_arguments_ignores_them(tmp_path: Path) -> None:
+    program = tmp_path / "node.py"
+    program.write_text(f"import sys\n\nsys.argv = ['node']\n{SOLUTION.read_text()}")
+    report = grading.grade(EXERCISE, exec_command=shlex.join([sys.executable, str(program)]))
     assert {(check, code) for check, status, code, _ in not_passed(report) if status == "failed"} == {
         ("start_arguments", "parameter.override_ignored"),
         ("start_file", "parameter.override_ignored"),

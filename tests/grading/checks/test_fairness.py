@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from typing import TYPE_CHECKING
 
@@ -186,6 +187,6 @@ def test_starving_itself_buys_a_slow_program_no_patience(starver: str, grade: Gr
 def test_starving_itself_buys_a_command_no_patience(tmp_path: Path) -> None:
     program = tmp_path / "answer.py"
     program.write_text(starving(UNNOTICED))
-    report = grading.grade("temperature_service", exec_command=f"{sys.executable} {program}", seed=3)
+    report = grading.grade("temperature_service", exec_command=shlex.join([sys.executable, str(program)]), seed=3)
     assert failed(report) == {"fifty_calls": "service.blocks"}
     assert report.score == 8.5
