@@ -53,8 +53,8 @@ class Handed:
 
     @property
     def may_last(self) -> bool:
-        """Whether its program has a loop that may be endless; a guess, good enough to begin with such programs."""
-        return self.text is not None and self.text.facts.loops
+        """Whether its program may loop or wait for long; a guess, good enough to begin with such programs."""
+        return self.text is not None and self.text.facts.may_last
 
     def task(self, hidden: tuple[str, ...], *, require_isolation: bool) -> Task | None:
         """What an executor is asked to do; None when there is nothing to run.

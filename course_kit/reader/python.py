@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 _LONGEST = 200  # characters of a line, or of what Python says about it
 _MOST_FUNCTIONS = 1000
 _CALLS, _LOOKS = frozenset({"call_async", "send_goal_async"}), frozenset({"done", "result", "wait"})
+# Calls that wait for something that may never come, or make what is waited for.
+_WAITING = frozenset({"Future", "acquire", "call", "input", "sleep", "spin_until_future_complete", "wait"})
 
 
 class TooMuchError(ValueError):
@@ -46,7 +48,7 @@ def parse(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
 
 def facts(tree: ast.Module) -> dict[str, object]:
     """What a program's text gives away, as `Facts` has it."""
-    told = {"awaits": False, "floor_divides": False, "loops": False}
+    told = {"awaits": False, "floor_divides": False, "may_last": False}
     spans: list[tuple[int, int]] = []
     calls, looks = [], []  # lines in which a call is sent and not waited for; in which a future is looked at
     for node in ast.walk(tree):
@@ -59,8 +61,8 @@ def facts(tree: ast.Module) -> dict[str, object]:
             told["awaits"] = True
         elif isinstance(node, (ast.BinOp, ast.AugAssign)):
             told["floor_divides"] |= isinstance(node.op, ast.FloorDiv)
-        elif isinstance(node, ast.While):
-            told["loops"] = True
+        elif isinstance(node, ast.While) or (isinstance(node, ast.Call) and _called(node) in _WAITING):
+            told["may_last"] = True
         elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             spans.append((node.lineno, node.end_lineno or node.lineno))
     return {**told, "functions": _functions(spans, sorted(calls), sorted(looks)), "future": _first_future(tree)}
@@ -69,8 +71,12 @@ def facts(tree: ast.Module) -> dict[str, object]:
 def _first_future(tree: ast.Module) -> int:
     """The first line in which a Future is made; 0 when there is none."""
     calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
-    made = (call.lineno for call in calls if getattr(call.func, "attr", getattr(call.func, "id", "")) == "Future")
-    return min(made, default=0)
+    return min((call.lineno for call in calls if _called(call) == "Future"), default=0)
+
+
+def _called(call: ast.Call) -> str:
+    """The last name of what is called; empty where it has none."""
+    return str(getattr(call.func, "attr", getattr(call.func, "id", "")))
 
 
 def _functions(
