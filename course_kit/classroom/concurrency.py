@@ -11,6 +11,7 @@ import threading
 import time
 from collections import deque
 from concurrent.futures import Future
+from enum import IntEnum
 from typing import TYPE_CHECKING, TypeVar
 
 from course_kit.grading.machine import processor_times
@@ -29,15 +30,23 @@ _STARTED_S = 0.5  # after which the workers have started, so that what idles is 
 _LENT_AFTER_S = 1.5  # a grading that takes longer mostly waits; its place is lent unless processors are busy
 
 
-def early(things: Iterable[Thing], is_urgent: Callable[[Thing], bool]) -> list[Thing]:
-    """The things with the urgent ones early: every third, as long as there are any; otherwise in their order.
+class Urgency(IntEnum):
+    """What may last begins early, so that nothing waits for it at the end.
 
-    What may last begins early, so that nothing waits for it at the end. But a class's endless programs are also those
-    that take all the memory they may: these should not run side by side.
+    A class's endless programs are also those that take all the memory they may. So they begin first of all, while few
+    run side by side: there are more once some of those wait.
     """
-    all_things = list(things)
-    urgent = deque(thing for thing in all_things if is_urgent(thing))
-    others = deque(thing for thing in all_things if not is_urgent(thing))
+
+    LOOPS = 0
+    WAITS = 1
+    NONE = 2
+
+
+def early(things: Iterable[Thing], urgency: Callable[[Thing], Urgency]) -> list[Thing]:
+    """The things with the urgent ones early: every third, as long as there are any; otherwise in their order."""
+    all_things = sorted(things, key=urgency)
+    urgent = deque(thing for thing in all_things if urgency(thing) != Urgency.NONE)
+    others = deque(thing for thing in all_things if urgency(thing) == Urgency.NONE)
     order: list[Thing] = []
     while urgent or others:
         turn = urgent if urgent and (len(order) % _URGENT_EVERY == 0 or not others) else others

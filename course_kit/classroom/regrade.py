@@ -239,7 +239,7 @@ class Regrade:
         except ReadingStoppedError:
             groups = {}
         self._watcher.begin(len(self._chosen), self._new)
-        return early(groups.values(), lambda group: group[0].may_last)
+        return early(groups.values(), lambda group: group[0].urgency)
 
     def _staged(self, record: Record, now: dict[str, dict[str, str]]) -> Record | None:
         """What an earlier regrade has found, by the rules of now."""

@@ -201,7 +201,7 @@ class ClassRun:
         except ReadingStoppedError:
             groups = {}
         self._watcher.begin(len(self.intake.entries), self._kept)
-        return early(groups.values(), lambda group: group[0].may_last)
+        return early(groups.values(), lambda group: group[0].urgency)
 
     def _keep(self, record: Record, known: Record) -> None:
         here = {entry.student for entry in self.intake.entries}

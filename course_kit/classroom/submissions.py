@@ -6,11 +6,12 @@ import os
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from course_kit.classroom.concurrency import Urgency
 from course_kit.classroom.records import Record
 from course_kit.grading import engine
 from course_kit.grading.engine import Task
 from course_kit.grading.errors import GradingError
-from course_kit.grading.submission import Copy, UnreadableError
+from course_kit.grading.submission import Copy, Facts, UnreadableError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -52,9 +53,10 @@ class Handed:
         return (self.exercise.id, self.digest or self.entry.source, self.seed)
 
     @property
-    def may_last(self) -> bool:
-        """Whether its program may loop or wait for long; a guess, good enough to begin with such programs."""
-        return self.text is not None and self.text.facts.may_last
+    def urgency(self) -> Urgency:
+        """How early its program should begin, by a guess from its text that is good enough for that."""
+        facts = Facts() if self.text is None else self.text.facts
+        return Urgency.LOOPS if facts.loops else Urgency.WAITS if facts.waits else Urgency.NONE
 
     def task(self, hidden: tuple[str, ...], *, require_isolation: bool) -> Task | None:
         """What an executor is asked to do; None when there is nothing to run.

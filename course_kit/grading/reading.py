@@ -263,7 +263,7 @@ def _readable(told: Record) -> Record:
 def _facts(told: Record) -> Facts:
     """What the reader's child says of a text; it has read what a stranger wrote."""
     functions = tuple((int(first), int(last), bool(waits)) for first, last, waits in told["functions"])
-    signs = {name: bool(told[name]) for name in ("awaits", "floor_divides", "may_last")}
+    signs = {name: bool(told[name]) for name in ("awaits", "floor_divides", "loops", "waits")}
     return Facts(**signs, functions=functions, future=int(told["future"]))
 
 

@@ -55,7 +55,8 @@ class Facts:
     Attributes:
         awaits: `await` stands in it.
         floor_divides: `//` stands in it.
-        may_last: a loop that may be endless stands in it, or a call that waits.
+        loops: `while` stands in it.
+        waits: a call that may wait for long stands in it.
         functions: first and last line of each function, and whether it makes an asynchronous call and looks at the
             future itself; none when none does.
         future: the first line in which the program makes a Future itself; 0 when there is none.
@@ -63,7 +64,8 @@ class Facts:
 
     awaits: bool = False
     floor_divides: bool = False
-    may_last: bool = False
+    loops: bool = False
+    waits: bool = False
     functions: tuple[tuple[int, int, bool], ...] = ()
     future: int = 0
 

@@ -48,7 +48,7 @@ def parse(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
 
 def facts(tree: ast.Module) -> dict[str, object]:
     """What a program's text gives away, as `Facts` has it."""
-    told = {"awaits": False, "floor_divides": False, "may_last": False}
+    told = {"awaits": False, "floor_divides": False, "loops": False, "waits": False}
     spans: list[tuple[int, int]] = []
     calls, looks = [], []  # lines in which a call is sent and not waited for; in which a future is looked at
     for node in ast.walk(tree):
@@ -61,8 +61,10 @@ def facts(tree: ast.Module) -> dict[str, object]:
             told["awaits"] = True
         elif isinstance(node, (ast.BinOp, ast.AugAssign)):
             told["floor_divides"] |= isinstance(node.op, ast.FloorDiv)
-        elif isinstance(node, ast.While) or (isinstance(node, ast.Call) and _called(node) in _WAITING):
-            told["may_last"] = True
+        elif isinstance(node, ast.While):
+            told["loops"] = True
+        elif isinstance(node, ast.Call):
+            told["waits"] |= _called(node) in _WAITING
         elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             spans.append((node.lineno, node.end_lineno or node.lineno))
     return {**told, "functions": _functions(spans, sorted(calls), sorted(looks)), "future": _first_future(tree)}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.classroom import concurrency
-from course_kit.classroom.concurrency import IdleShare, Turns, early
+from course_kit.classroom.concurrency import IdleShare, Turns, Urgency, early
 from course_kit.grading.machine import ProcessorTimes
 
 if TYPE_CHECKING:
@@ -99,9 +99,12 @@ def test_the_place_of_one_that_only_waits_is_lent(grade: StandInForGrading, made
 
 
 def test_what_may_last_begins_early_and_not_all_at_once() -> None:
-    assert "".join(early("abXcdeXfX", str.isupper)) == "XabXcdXef"
-    assert "".join(early("aXYZ", str.isupper)) == "XaYZ"
-    assert early([], str.isupper) == []
+    def urgency(thing: str) -> Urgency:
+        return {"L": Urgency.LOOPS, "W": Urgency.WAITS}.get(thing, Urgency.NONE)
+
+    assert "".join(early("abWcdeLfWgL", urgency)) == "LabLcdWefWg"
+    assert "".join(early("aWLL", urgency)) == "LaLW"
+    assert early([], urgency) == []
 
 
 def test_what_waits_for_its_turn_can_be_cancelled(grade: StandInForGrading, made: Callable[[float], Turns]) -> None:
