@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from course_kit.classroom.intake import collecting, table
 from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart
 from course_kit.grading.reading import ReadingStoppedError
+from course_kit.grading.readings import Readings
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,7 +34,7 @@ def look(plan: Plan, stopped: Callable[[], bool] = lambda: False) -> Intake:
     with tempfile.TemporaryDirectory(prefix="course-kit-intake-") as folder:
         try:
             found = collecting.collect(
-                plan.sources, plan.exercises, Path(folder) / WORKSPACE, plan.layout, stopped, plan.roster
+                plan.sources, plan.exercises, Path(folder) / WORKSPACE, plan.layout, Readings(stopped), plan.roster
             )
         except ReadingStoppedError:
             raise KeyboardInterrupt from None

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.records import Entry, Record
     from course_kit.grading.exercise import Exercise
+    from course_kit.grading.readings import Readings
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,7 @@ class Gradebook:
         seed: what the checks drew from.
         complete: whether every submission has its record; False after Ctrl-C.
         root: the folder the entries' sources are relative to; None where they are not at hand.
+        readings: who has read them, and remembers; None where nobody has.
         odd: student and reason of those whose entry does not fit the layout.
         dropped: student and reason of those who handed in something of which nothing could be graded, or not all.
         absent: identifier and name of those on the roster who handed in nothing; they are among `missing`, too.
@@ -45,6 +47,7 @@ class Gradebook:
     seed: int = 0
     complete: bool = True
     root: Path | None = None
+    readings: Readings | None = None
     odd: tuple[tuple[str, str], ...] = ()
     dropped: tuple[tuple[str, str], ...] = ()
     absent: tuple[tuple[str, str], ...] = ()

@@ -20,7 +20,7 @@ from course_kit.classroom.records import Records
 from course_kit.classroom.rules.tables import unknown
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Reader, ReadingStoppedError
+from course_kit.grading.reading import ReadingStoppedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.records import Record
     from course_kit.classroom.run import ClassRun
     from course_kit.classroom.submissions import Handed
+    from course_kit.grading.readings import Readings
 
 STAGING = "regrade"
 TABLE = "regrade.csv"
@@ -226,10 +227,10 @@ class Regrade:
         groups: dict[tuple[str, str, int], list[Handed]] = {}
         now = {one.id: versions.of(one) for one in self._exercises.values()}
         try:
-            with Reader(lambda: stops() > 0) as reader:
+            with self._run.readings.remembered(lambda: stops() > 0) as readings:
                 for record in self._chosen:
                     staged = self._staged(record, now)
-                    one = self._read(record, reader, staged)
+                    one = self._read(record, readings, staged)
                     if one.digest != record.digest:  # it has changed, or cannot be had
                         self.not_at_hand.append(f"{record.entry.student}, {record.entry.exercise}")
                     elif staged is not None and one.has_result(staged):
@@ -246,10 +247,10 @@ class Regrade:
         staged = self._staging.find(record.entry)
         return staged if staged is not None and staged.versions == now[record.entry.exercise] else None
 
-    def _read(self, record: Record, reader: Reader, staged: Record | None) -> Handed:
+    def _read(self, record: Record, readings: Readings, staged: Record | None) -> Handed:
         task = self._exercises[record.entry.exercise]
         seed = self._run.seed if record.seed is None else record.seed
-        return submissions.read(record.entry, self._run.intake.root, task, seed, reader, known=staged)
+        return submissions.read(record.entry, self._run.intake.root, task, seed, readings, known=staged)
 
 
 def _key(record: Record) -> tuple[str, str]:

@@ -23,7 +23,8 @@ from course_kit.classroom.rules import instructor
 from course_kit.classroom.rules.people import People
 from course_kit.environment import remove_half_written
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Reader, ReadingStoppedError
+from course_kit.grading.reading import ReadingStoppedError
+from course_kit.grading.readings import Readings
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -91,13 +92,14 @@ class ClassRun:
         self._plan = plan
         self._watcher = watcher
         self._stops = stops
+        self.readings = Readings(self._stopped)
         self._records = Records(plan.out)
         require_folders_apart(plan.sources, plan.out)
         self.seed = self._choose_seed()
         self._instructions = instructor.read(plan.out, plan.exercises)
         try:
             self.intake = collecting.collect(
-                plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, self._stopped, plan.roster
+                plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, self.readings, plan.roster
             )
         except ReadingStoppedError:
             raise KeyboardInterrupt from None  # nothing has begun
@@ -190,10 +192,10 @@ class ClassRun:
         """
         groups: dict[tuple[str, str, int], list[Handed]] = {}
         try:
-            with Reader(self._stopped) as reader:
+            with self.readings:
                 for entry in self.intake.entries:
                     known = self._records.find(entry)
-                    one = self._read(entry, reader, known)
+                    one = self._read(entry, known)
                     if known is not None and one.has_result(known):
                         self._keep(one.kept_record(known), known)
                     else:
@@ -211,12 +213,12 @@ class ClassRun:
             self._records.keep(record)
         self._kept.append(record)
 
-    def _read(self, entry: Entry, reader: Reader, known: Record | None) -> Handed:
+    def _read(self, entry: Entry, known: Record | None) -> Handed:
         task = next(one for one in self._plan.exercises if one.id == entry.exercise)
         usual = self.seed if task.seed is None else task.seed
         own = self._seeds.of(entry) if self._seeds else None
         seed = usual if own is None else own
-        return submissions.read(entry, self.intake.root, task, seed, reader, known=known)
+        return submissions.read(entry, self.intake.root, task, seed, self.readings, known=known)
 
     def _gradebook(self, done: list[Record]) -> Gradebook:
         fit = self.intake.roster
@@ -229,6 +231,7 @@ class ClassRun:
             seed=self.seed,
             complete=len(done) == len(self.intake.entries),
             root=self.intake.root,
+            readings=self.readings,
             odd=self.intake.odd,
             dropped=self.intake.dropped,
             others=self.intake.others,

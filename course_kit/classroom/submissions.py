@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.records import Entry
     from course_kit.grading.exercise import Exercise
-    from course_kit.grading.reading import Reader
+    from course_kit.grading.readings import Readings
     from course_kit.grading.report import Report
     from course_kit.grading.submission import Submission
 
@@ -106,7 +106,7 @@ class Handed:
 
 
 def read(  # noqa: PLR0913 - what a submission is read for
-    entry: Entry, root: Path, exercise: Exercise, seed: int, reader: Reader, *, known: Record | None = None
+    entry: Entry, root: Path, exercise: Exercise, seed: int, reader: Readings, *, known: Record | None = None
 ) -> Handed:
     """Read a submission; never fails, as there is a report for whatever was handed in.
 

@@ -74,6 +74,21 @@ class Fingerprints:
     prints: frozenset[int] = frozenset()
 
 
+@dataclass(frozen=True)
+class Look:
+    """What a file that may be a submission looks like, and what was read of it at once, where it is asked for.
+
+    Attributes:
+        glance: what it looks like.
+        program: the program; None where the file is not asked for, or holds none that can be read.
+        fingerprints: of the program.
+    """
+
+    glance: Glance
+    program: Submission | None = None
+    fingerprints: Fingerprints = Fingerprints()
+
+
 class Reader(Closing):
     """The process. For one thread at a time."""
 
@@ -97,27 +112,22 @@ class Reader(Closing):
             GradingError: the machine's fault, or ours.
             ReadingStoppedError: somebody has asked to stop.
         """
-        told = self._ask("read", copy, exercise)
-        fault, facts = told["fault"], told["facts"]
-        return Submission(
-            name=copy.name,
-            program=_program_name(copy.name),
-            source=told["source"],
-            places=tuple((int(cell), int(lines)) for cell, lines in told["places"]),
-            fault=SyntaxFault(*fault) if fault else None,
-            facts=_facts(facts) if facts else Facts(),
-            literal=told["literal"],
-        )
+        return _submission(copy, self._ask("read", copy, exercise))
 
-    def glance(self, copy: Copy, exercise: Exercise) -> Glance:
-        """What a file looks like, broken or not; errors as those of `read`."""
-        told = self._ask("glance", copy, exercise)
-        return Glance(bool(told["found"]), str(told["identity"]), frozenset(map(str, told["imports"])))
+    def look(self, copy: Copy, exercise: Exercise) -> Look:
+        """What a file looks like, broken or not, and its program; errors as those of `read`.
+
+        One child does what takes three for a glance, the program and its fingerprints.
+        """
+        told = self._ask("glance", copy, exercise, whole=True)
+        glance = Glance(bool(told["found"]), str(told["identity"]), frozenset(map(str, told["imports"])))
+        if "read" not in told or "unreadable" in told["read"]:
+            return Look(glance)
+        return Look(glance, _submission(copy, told["read"]), _fingerprints(told["fingerprints"]))
 
     def fingerprints(self, copy: Copy, exercise: Exercise) -> Fingerprints:
         """The fingerprints of a submission; errors as those of `read`."""
-        told = self._ask("fingerprints", copy, exercise)
-        return Fingerprints(str(told["identity"]), frozenset(told["prints"]))
+        return _fingerprints(self._ask("fingerprints", copy, exercise))
 
     def close(self) -> None:
         """End it. Safe to call twice."""
@@ -141,13 +151,14 @@ class Reader(Closing):
         except OSError as problem:
             raise GradingError(f"The process that reads submissions could not start: {problem.strerror}.") from problem
 
-    def _ask(self, what: str, copy: Copy, exercise: Exercise) -> Record:
+    def _ask(self, what: str, copy: Copy, exercise: Exercise, *, whole: bool = False) -> Record:
         request = {
             "do": what,
             "name": copy.name,
             "exercise": exercise.id,
             "class_name": exercise.class_name,
             "variable": exercise.variable,
+            "whole": whole,
         }
         if self._stopped():
             raise ReadingStoppedError
@@ -258,6 +269,24 @@ def _readable(told: Record) -> Record:
     if "unreadable" in told:
         raise UnreadableError(str(told["unreadable"]))
     return told
+
+
+def _submission(copy: Copy, told: Record) -> Submission:
+    """The program of an answer that has one."""
+    fault, facts = told["fault"], told["facts"]
+    return Submission(
+        name=copy.name,
+        program=_program_name(copy.name),
+        source=told["source"],
+        places=tuple((int(cell), int(lines)) for cell, lines in told["places"]),
+        fault=SyntaxFault(*fault) if fault else None,
+        facts=_facts(facts) if facts else Facts(),
+        literal=told["literal"],
+    )
+
+
+def _fingerprints(told: Record) -> Fingerprints:
+    return Fingerprints(str(told["identity"]), frozenset(map(int, told["prints"])))
 
 
 def _facts(told: Record) -> Facts:

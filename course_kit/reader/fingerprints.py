@@ -58,6 +58,11 @@ def of_submission(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
         source, _ = text.program(name, file, str(wish["exercise"]))
     except text.UnreadableTextError:
         return {"identity": "", "prints": []}
+    return of_program(source)
+
+
+def of_program(source: str) -> dict[str, object]:
+    """What `of_submission` returns of a program that was found already."""
     return {"identity": identity(source) if source else "", "prints": sorted(fingerprints(source))}
 
 

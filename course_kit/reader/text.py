@@ -53,6 +53,11 @@ def read(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
         source, places = program(name, file, wish["exercise"])
     except UnreadableTextError as problem:
         return {"unreadable": str(problem)}
+    return of_program(name, source, places, wish)
+
+
+def of_program(name: str, source: str, places: list[tuple[int, int]], wish: Wish) -> dict[str, object]:
+    """What `read` returns of a program that was found already."""
     try:
         fault, tree = python.parse(source)
     except python.TooMuchError as problem:

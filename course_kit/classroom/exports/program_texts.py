@@ -1,4 +1,4 @@
-"""The programs of a class as the exports need them: each is read when it is asked for, and once."""
+"""The programs of a class as the exports need them: each is read when it is asked for, if nobody has read it yet."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Fingerprints, Reader
+from course_kit.grading.reading import Fingerprints
+from course_kit.grading.readings import Readings
 from course_kit.grading.submission import Copy, UnreadableError
 from course_kit.process.closing import Closing
 
@@ -29,7 +30,7 @@ class ProgramTexts(Closing):
         """
         self._root = book.root
         self._exercises = {one.id: one for one in book.exercises}
-        self._reader: Reader | None = None
+        self._readings = Readings() if book.readings is None else book.readings.remembered()
         self._lines: dict[str, list[str]] = {}
 
     @property
@@ -46,7 +47,7 @@ class ProgramTexts(Closing):
     def of_file(self, path: Path, exercise: Exercise) -> Fingerprints:
         """The fingerprints of any file that is read as a submission for an exercise."""
         with suppress(UnreadableError, GradingError), Copy(path) as copy:
-            return self._started().fingerprints(copy, exercise)
+            return self._readings.fingerprints(copy, exercise)
         return Fingerprints()
 
     def lines(self, record: Record) -> list[str]:
@@ -58,16 +59,10 @@ class ProgramTexts(Closing):
 
     def close(self) -> None:
         """End the process that reads. Safe to call twice."""
-        if self._reader is not None:
-            self._reader.close()
+        self._readings.close()
 
     def _read(self, record: Record) -> list[str]:
         if self._root is not None:
             with suppress(UnreadableError, GradingError), Copy(self._root / record.entry.source) as copy:
-                return self._started().read(copy, self._exercises[record.entry.exercise]).source.split("\n")
+                return self._readings.read(copy, self._exercises[record.entry.exercise]).source.split("\n")
         return []
-
-    def _started(self) -> Reader:
-        if self._reader is None:
-            self._reader = Reader()
-        return self._reader

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.intake.listing import Item, Left
     from course_kit.classroom.intake.sources import Opened
     from course_kit.grading.exercise import Exercise
-    from course_kit.grading.reading import Reader
+    from course_kit.grading.readings import Readings
 
 _MOST_OPENED = 200  # files of one student into which is looked for what they are for
 _LONGEST_LOOK_S = 30.0  # at them together; 200 ordinary ones take 1 s
@@ -41,7 +41,7 @@ _AGAIN = re.compile(r" ?\(\d{1,3}\)(?=\.)")  # `answer (1).py`, a second downloa
 class Chooser:
     """Chooses, and keeps what was found."""
 
-    def __init__(self, opened: Opened, exercises: Sequence[Exercise], reader: Reader) -> None:
+    def __init__(self, opened: Opened, exercises: Sequence[Exercise], reader: Readings) -> None:
         """Get ready.
 
         Args:

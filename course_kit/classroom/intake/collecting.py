@@ -15,10 +15,10 @@ from course_kit.classroom.intake.choosing import Chooser
 from course_kit.classroom.intake.roster_matching import match
 from course_kit.classroom.intake.wrappers import AUTO
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Reader
+from course_kit.grading.readings import Readings
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from course_kit.classroom.intake.roster import Roster
     from course_kit.classroom.intake.roster_matching import Fit
@@ -60,7 +60,7 @@ def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
     exercises: Sequence[Exercise],
     workspace: Path,
     layout: str = AUTO,
-    stopped: Callable[[], bool] = lambda: False,
+    readings: Readings | None = None,
     roster: Roster | None = None,
 ) -> Intake:
     """Find the submissions.
@@ -74,7 +74,7 @@ def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
         exercises: which exercises were set.
         workspace: where a zip is unpacked.
         layout: a name of `layouts.LAYOUTS`, or AUTO to recognise it.
-        stopped: asked now and then whether to stop.
+        readings: who looks into the files, and keeps what they hold; somebody who forgets it when None.
         roster: who is in the class.
 
     Raises:
@@ -86,7 +86,7 @@ def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
         opened = sources.open_all(paths, workspace, exercises, layout, stack)
         if not opened.units and not opened.left:
             raise GradingError(f"There are no files in {', '.join(map(str, paths))}.")
-        chooser = Chooser(opened, exercises, stack.enter_context(Reader(stopped)))
+        chooser = Chooser(opened, exercises, stack.enter_context(readings or Readings()))
         for student, units in students.by_name(opened.units, [one.id for one in exercises]).items():
             chooser.take(student, units)
     found = Intake(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom.exports import attention, comparison, lookalikes, program_texts
+from course_kit.grading import readings
 from course_kit.grading.reading import Reader
 from course_kit.reader.fingerprints import RUN, WINDOW, fingerprints
 from tests.classroom.exports import programs
@@ -151,7 +152,7 @@ def test_each_program_is_read_once_to_find_pairs_and_once_to_show_them(
             reading.append(f"{request['do']} {copy.digest}")
             return super()._exchange(request, copy)
 
-    monkeypatch.setattr(program_texts, "Reader", CountingReader)
+    monkeypatch.setattr(readings, "Reader", CountingReader)
     class_ = class_of(tmp_path, **{f"s{number}": ORIGINAL.replace("lowest", f"name{number}") for number in range(5)})
     with program_texts.ProgramTexts(gradebook := book(*class_, root=tmp_path)) as texts:
         found = lookalikes.find(gradebook, texts)

@@ -1,0 +1,86 @@
+"""A reader that remembers: what it has read of a file while that was looked at, it need not read again."""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from course_kit.grading.reading import Fingerprints, Reader
+from course_kit.process.closing import Closing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.reading import Glance
+    from course_kit.grading.submission import Copy, Submission
+
+_MOST_CHARACTERS = 64 << 20  # of all programs together that are remembered; 10,000 ordinary ones have 20 million
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What was read of a file; the fingerprints packed, as a set of numbers takes ten times as much."""
+
+    program: Submission
+    identity: str
+    prints: array[int]
+
+
+class Readings(Closing):
+    """Does what `Reader` does, and raises what that raises. Its process runs while it has something to read."""
+
+    def __init__(self, stopped: Callable[[], bool] = lambda: False) -> None:
+        """Get ready; no process runs yet.
+
+        Args:
+            stopped: asked now and then whether to stop waiting.
+        """
+        self._stopped = stopped
+        self._reader: Reader | None = None
+        self._known: dict[tuple[str, str, str], _Known] = {}
+        self._characters = 0
+
+    def remembered(self, stopped: Callable[[], bool] = lambda: False) -> Readings:
+        """Another one that remembers the same, with a process of its own; `stopped` as of a new one."""
+        other = Readings(stopped)
+        other._known, other._characters = self._known, self._characters
+        return other
+
+    def glance(self, copy: Copy, exercise: Exercise) -> Glance:
+        """What a file looks like; what the exercise asks for is read and remembered."""
+        look = self._started().look(copy, exercise)
+        if look.program is not None and self._characters < _MOST_CHARACTERS:
+            packed = array("Q", look.fingerprints.prints)
+            self._known[_key(copy, exercise)] = _Known(look.program, look.fingerprints.identity, packed)
+            self._characters += len(look.program.source)
+        return look.glance
+
+    def read(self, copy: Copy, exercise: Exercise) -> Submission:
+        """The program that somebody has handed in for an exercise."""
+        known = self._known.get(_key(copy, exercise))
+        return self._started().read(copy, exercise) if known is None else known.program
+
+    def fingerprints(self, copy: Copy, exercise: Exercise) -> Fingerprints:
+        """The fingerprints of a submission."""
+        known = self._known.get(_key(copy, exercise))
+        if known is None:
+            return self._started().fingerprints(copy, exercise)
+        return Fingerprints(known.identity, frozenset(known.prints))
+
+    def close(self) -> None:
+        """End the process; what is remembered stays, and a process starts again for what is not. Safe to call twice."""
+        reader, self._reader = self._reader, None
+        if reader is not None:
+            reader.close()
+
+    def _started(self) -> Reader:
+        if self._reader is None:
+            self._reader = Reader(self._stopped)
+        return self._reader
+
+
+def _key(copy: Copy, exercise: Exercise) -> tuple[str, str, str]:
+    """Equal for what would be read alike: the name, which stands in what is told, the bytes, and what for."""
+    return (copy.name, copy.digest, exercise.id)
