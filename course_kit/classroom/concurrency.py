@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 Thing = TypeVar("Thing")
 _LOOK_S = 0.25  # over which it is seen whether processors idle
 _IDLE, _BUSY = 0.2, 0.1  # share of the processors' time that was idle: above, more at a time; below, one less
-_URGENT_EVERY = 3
+_URGENT_EVERY = 3  # place
+_WAITING_EVERY = 4  # of these
 _STARTED_S = 0.5  # after which the workers have started, so that what idles is not waiting for them
 _LENT_AFTER_S = 1.5  # a grading that takes longer mostly waits; its place is lent unless processors are busy
 
@@ -33,8 +34,8 @@ _LENT_AFTER_S = 1.5  # a grading that takes longer mostly waits; its place is le
 class Urgency(IntEnum):
     """What may last begins early, so that nothing waits for it at the end.
 
-    A class's endless programs are also those that take all the memory they may. So they begin first of all, while few
-    run side by side: there are more once some of those wait.
+    A class's endless programs are also those that take all the memory they may. So most of them begin before those that
+    wait: more run side by side once some of these do.
     """
 
     LOOPS = 0
@@ -43,13 +44,20 @@ class Urgency(IntEnum):
 
 
 def early(things: Iterable[Thing], urgency: Callable[[Thing], Urgency]) -> list[Thing]:
-    """The things with the urgent ones early: every third, as long as there are any; otherwise in their order."""
-    all_things = sorted(things, key=urgency)
-    urgent = deque(thing for thing in all_things if urgency(thing) != Urgency.NONE)
-    others = deque(thing for thing in all_things if urgency(thing) == Urgency.NONE)
-    order: list[Thing] = []
-    while urgent or others:
-        turn = urgent if urgent and (len(order) % _URGENT_EVERY == 0 or not others) else others
+    """The things with the urgent ones early, as long as there are any; otherwise in their order."""
+    by_urgency: dict[Urgency, deque[Thing]] = {one: deque() for one in Urgency}
+    for thing in things:
+        by_urgency[urgency(thing)].append(thing)
+    loops, waits, others = (by_urgency[one] for one in Urgency)
+    urgent = _every(_WAITING_EVERY, waits, loops)
+    return list(_every(_URGENT_EVERY, urgent, others))
+
+
+def _every(nth: int, some: deque[Thing], others: deque[Thing]) -> deque[Thing]:
+    """Both in their order, some of the first kind at every nth place, until there are no more of one."""
+    order: deque[Thing] = deque()
+    while some or others:
+        turn = some if some and (len(order) % nth == nth - 1 or not others) else others
         order.append(turn.popleft())
     return order
 
