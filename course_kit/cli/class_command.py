@@ -111,41 +111,51 @@ def require_machine(options: argparse.Namespace, exercises: Iterable[Exercise]) 
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.classroom import run_lock
-    from course_kit.classroom.intake import roster
-    from course_kit.classroom.preconditions import require_folders_apart
-    from course_kit.classroom.progress import RunProgress
-    from course_kit.classroom.records import SUPERSEDED
-    from course_kit.classroom.rules import seeds
-    from course_kit.classroom.run import ClassRun, Plan
     from course_kit.grading import GradingError, exercise
 
     chosen = {one: exercise.load(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
         raise GradingError(f"{options.out} is a file. --out has to name a folder for the results.")
-    if not options.dry_run:
-        require_machine(options, chosen.values())
-    plan = Plan(
+    if options.dry_run:
+        return _dry_run(_plan(options, chosen.values()))
+    require_machine(options, chosen.values())
+    with ExitStack() as ends:
+        early = _early_executor(options, list(chosen.values()))
+        if early is not None:
+            ends.callback(early.close)
+        return _grade(options, _plan(options, chosen.values()), early)
+
+
+def _plan(options: argparse.Namespace, exercises: Iterable[Exercise]) -> Plan:
+    from course_kit.classroom.intake import roster
+    from course_kit.classroom.rules import seeds
+    from course_kit.classroom.run import Plan
+
+    return Plan(
         source=options.submissions[0],
         more=tuple(options.submissions[1:]),
         roster=roster.read(options.roster) if options.roster else None,
         out=options.out,
-        exercises=tuple(sorted(chosen.values(), key=lambda one: one.order)),
+        exercises=tuple(sorted(exercises, key=lambda one: one.order)),
         seed=options.seed,
         seeds=seeds.read(options.seeds) if options.seeds else None,
         layout=options.layout,
         resume=options.resume,
         require_isolation=options.require_isolation,
     )
-    if options.dry_run:
-        return _dry_run(plan)
+
+
+def _grade(options: argparse.Namespace, plan: Plan, early: Executor | None) -> int:
+    from course_kit.classroom import run_lock
+    from course_kit.classroom.preconditions import require_folders_apart
+    from course_kit.classroom.progress import RunProgress
+    from course_kit.classroom.records import SUPERSEDED
+    from course_kit.classroom.run import ClassRun
+
     require_folders_apart(plan.sources, plan.out)
     tally = RunProgress(sys.stderr)
     with run_lock.hold(plan.out):
-        with interrupts() as stops, ExitStack() as ends:
-            early = _early_executor(options, plan.exercises)
-            if early is not None:
-                ends.callback(early.close)
+        with interrupts() as stops:
             grading = ClassRun(plan, tally, stops)
             book = grading.grade(lambda: early or executor(options, plan.exercises))
         tally.end()
@@ -155,7 +165,7 @@ def _run(options: argparse.Namespace) -> int:
                 f"{many(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}: the submission is no longer "
                 f"there: {some(grading.gone, '; ')}."
             )
-        for one in chosen.values():
+        for one in plan.exercises:
             if practised := _practised(book, one, plan.seeds):
                 say(
                     f"course-kit: {one.id}: {many(practised, 'submission')} graded with the practice questions (seed "
@@ -249,7 +259,7 @@ def _left_out(dropped: Sequence[tuple[str, str]]) -> str:
 
 
 def _early_executor(options: argparse.Namespace, exercises: Sequence[Exercise]) -> Executor | None:
-    """The workers of this machine, to get ready while submissions are looked for; None where none may be needed."""
+    """The workers of this machine, to get ready while all else is loaded; None where none may be needed."""
     return None if options.scheduler or options.resume else executor(options, exercises)
 
 
