@@ -245,7 +245,7 @@ def _parse(table: Record, folder: Path) -> Exercise:
         hints=hints,
         diagnoses=_diagnoses(table.get("diagnoses", {})),
         seed=seed,
-        solution=_solution(table, folder),
+        solution=solution_of(table, folder),
         grader=_grader(table, folder),
         sentences=sentences.read(table.get("sentences", [])),
         practice=practice,
@@ -271,7 +271,7 @@ def _grader(table: Record, folder: Path) -> str:
     return str(folder.absolute() / grader)
 
 
-def _solution(table: Record, folder: Path) -> Path:
+def solution_of(table: Record, folder: Path) -> Path:
     """Where the solution lies: the course's own beside all exercises, in a folder that a release leaves out."""
     named = table.get("solution")
     if named is None:

@@ -11,7 +11,9 @@ import os
 import sys
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -137,32 +139,11 @@ def interface_path() -> str:
     return path_with(*filter(os.path.isdir, folders))
 
 
-def hidden() -> list[str]:
-    """The folders of all exercises that were added: no submission may see what lies in them."""
-    return [str(folder.resolve()) for named, _ in _added() for folder in _exercises(named)]
-
-
-def hidden_beside(solution: Path, grader: str) -> list[str]:
-    """What belongs to an exercise and lies outside of its folder.
-
-    Args:
-        solution: where its solution is, with helpers beside it perhaps.
-        grader: the module or file with its checks; all of the package that the module is in belongs to it.
-    """
-    around = solution.resolve().parent
-    found = [solution.resolve() if _is_of_libraries(around) else around]
-    top = grader.partition(".")[0]
-    if top.isidentifier() and top != __name__.partition(".")[0]:  # of the kit no submission sees a grader anyhow
-        with suppress(ImportError, ValueError):
-            spec = find_spec(top)
-            named = [] if spec is None else [*(spec.submodule_search_locations or filter(None, [spec.origin]))]
-            found += [place for one in named if not _is_of_libraries(place := Path(one).resolve())]
-    return list(map(str, found))
-
-
-def _is_of_libraries(folder: Path) -> bool:
-    """Whether Python looks for modules in it or below it, so that hiding it would hide them, too."""
-    return any(Path(entry).resolve().is_relative_to(folder) for entry in sys.path if os.path.isabs(entry))  # noqa: PTH117
+def added() -> tuple[list[Path], list[Path]]:
+    """The folders of all exercises that were added, and those of the packages that bring some of them."""
+    packages = {folder: list(_exercises(folder)) for folder, _ in _of_packages() if folder.is_absolute()}
+    named = [one for entry in _entries() if os.path.isabs(entry) for one in _exercises(Path(entry))]  # noqa: PTH117
+    return [*named, *chain(*packages.values())], [folder for folder, brought in packages.items() if brought]
 
 
 def _added() -> Iterator[tuple[Path, str]]:
@@ -211,13 +192,23 @@ def _of_packages() -> Iterator[tuple[Path, str]]:
 def _listings() -> Iterator[Path]:
     """The lists of entry points that name our group."""
     for place in dict.fromkeys(entry for entry in sys.path if os.path.isabs(entry)):  # noqa: PTH117 - none in "" itself
-        with suppress(OSError), os.scandir(place) as entries:
-            for entry in entries:
-                if entry.name.endswith(".dist-info"):
-                    listed = Path(entry.path, "entry_points.txt")
-                    with suppress(OSError):
-                        if GROUP.encode() in listed.read_bytes():
-                            yield listed
+        with suppress(OSError):
+            yield from _listings_in(place, os.stat(place).st_mtime_ns)  # noqa: PTH116 - hot
+
+
+@lru_cache(maxsize=64)
+def _listings_in(place: str, changed: int) -> tuple[Path, ...]:
+    """Those in a folder for libraries; looked for again when something was installed there, as each grading asks."""
+    del changed
+    found = []
+    with os.scandir(place) as entries:
+        for entry in entries:
+            if entry.name.endswith(".dist-info"):
+                listed = Path(entry.path, "entry_points.txt")
+                with suppress(OSError):
+                    if GROUP.encode() in listed.read_bytes():
+                        found.append(listed)
+    return tuple(found)
 
 
 def _folder_of(package: str) -> Path | None:

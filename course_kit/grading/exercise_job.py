@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.grading import exercise_folders
+from course_kit.grading import hidden_files
 from course_kit.grading.checks.declared import asking
 from course_kit.grading.errors import GradingError
 from course_kit.grading.job import Job
@@ -59,15 +59,7 @@ def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
         own_start=task.practice,  # a drill's program runs: without its start it would be another one
         variable=task.variable,
         limits=task.limits,
-        hidden=tuple(
-            dict.fromkeys(
-                (
-                    str(task.folder.resolve()),
-                    *exercise_folders.hidden(),
-                    *exercise_folders.hidden_beside(task.solution, task.grader),
-                )
-            )
-        ),
+        hidden=hidden_files.of(task),
         interfaces=task.interfaces,
         points=task.points,
         declared=tuple(asdict(one) for one in task.declared),

@@ -12,14 +12,14 @@ import signal
 import socket
 import sys
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import course_kit
 from course_kit.environment.memory_file import file_in_memory
+from course_kit.grading import reading_answers as answers
 from course_kit.grading.errors import GradingError
-from course_kit.grading.submission import Facts, Submission, SyntaxFault, UnreadableError
+from course_kit.grading.submission import UnreadableError
 from course_kit.process.child import INTO_STDOUT, Child
 from course_kit.process.closing import Closing
 from course_kit.process.output import LastWords
@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.plain_data import Record
-    from course_kit.grading.submission import Copy
+    from course_kit.grading.reading_answers import Fingerprints, Look
+    from course_kit.grading.submission import Copy, Submission
 
 # No folder but the kit's own and the standard library's is looked at for modules, whatever lies in them.
 _START = "import sys; sys.path.append(sys.argv.pop()); from course_kit.reader.process import main; main()"
@@ -44,49 +45,6 @@ _TRIES = 2  # a reader that another program has ended gets a successor
 
 class ReadingStoppedError(Exception):
     """Somebody has asked to stop."""
-
-
-@dataclass(frozen=True)
-class Glance:
-    """What a file that may be a submission looks like.
-
-    Attributes:
-        asked_for: whether it holds what the exercise asks for.
-        identity: of its program; equal for programs that differ in comments and blanks alone, empty when there is none.
-        imports: names of modules that it imports.
-    """
-
-    asked_for: bool = False
-    identity: str = ""
-    imports: frozenset[str] = frozenset()
-
-
-@dataclass(frozen=True)
-class Fingerprints:
-    """What two programs are compared by, see `course_kit.reader.fingerprints`; nothing where there is no program.
-
-    Attributes:
-        identity: equal for programs that differ in comments and blanks alone.
-        prints: hashes of short runs of its tokens.
-    """
-
-    identity: str = ""
-    prints: frozenset[int] = frozenset()
-
-
-@dataclass(frozen=True)
-class Look:
-    """What a file that may be a submission looks like, and what was read of it at once, where it is asked for.
-
-    Attributes:
-        glance: what it looks like.
-        program: the program; None where the file is not asked for, or holds none that can be read.
-        fingerprints: of the program.
-    """
-
-    glance: Glance
-    program: Submission | None = None
-    fingerprints: Fingerprints = Fingerprints()
 
 
 class Reader(Closing):
@@ -112,7 +70,7 @@ class Reader(Closing):
             GradingError: the machine's fault, or ours.
             ReadingStoppedError: somebody has asked to stop.
         """
-        return _submission(copy, self._ask("read", copy, exercise))
+        return answers.submission(copy, self._ask("read", copy, exercise))
 
     def look(self, copy: Copy, exercise: Exercise) -> Look:
         """What a file looks like, broken or not, and its program; errors as those of `read`.
@@ -120,14 +78,11 @@ class Reader(Closing):
         One child does what takes three for a glance, the program and its fingerprints.
         """
         told = self._ask("glance", copy, exercise, whole=True)
-        glance = Glance(bool(told["found"]), str(told["identity"]), frozenset(map(str, told["imports"])))
-        if "read" not in told or "unreadable" in told["read"]:
-            return Look(glance)
-        return Look(glance, _submission(copy, told["read"]), _fingerprints(told["fingerprints"]))
+        return answers.look(copy, told)
 
     def fingerprints(self, copy: Copy, exercise: Exercise) -> Fingerprints:
         """The fingerprints of a submission; errors as those of `read`."""
-        return _fingerprints(self._ask("fingerprints", copy, exercise))
+        return answers.fingerprints(self._ask("fingerprints", copy, exercise))
 
     def close(self) -> None:
         """End it. Safe to call twice."""
@@ -269,37 +224,3 @@ def _readable(told: Record) -> Record:
     if "unreadable" in told:
         raise UnreadableError(str(told["unreadable"]))
     return told
-
-
-def _submission(copy: Copy, told: Record) -> Submission:
-    """The program of an answer that has one."""
-    fault, facts = told["fault"], told["facts"]
-    return Submission(
-        name=copy.name,
-        program=_program_name(copy.name),
-        source=told["source"],
-        places=tuple((int(cell), int(lines)) for cell, lines in told["places"]),
-        fault=SyntaxFault(*fault) if fault else None,
-        facts=_facts(facts) if facts else Facts(),
-        literal=told["literal"],
-    )
-
-
-def _fingerprints(told: Record) -> Fingerprints:
-    return Fingerprints(str(told["identity"]), frozenset(map(int, told["prints"])))
-
-
-def _facts(told: Record) -> Facts:
-    """What the reader's child says of a text; it has read what a stranger wrote."""
-    functions = tuple((int(first), int(last), bool(waits)) for first, last, waits in told["functions"])
-    signs = {name: bool(told[name]) for name in ("awaits", "floor_divides", "loops", "waits")}
-    return Facts(**signs, functions=functions, future=int(told["future"]))
-
-
-def _program_name(name: str) -> str:
-    """A name to run under, which stands in tracebacks as it is: `a b.py` for `a b.ipynb`."""
-    stem = name
-    while kind(stem):  # `a.py` of `a.py.txt`, then `a`
-        stem = stem.rpartition(".")[0]
-    plain = "".join(one if one.isprintable() and one not in '"\\/' else "_" for one in stem)
-    return f"{plain}.py"

@@ -6,14 +6,15 @@ from array import array
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.grading.reading import Fingerprints, Reader
+from course_kit.grading.reading import Reader
+from course_kit.grading.reading_answers import Fingerprints
 from course_kit.process.closing import Closing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.grading.exercise import Exercise
-    from course_kit.grading.reading import Glance
+    from course_kit.grading.reading_answers import Glance
     from course_kit.grading.submission import Copy, Submission
 
 _MOST_CHARACTERS = 64 << 20  # of all programs together that are remembered; 10,000 ordinary ones have 20 million

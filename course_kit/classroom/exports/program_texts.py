@@ -6,7 +6,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Fingerprints
+from course_kit.grading.reading_answers import Fingerprints
 from course_kit.grading.readings import Readings
 from course_kit.grading.submission import Copy, UnreadableError
 from course_kit.process.closing import Closing

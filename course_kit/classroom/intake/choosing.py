@@ -12,7 +12,7 @@ from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAM
 from course_kit.classroom.records import Entry
 from course_kit.classroom.rules.submission_times import STAMP
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Glance
+from course_kit.grading.reading_answers import Glance
 from course_kit.grading.submission import Copy, UnreadableError
 from course_kit.reader import text
 from course_kit.text.sanitize import one_line

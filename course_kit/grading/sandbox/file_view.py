@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.grading.sandbox import mounts
+from course_kit.grading.sandbox import landlock, mounts
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -236,21 +236,23 @@ def _open_devices(folder: str) -> None:
             mounts.make_read_only(f"{folder}/{name}", devices=True)
 
 
-def readable(view: FileView) -> Iterator[str]:
+def readable(view: FileView) -> Iterator[landlock.Readable]:
     """The view as a list for Landlock, which knows no masks: a folder with a mask in it is listed entry by entry.
+
+    Its names may be read, for Python looks for modules in them; so may those in what is masked.
 
     No link is in it: a rule holds for what the link leads to, and that may be what is masked, or around it.
     """
     for path, is_mask in _in_order(replace(view, links=())):
         if not is_mask:
             yield from _around(path, [mask for mask in view.masked if mask.startswith(f"{path}/")])
-    yield from (f"/dev/{name}" for name in _DEVICES[1:])
-    yield "/proc"
+    yield from (landlock.Readable(f"/dev/{name}") for name in _DEVICES[1:])
+    yield landlock.Readable("/proc")
 
 
-def _around(path: str, masks: list[str]) -> Iterator[str]:
+def _around(path: str, masks: list[str]) -> Iterator[landlock.Readable]:
+    yield landlock.Readable(path, only_names=bool(masks))
     if not masks:
-        yield path
         return
     with os.scandir(path) as entries:
         for entry in entries:

@@ -11,7 +11,7 @@ import os
 import stat
 import struct
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.grading.sandbox import namespaces
 from course_kit.process import libc
@@ -32,6 +32,18 @@ _OUTSIDE = 0x3  # abstract sockets and signals, since version 6
 _REFER_SINCE, _TRUNCATE_SINCE, _TCP_SINCE, _IOCTL_SINCE, _OUTSIDE_SINCE = 2, 3, 4, 5, 6
 
 
+class Readable(NamedTuple):
+    """A file, or a folder with all below it, to read and to run.
+
+    Attributes:
+        path: its name; nothing is allowed by that of a symbolic link.
+        only_names: whether of a folder no more than the names in it, and in the folders below it, may be read.
+    """
+
+    path: str
+    only_names: bool = False
+
+
 def version() -> int:
     """The kernel's version of Landlock, 0 where it has none or it is switched off."""
     try:
@@ -40,7 +52,7 @@ def version() -> int:
         return 0
 
 
-def restrict(readable: Iterable[str], writable: Iterable[str]) -> None:
+def restrict(readable: Iterable[Readable], writable: Iterable[str]) -> None:
     """Have this process, and all it will start, open nothing but what is listed.
 
     Args:
@@ -60,8 +72,8 @@ def restrict(readable: Iterable[str], writable: Iterable[str]) -> None:
     size = 24 if kernel >= _OUTSIDE_SINCE else 16 if kernel >= _TCP_SINCE else 8
     rules = _make_rules(attributes, size)
     try:
-        for path in readable:
-            _allow(rules, path, _EXECUTE | _READ_FILE | _READ_DIR)
+        for path, only_names in readable:
+            _allow(rules, path, _READ_DIR if only_names else _EXECUTE | _READ_FILE | _READ_DIR)
         for path in writable:
             _allow(rules, path, rights)
         namespaces.forbid_new_privileges()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
-from course_kit.grading import exercise_folders
+from course_kit.grading import hidden_files
 from tests import outside_exercises
 from tests.outside_exercises import ID
 
@@ -137,4 +137,4 @@ def test_all_of_the_package_with_the_checks_is_hidden(tmp_path: Path, monkeypatc
     beside = [str(solution.parent)]
     named = {"my_course_package.checks.three": [str(package.parent)], "my_checks": [str(tmp_path / "my_checks.py")]}
     for grader, hidden in {**named, "course_kit.graders.temperature_service": [], "": [], "/x/checks.py": []}.items():
-        assert exercise_folders.hidden_beside(solution, grader) == [*beside, *hidden]
+        assert list(map(str, hidden_files.beside(solution, grader))) == [*beside, *hidden]

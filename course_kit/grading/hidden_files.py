@@ -1,0 +1,87 @@
+"""What of exercises no submission may see, wherever it lies: it may be among Python's libraries.
+
+That is the folder of each exercise that was added and the package that brings it; and where they lie elsewhere, its
+solution and its grader.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import suppress
+from functools import lru_cache
+from importlib.util import cache_from_source, find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit.grading import exercise, exercise_folders
+from course_kit.grading.errors import GradingError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from course_kit.grading.exercise import Exercise
+
+_KIT = __name__.partition(".")[0]
+_OPTIMIZATIONS = ("", 1, 2)  # of Python's -O
+
+
+def of(task: Exercise) -> tuple[str, ...]:
+    """The real paths of files and folders that the submissions of an exercise may not see.
+
+    Args:
+        task: the exercise; it need not be among those that were added.
+    """
+    exercises, packages = exercise_folders.added()
+    found = [folder.resolve() for folder in (task.folder, *exercises, *packages)]
+    found += beside(task.solution, task.grader)
+    for folder in exercises:
+        with suppress(OSError, GradingError, KeyError, ValueError):  # said where that exercise is asked for
+            found += _named(folder, (folder / exercise_folders.TOML).stat().st_mtime_ns)
+    return tuple(dict.fromkeys(map(str, found)))
+
+
+def beside(solution: Path, grader: str) -> list[Path]:
+    """What belongs to an exercise and lies outside of its folder.
+
+    Args:
+        solution: where its solution is, with helpers beside it perhaps.
+        grader: the module or file with its checks; all of the package that the module is in belongs to it.
+    """
+    around = solution.resolve().parent
+    found = [*_with_bytecode(solution.resolve())] if _is_of_libraries(around) else [around]
+    top = grader.partition(".")[0]
+    if top.isidentifier() and top != _KIT:  # of the kit no submission sees a grader anyhow
+        with suppress(ImportError, ValueError):
+            spec = find_spec(top)
+            if spec is not None and spec.submodule_search_locations:
+                packages = (Path(one).resolve() for one in spec.submodule_search_locations)
+                found += [place for place in packages if not _is_of_libraries(place)]
+            elif spec is not None and spec.origin and spec.has_location:
+                found += _with_bytecode(Path(spec.origin).resolve())
+    return found
+
+
+def _with_bytecode(module: Path) -> Iterator[Path]:
+    """A file, and what Python has written of it beside it."""
+    yield module
+    for optimization in _OPTIMIZATIONS:
+        if (written := Path(cache_from_source(str(module), optimization=optimization))).exists():
+            yield written
+
+
+@lru_cache(maxsize=256)
+def _named(folder: Path, written: int) -> tuple[Path, ...]:
+    """What the exercise.toml of a folder names outside of it; read again when it was written at another time."""
+    del written
+    table = exercise.table_of(folder)
+    return tuple(beside(exercise.solution_of(table, folder), str(table.get("grader", ""))))
+
+
+def _is_of_libraries(folder: Path) -> bool:
+    """Whether Python looks for modules in it or below it, so that hiding it would hide them, too."""
+    return any(Path(entry).resolve().is_relative_to(folder) for entry in _absolute(sys.path))
+
+
+def _absolute(entries: list[str]) -> Iterator[str]:
+    return (entry for entry in entries if os.path.isabs(entry))  # noqa: PTH117 - hot
