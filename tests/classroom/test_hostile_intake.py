@@ -13,18 +13,25 @@ import unicodedata
 import zipfile
 import zlib
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.intake import archive, collecting, layouts, listing
+from course_kit.classroom.intake import archive, choosing, collecting, layouts, listing
+from course_kit.classroom.intake.archive_names import NamesReader
 from course_kit.classroom.intake.listing import FILE, FOLDER, Item
 from course_kit.classroom.rules import submission_times
 from course_kit.grading import GradingError, exercise
+from course_kit.grading.readings import Readings
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
+
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.reading_answers import Glance
+    from course_kit.grading.submission import Copy
 
 SERVICE = exercise.load("temperature_service")
 ROBOT = exercise.load("move_robot")
@@ -297,6 +304,35 @@ def test_a_heap_of_files_is_its_students_problem(tmp_path: Path, monkeypatch: py
         "mallory": "mallory: it holds more than 100 files and folders; the rest was not read"
     }
     assert len(found.left) < 60, "they are counted, not listed"
+
+
+def test_files_that_take_long_to_look_into_are_their_students_problem(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Mallory's first file takes all of the time; Nat's is found by its name; Oda has time of her own."""
+    heap = [f"{student}/{name}.py" for student in ("mallory", "nat") for name in "abc"]
+    root = lay_out(tmp_path / "in", [*IN_FOLDERS.values(), *heap, f"nat/{PROGRAM}"])
+    lay_out(
+        tmp_path / "in",
+        [f"{one}.py" for one in ("mallory/b", "mallory/c", "oda/work")],
+        "class TemperatureService(Node):\n    pass\n",
+    )
+    now = [0.0]
+
+    class SlowReadings(Readings):
+        def glance(self, copy: Copy, exercise: Exercise) -> Glance:
+            now[0] += 31.0
+            return super().glance(copy, exercise)
+
+    monkeypatch.setattr(collecting, "Readings", SlowReadings)
+    monkeypatch.setattr(choosing, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    found = collect(root)
+    assert taken(found) == {**IN_FOLDERS, "nat": f"nat/{PROGRAM}", "oda": "oda/work.py"}
+    reason = "it was not looked into, because looking into this student's other files took too long"
+    assert dict(found.dropped) == {"mallory": f"mallory/b.py: {reason}; mallory/c.py: {reason}"}
+    left = dict(found.left)
+    assert [left[f"mallory/{name}.py"] for name in "abc"] == ["it belongs to none of these exercises", reason, reason]
+    assert left["nat/b.py"] == reason
 
 
 def test_a_heap_of_links_is_told_in_a_few_words(tmp_path: Path) -> None:
@@ -670,6 +706,20 @@ def test_a_zip_that_lists_a_million_files_is_one_students_problem(tmp_path: Path
     [(path, why)] = found.left
     assert path == "mallory/work.zip"
     assert "it lists too many files (their names take more than 8 MB)" in why
+
+
+def test_additions_without_end_to_a_name_are_passed_over(tmp_path: Path) -> None:
+    """Python copies the rest of them for each: 16,000 empty ones to 100 names would take half a minute."""
+    for many, kept in ((16_000, False), (100, True)):
+        addition = struct.pack("<HH", 1234, 0) * many
+        with zipfile.ZipFile(tmp_path / "work.zip", "w") as packed:
+            member = zipfile.ZipInfo("a.py")
+            member.extra = addition
+            packed.writestr(member, "pass")
+        with NamesReader(tmp_path / "work.zip", 1 << 20) as file, zipfile.ZipFile(file) as packed:
+            [found] = packed.infolist()
+        assert (found.extra == addition) is kept
+        assert len(found.extra) == len(addition)
 
 
 def test_a_class_may_list_more_than_one_student(tmp_path: Path) -> None:

@@ -41,6 +41,14 @@ def hand_in(inbox: Path, student: str, text: str, stamp: str = "") -> None:
         (folder / "timestamp.txt").write_text(stamp)
 
 
+def as_nbgrader_collects(inbox: Path) -> None:
+    """Put each student's files where nbgrader has them, its stamp included."""
+    for folder in [*inbox.iterdir()]:
+        target = inbox / "submitted" / folder.name / "week1"
+        target.parent.mkdir(parents=True)
+        folder.rename(target)
+
+
 def again(inbox: Path, **options: Any) -> tuple[Gradebook, list[str]]:
     """Resume, write the exports; returns the gradebook and who was graded."""
     executor = StandInForGrading()
@@ -217,6 +225,7 @@ def test_lateness_comes_from_timestamps_and_costs_what_the_rules_say(inbox: Path
     hand_in(inbox, "dan", "right = 3", "2026-11-21 23:59:01.0 CET")  # a second more than a day
     hand_in(inbox, "eva", "right = 4", "2026-12-20 12:00:00.0 Europe/Berlin")
     hand_in(inbox, "fay", "right = 5", "2026-11-20 20:00:00 -0800")  # 04:00 UTC on the next day
+    as_nbgrader_collects(inbox)
     out = settings(inbox, class_toml=RULES + DUE)
     book, _ = again(inbox)
     assert scores(book) == {"ada": 10.0, "bob": 0.0, "cem": 9.0, "dan": 8.0, "eva": 5.0, "fay": 9.0}
@@ -255,6 +264,27 @@ def test_a_timestamp_of_a_students_own_does_not_replace_nbgraders(packed: bool, 
     assert scores(book) == {"ada": 8.0}
 
 
+@pytest.mark.attack("A timestamp.txt that a student hands in")
+@pytest.mark.parametrize("source", ["ada/a.py", "course/ada_1_assignsubmission_file_/week1/a.py"])
+def test_a_timestamp_that_a_student_hands_in_is_not_believed(tmp_path: Path, source: str) -> None:
+    for folder in [*(tmp_path / source).parents][:3]:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "timestamp.txt").write_text("2026-11-01 12:00:00 UTC")
+    assert submitted(tmp_path, Entry("ada", "temperature_service", source)) is None
+
+
+@pytest.mark.attack("A timestamp.txt that a student hands in")
+def test_of_two_timestamps_the_one_where_nbgrader_writes_counts(tmp_path: Path) -> None:
+    folder = tmp_path / "week1/submitted/ada/week1"
+    (folder / "week1/deeper").mkdir(parents=True)
+    entry = Entry("ada", "x", "week1/submitted/ada/week1/week1/deeper/a.py", platform={"nbgrader_assignment": "week1"})
+    (folder / "week1/deeper/timestamp.txt").write_text("2026-11-01 12:00:00 UTC")
+    assert submitted(tmp_path, entry) is None
+    (folder / "week1/timestamp.txt").write_text("2026-11-01 12:00:00 UTC")
+    (folder / "timestamp.txt").write_text("2026-11-22 12:00:00 UTC")
+    assert submitted(tmp_path, entry) == datetime(2026, 11, 22, 12, tzinfo=timezone.utc)
+
+
 def test_a_list_of_gradescopes_tells_when(tmp_path: Path) -> None:
     entry = Entry("ada", "temperature_service", "ada.py", platform={"submitted_at": "2026-11-20 14:59:30.5 -08:00"})
     assert submitted(tmp_path, entry) == datetime(2026, 11, 20, 22, 59, 30, tzinfo=timezone.utc)
@@ -262,6 +292,7 @@ def test_a_list_of_gradescopes_tells_when(tmp_path: Path) -> None:
 
 def test_a_rule_that_changes_needs_no_grading(inbox: Path) -> None:
     hand_in(inbox, "ada", "right = 1", "2026-11-21 12:00:00 UTC")
+    as_nbgrader_collects(inbox)
     assert scores(again(inbox)[0])["ada"] == 10.0
     out = settings(inbox, class_toml=RULES + DUE)
     book, graded = again(inbox)
@@ -277,6 +308,7 @@ def test_clock_changes_are_no_hours_too_late_or_too_early(inbox: Path) -> None:
     """In the night of 2026-10-25 an hour comes twice in Berlin."""
     hand_in(inbox, "ada", "right = 1", "2026-10-25 01:30:00 UTC")  # 02:30 for the second time
     hand_in(inbox, "bob", "right = 2", "2026-10-25 00:30:00 UTC")  # 02:30 for the first time
+    as_nbgrader_collects(inbox)
     settings(
         inbox, class_toml=f"{BERLIN}penalty_percent_per_day = 10\n[due]\ntemperature_service = 2026-10-25T02:45:00\n"
     )

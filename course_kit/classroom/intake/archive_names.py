@@ -21,6 +21,7 @@ _FLAGS_AT, _LENGTHS_AT = 8, 28
 _UTF_8 = 0x800
 _FIELD = 4  # bytes before each addition: its kind and its length
 _NAME_IN_UNICODE, _UNKNOWN = 0x7075, 0xFFFF
+_MOST_FIELDS = 100  # additions to a name; Python copies what follows each of them
 _BEFORE_NAME = 5  # bytes: a version, a checksum
 
 
@@ -82,13 +83,16 @@ def _is_utf_8(name: bytearray) -> bool:
 
 
 def _is_sound(extra: bytearray) -> bool:
-    """Whether additions to a name are as long as they say, and hold a name where they promise one."""
-    while len(extra) >= _FIELD:
-        kind, length = struct.unpack_from("<HH", extra)
-        content = extra[_FIELD : _FIELD + length]
-        if len(content) < length:
+    """Whether additions to a name are few, as long as they say, and hold a name where they promise one."""
+    place = fields = 0
+    while place + _FIELD <= len(extra):
+        kind, length = struct.unpack_from("<HH", extra, place)
+        place += _FIELD
+        content = extra[place : place + length]
+        fields += 1
+        if len(content) < length or fields > _MOST_FIELDS:
             return False
         if kind == _NAME_IN_UNICODE and (length < _BEFORE_NAME or not _is_utf_8(content[_BEFORE_NAME:])):
             return False
-        extra = extra[_FIELD + length :]
+        place += length
     return True

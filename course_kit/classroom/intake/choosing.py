@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from course_kit.classroom.intake import candidates, kit_copies, known_starters, listing, nested_zip
 from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAMED, ONLY_ONE, Candidate, File
 from course_kit.classroom.records import Entry
-from course_kit.classroom.rules.submission_times import STAMP
+from course_kit.classroom.rules.submission_times import ASSIGNMENT, STAMP
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading_answers import Glance
 from course_kit.grading.submission import Copy, UnreadableError
@@ -35,6 +35,7 @@ _MOST_TOLD = 3  # problems of one student in a sentence
 _MOST_OTHERS = 10  # of an entry
 _NOT_FOUND = "none of it belongs to these exercises"
 _NONE_OF_THESE = "it belongs to none of these exercises"
+_NO_TIME = "it was not looked into, because looking into this student's other files took too long"
 _AGAIN = re.compile(r" ?\(\d{1,3}\)(?=\.)")  # `answer (1).py`, a second download
 
 
@@ -64,10 +65,12 @@ class Chooser:
         self.others: list[Entry] = []
         self.empty: set[str] = set()
         self._look_until = 0.0
+        self._unseen: set[str] = set()
 
     def take(self, student: str, units: Sequence[Unit]) -> None:
         """Choose among a student's files."""
         self._look_until = time.monotonic() + _LONGEST_LOOK_S
+        self._unseen = set()
         if odd := next((unit.odd for unit in units if unit.odd), ""):
             self.odd.append((student, odd))
         files, problems = self._files(units)
@@ -91,6 +94,7 @@ class Chooser:
         chosen = {choice.best.file.path for _, choice in choices}
         entries = [_entry(student, exercise, choice, files, chosen) for exercise, choice in choices]
         taken = {entry.source for entry in entries}
+        reasons = {**dict.fromkeys(self._unseen, _NO_TIME), **reasons}
         rest = [(file.path, reasons.get(file.path, _NONE_OF_THESE)) for file in files]
         self._leave(student, [one for one in rest if one[0] not in taken], "they belong to none of these exercises")
         handed_in = {entry.exercise for entry in entries}
@@ -101,6 +105,7 @@ class Chooser:
         if not (files or problems):
             self.empty.add(student)
         if lost or (not entries and (files or problems)):
+            problems += [f"{one_line(path)}: {_NO_TIME}" for path in sorted(self._unseen)]
             self.dropped.append((student, _together(lost or problems) or _NOT_FOUND))
 
     def _files(self, units: Sequence[Unit]) -> tuple[list[File], list[str]]:
@@ -169,14 +174,17 @@ class Chooser:
         told = len(self._exercises) == 1 or bool(for_it and all(file.unit.exercise for file in for_it))
         alone = told and (len(programs) == 1 or (not programs and len(for_it) == 1))
         for place, file in enumerate(programs or for_it):
-            seen = self._glance(file, exercise, opened=place < _MOST_OPENED and time.monotonic() < self._look_until)
+            seen = self._glance(file, exercise) if place < _MOST_OPENED else Glance()
             sureness = _sureness(file, exercise, seen) or (ONLY_ONE if alone else 0)
             if sureness:  # whatever it is, its student gets a report that says what is wrong with it
                 is_starter = seen.identity in self._starters[exercise.id]
                 yield Candidate(file, sureness, _changed(self._root / file.path), seen, is_starter)
 
-    def _glance(self, file: File, exercise: Exercise, *, opened: bool) -> Glance:
-        if not opened or file.problem or file.item.kind != listing.FILE or not file.item.is_program:
+    def _glance(self, file: File, exercise: Exercise) -> Glance:
+        if file.problem or file.item.kind != listing.FILE or not file.item.is_program:
+            return Glance()
+        if time.monotonic() > self._look_until:
+            self._unseen.add(file.path)
             return Glance()
         try:
             copy = Copy(self._root / file.path, whole=False)
@@ -218,7 +226,7 @@ def _entry(student: str, exercise: Exercise, choice: Choice, files: Sequence[Fil
     platform = _platform_of(unit)
     inside = file.path[len(unit.item.path) + 1 :]
     if unit.has_assignments and "/" in inside:
-        platform["nbgrader_assignment"] = one_line(inside.partition("/")[0])
+        platform[ASSIGNMENT] = one_line(inside.partition("/")[0])
     reasons = {path: why for path, why in choice.others.items() if path not in chosen}
     others = _others(reasons, [one.path for one in files if one.path not in chosen and one.path not in reasons])
     name = one_line(unit.name)

@@ -1,8 +1,8 @@
 """When a submission was handed in, as far as anything but a student's own file times tells it.
 
-In this order: what the platform told, as Gradescope's list does, nbgrader's `timestamp.txt`, the last commit of a clone
-that changed the file. A student can set the time of a commit; `git push` leaves none in a clone. And where
-a platform takes folders, a student can hand in a `timestamp.txt` of their own.
+In this order: what the platform told, as Gradescope's list does; `timestamp.txt` where nbgrader writes it, and nowhere
+else, for there it is the student's own; the last commit of a clone that changed the file. A student can set the time of
+a commit; `git push` leaves none in a clone.
 """
 
 from __future__ import annotations
@@ -17,14 +17,16 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
+from course_kit.text.sanitize import one_line
+
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
     from datetime import tzinfo
 
     from course_kit.classroom.records import Entry
 
 STAMP = "timestamp.txt"
-SUBMITTED_AT = "submitted_at"  # see `Entry.platform`
+SUBMITTED_AT, ASSIGNMENT = "submitted_at", "nbgrader_assignment"  # see `Entry.platform`
 _LONGEST_STAMP = 200  # bytes
 _GIT_S = 10.0
 # Git reads an object of a stranger's as a whole, however large it unpacks.
@@ -48,15 +50,19 @@ def submitted(root: Path, entry: Entry, zone: tzinfo | None = None) -> datetime 
     if told and (moment := read_stamp(told, zone)):
         return moment
     source = PurePosixPath(entry.source)
-    stamp = _outermost_stamp(root, source)
+    stamps = (_read_text(root / folder / STAMP, _LONGEST_STAMP) for folder in _assignment_folders(entry, source))
+    stamp = next((one for one in stamps if one is not None), "")
     return read_stamp(stamp, zone) or _committed(root, source)
 
 
-def _outermost_stamp(root: Path, source: PurePosixPath) -> str:
-    """What the note says; empty without one. Further in, a student may have put another one beside their file."""
-    folders = (root.joinpath(*source.parts[:depth]) for depth in range(1, len(source.parts)))
-    notes = (_read_text(folder / STAMP, _LONGEST_STAMP) for folder in folders)
-    return next((note for note in notes if note is not None), "")
+def _assignment_folders(entry: Entry, source: PurePosixPath) -> Iterator[PurePosixPath]:
+    """Where nbgrader writes its stamp, if that is who collected.
+
+    What is in the folder of an assignment is the student's, so a folder of this name in there comes last: nbgrader
+    writes over a stamp that was handed in, but only at its own place.
+    """
+    assignment = entry.platform.get(ASSIGNMENT)
+    return (folder for folder in reversed(source.parents) if assignment and one_line(folder.name) == assignment)
 
 
 def read_stamp(text: str, zone: tzinfo | None = None) -> datetime | None:

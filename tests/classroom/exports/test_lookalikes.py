@@ -12,6 +12,7 @@ import pytest
 from course_kit.classroom.exports import attention, comparison, lookalikes, program_texts
 from course_kit.grading import readings
 from course_kit.grading.reading import Reader
+from course_kit.grading.render.program import LONGEST
 from course_kit.reader.fingerprints import RUN, WINDOW, fingerprints
 from tests.classroom.exports import programs
 from tests.classroom.exports.books import CHOICE, SERVICE, book, good, unreadable
@@ -160,3 +161,13 @@ def test_each_program_is_read_once_to_find_pairs_and_once_to_show_them(
     assert len(starts) == 1
     given = [one for one in reading if reading.count(one) == 1]
     assert len(given) == len(reading) == 2 * len(class_) + 2  # the starter and the notebook, too
+
+
+@pytest.mark.attack("Two programs of endless lines")
+def test_endless_lines_are_compared_and_shown_as_far_as_a_report_shows_them(tmp_path: Path) -> None:
+    long = f"{ORIGINAL}\nlong = '{'<' * 900_000}'\n"
+    class_ = class_of(tmp_path, ann=long, bob=disguised(long), cid=OTHER)
+    with program_texts.ProgramTexts(gradebook := book(*class_, root=tmp_path)) as texts:
+        found = lookalikes.find(gradebook, texts)
+        [(_, page)] = comparison.pages(texts, found.pairs, attention.labels(gradebook))
+    assert 0 < page.count("&lt;") < 2 * LONGEST
