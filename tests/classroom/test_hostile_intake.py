@@ -309,9 +309,9 @@ def test_a_heap_of_files_is_its_students_problem(tmp_path: Path, monkeypatch: py
 def test_files_that_take_long_to_look_into_are_their_students_problem(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Mallory's first file takes all of the time; Nat's is found by its name; Oda has time of her own."""
+    """Mallory's first takes all of the time; Nat's is found by its name; Oda has time of her own, Zoe no program."""
     heap = [f"{student}/{name}.py" for student in ("mallory", "nat") for name in "abc"]
-    root = lay_out(tmp_path / "in", [*IN_FOLDERS.values(), *heap, f"nat/{PROGRAM}"])
+    root = lay_out(tmp_path / "in", [*IN_FOLDERS.values(), *heap, f"nat/{PROGRAM}", "zoe/a.txt", "zoe/b.txt"])
     lay_out(
         tmp_path / "in",
         [f"{one}.py" for one in ("mallory/b", "mallory/c", "oda/work")],
@@ -329,7 +329,10 @@ def test_files_that_take_long_to_look_into_are_their_students_problem(
     found = collect(root)
     assert taken(found) == {**IN_FOLDERS, "nat": f"nat/{PROGRAM}", "oda": "oda/work.py"}
     reason = "it was not looked into, because looking into this student's other files took too long"
-    assert dict(found.dropped) == {"mallory": f"mallory/b.py: {reason}; mallory/c.py: {reason}"}
+    assert dict(found.dropped) == {
+        "mallory": f"mallory/b.py: {reason}; mallory/c.py: {reason}",
+        "zoe": "none of it belongs to these exercises",
+    }
     left = dict(found.left)
     assert [left[f"mallory/{name}.py"] for name in "abc"] == ["it belongs to none of these exercises", reason, reason]
     assert left["nat/b.py"] == reason
