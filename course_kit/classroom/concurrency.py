@@ -49,15 +49,15 @@ def early(things: Iterable[Thing], urgency: Callable[[Thing], Urgency]) -> list[
     for thing in things:
         by_urgency[urgency(thing)].append(thing)
     loops, waits, others = (by_urgency[one] for one in Urgency)
-    urgent = _every(_WAITING_EVERY, waits, loops)
-    return list(_every(_URGENT_EVERY, urgent, others))
+    urgent = _every(_WAITING_EVERY, waits, loops, first=_WAITING_EVERY - 1)
+    return list(_every(_URGENT_EVERY, urgent, others, first=0))
 
 
-def _every(nth: int, some: deque[Thing], others: deque[Thing]) -> deque[Thing]:
-    """Both in their order, some of the first kind at every nth place, until there are no more of one."""
+def _every(nth: int, some: deque[Thing], others: deque[Thing], *, first: int) -> deque[Thing]:
+    """Both in their order, some of the first kind at every nth place from the first on, until one has no more."""
     order: deque[Thing] = deque()
     while some or others:
-        turn = some if some and (len(order) % nth == nth - 1 or not others) else others
+        turn = some if some and (len(order) % nth == first or not others) else others
         order.append(turn.popleft())
     return order
 

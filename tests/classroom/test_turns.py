@@ -102,9 +102,9 @@ def test_what_may_last_begins_early_and_not_all_at_once() -> None:
     def urgency(thing: str) -> Urgency:
         return {"L": Urgency.LOOPS, "W": Urgency.WAITS}.get(thing, Urgency.NONE)
 
-    assert "".join(early("abWcdeLfWgL", urgency)) == "abLcdLefWgW"
-    assert "".join(early("WaLLLLL", urgency)) == "aLLLWLL"
-    assert "".join(early("aWLL", urgency)) == "aLLW"
+    assert "".join(early("abWcdeLfWgL", urgency)) == "LabLcdWefWg"
+    assert "".join(early("WaLLLLL", urgency)) == "LaLLWLL"
+    assert "".join(early("aWLL", urgency)) == "LaLW"
     assert early([], urgency) == []
 
 
