@@ -29,43 +29,56 @@ class _Known:
     prints: array[int]
 
 
+class _Memory:
+    """What has been read, by the file's name and bytes and the exercise."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[str, str, str], _Known] = {}
+        self._characters = 0
+
+    def find(self, copy: Copy, exercise: Exercise) -> _Known | None:
+        return self._known.get((copy.name, copy.digest, exercise.id))
+
+    def keep(self, copy: Copy, exercise: Exercise, program: Submission, found: Fingerprints) -> None:
+        if self._characters < _MOST_CHARACTERS:
+            packed = array("Q", found.prints)
+            self._known[copy.name, copy.digest, exercise.id] = _Known(program, found.identity, packed)
+            self._characters += len(program.source)
+
+
 class Readings(Closing):
     """Does what `Reader` does, and raises what that raises. Its process runs while it has something to read."""
 
-    def __init__(self, stopped: Callable[[], bool] = lambda: False) -> None:
+    def __init__(self, stopped: Callable[[], bool] = lambda: False, *, memory: _Memory | None = None) -> None:
         """Get ready; no process runs yet.
 
         Args:
             stopped: asked now and then whether to stop waiting.
+            memory: of somebody else, for `remembered`.
         """
         self._stopped = stopped
+        self._memory = memory or _Memory()
         self._reader: Reader | None = None
-        self._known: dict[tuple[str, str, str], _Known] = {}
-        self._characters = 0
 
     def remembered(self, stopped: Callable[[], bool] = lambda: False) -> Readings:
         """Another one that remembers the same, with a process of its own; `stopped` as of a new one."""
-        other = Readings(stopped)
-        other._known, other._characters = self._known, self._characters
-        return other
+        return Readings(stopped, memory=self._memory)
 
     def glance(self, copy: Copy, exercise: Exercise) -> Glance:
         """What a file looks like; what the exercise asks for is read and remembered."""
         look = self._started().look(copy, exercise)
-        if look.program is not None and self._characters < _MOST_CHARACTERS:
-            packed = array("Q", look.fingerprints.prints)
-            self._known[_key(copy, exercise)] = _Known(look.program, look.fingerprints.identity, packed)
-            self._characters += len(look.program.source)
+        if look.program is not None:
+            self._memory.keep(copy, exercise, look.program, look.fingerprints)
         return look.glance
 
     def read(self, copy: Copy, exercise: Exercise) -> Submission:
         """The program that somebody has handed in for an exercise."""
-        known = self._known.get(_key(copy, exercise))
+        known = self._memory.find(copy, exercise)
         return self._started().read(copy, exercise) if known is None else known.program
 
     def fingerprints(self, copy: Copy, exercise: Exercise) -> Fingerprints:
         """The fingerprints of a submission."""
-        known = self._known.get(_key(copy, exercise))
+        known = self._memory.find(copy, exercise)
         if known is None:
             return self._started().fingerprints(copy, exercise)
         return Fingerprints(known.identity, frozenset(known.prints))
@@ -80,8 +93,3 @@ class Readings(Closing):
         if self._reader is None:
             self._reader = Reader(self._stopped)
         return self._reader
-
-
-def _key(copy: Copy, exercise: Exercise) -> tuple[str, str, str]:
-    """Equal for what would be read alike: the name, which stands in what is told, the bytes, and what for."""
-    return (copy.name, copy.digest, exercise.id)

@@ -46,6 +46,7 @@ SIZE = int(os.environ.get("COURSE_KILLS_SIZE", "8"))
 KILLS = int(os.environ.get("COURSE_KILLS", "3"))  # of each role
 PATIENCE_S = 100.0 + 10.0 * SIZE  # against hanging only
 WRONG = "validation.missing"
+NOTES = 40  # further programs of each student, so that the class is read for a while
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +60,13 @@ def inbox(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / f"student{number:03}").mkdir()
         (folder / f"student{number:03}" / f"{EXERCISE}.py").write_text(f"{text}\n# {number}\n")
     return folder
+
+
+def with_notes(inbox: Path) -> None:
+    """Let everybody hand in more programs, which are nobody's submission."""
+    for student in inbox.iterdir():
+        for number in range(NOTES):
+            (student / f"note_{number}.py").write_text(f"note = {number}\n")
 
 
 @pytest.fixture(scope="module")
@@ -141,6 +149,8 @@ def test_killing_costs_nothing_and_makes_nothing_wrong(
     role: str, inbox: Path, scores: dict[str, float], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
+    if role.startswith("reader"):
+        with_notes(inbox)
     run = class_run(inbox, out)
     killed = kill_some(run, role, out, random.Random(role))  # noqa: S311 - moments, not secrets
     code = run.wait(PATIENCE_S)
