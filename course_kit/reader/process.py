@@ -6,6 +6,7 @@ The child finds the submission in one open file and writes what it has read into
 from __future__ import annotations
 
 import gc
+import io
 import json
 import os
 import select
@@ -104,11 +105,20 @@ def _kill(child: int) -> None:
 
 
 def _answer(request: Mapping[str, Any], submission: int, answer: int) -> None:
-    with open(submission, "rb", closefd=False) as file:
-        file.seek(0)  # whoever wrote it has left it at its end
-        told = _WORK[request["do"]](request["name"], file, request)
+    told = _WORK[request["do"]](request["name"], io.BytesIO(_all_of(submission)), request)
     told_as_bytes = json.dumps(told).encode()
     if len(told_as_bytes) > limits.ANSWER_BYTES:
         told_as_bytes = json.dumps({"unreadable": _TOO_MUCH.format(request["name"])}).encode()
     with open(answer, "wb", closefd=False) as file:
         file.write(told_as_bytes)
+
+
+def _all_of(descriptor: int) -> bytes:
+    """What is in a file.
+
+    Not by its position, which all who have it open share: a child whose reader was killed may be reading it, too.
+    """
+    size, data = os.fstat(descriptor).st_size, b""
+    while block := os.pread(descriptor, size - len(data), len(data)):
+        data += block
+    return data

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import psutil
@@ -90,6 +91,15 @@ def test_calls_that_may_wait_for_long_are_seen(text: str, waits: bool, program: 
 def test_the_first_future_that_a_program_makes_is_known(text: str, line: int, program: Path) -> None:
     program.write_text(text)
     assert read(program, TASK.id).facts.future == line
+
+
+def test_two_who_read_one_file_at_once_do_not_disturb_each_other(program: Path) -> None:
+    """As happens when a reader was killed: its child goes on beside its successor's. It has half a program, or none."""
+    program.write_text("x = 1\n" * 20_000)
+    with Copy(program) as copy, Reader() as one, Reader() as other, ThreadPoolExecutor(2) as threads:
+        for _ in range(50):
+            readings = list(threads.map(lambda reader: reader.read(copy, TASK).source, (one, other)))
+            assert readings == [program.read_text()] * 2
 
 
 def test_the_reader_is_small(program: Path) -> None:
