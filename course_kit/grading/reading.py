@@ -77,8 +77,7 @@ class Reader(Closing):
 
         One child does what takes three for a glance, the program and its fingerprints.
         """
-        told = self._ask("glance", copy, exercise, whole=True)
-        return answers.look(copy, told)
+        return answers.look(copy, self._ask("glance", copy, exercise))
 
     def fingerprints(self, copy: Copy, exercise: Exercise) -> Fingerprints:
         """The fingerprints of a submission; errors as those of `read`."""
@@ -106,14 +105,13 @@ class Reader(Closing):
         except OSError as problem:
             raise GradingError(f"The process that reads submissions could not start: {problem.strerror}.") from problem
 
-    def _ask(self, what: str, copy: Copy, exercise: Exercise, *, whole: bool = False) -> Record:
+    def _ask(self, what: str, copy: Copy, exercise: Exercise) -> Record:
         request = {
             "do": what,
             "name": copy.name,
             "exercise": exercise.id,
             "class_name": exercise.class_name,
             "variable": exercise.variable,
-            "whole": whole,
         }
         if self._stopped():
             raise ReadingStoppedError

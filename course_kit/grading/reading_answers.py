@@ -57,7 +57,7 @@ class Look:
 
 
 def look(copy: Copy, told: Record) -> Look:
-    """Of an answer to a glance that was asked for the whole."""
+    """Of an answer to a glance."""
     glance = Glance(bool(told["found"]), str(told["identity"]), frozenset(map(str, told["imports"])))
     if "read" not in told or "unreadable" in told["read"]:
         return Look(glance)

@@ -27,24 +27,25 @@ def at(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
     Returns:
         `found`, whether it holds what the exercise asks for; `identity` of its program, see
         `fingerprints.identity`, empty when there is none; `imports`, the modules it imports, not all of very many.
-        Of a program that was found, where the `whole` is wished, also what `text.read` tells as `read`, and what
-        `fingerprints.of_submission` does as `fingerprints`: it will be read, and then needs no further child.
+        Of a program that was found also what `text.read` tells as `read`, and what `fingerprints.of_submission` does as
+        `fingerprints`: it will be read and compared, and then needs no further child.
     """
     places: list[tuple[int, int]] = []
     try:
         source, places = text.program(name, file, wish["exercise"])
     except text.UnreadableTextError:
         source = ""
-    found = _asked_for(name, file, source, wish)
-    told = {
-        "found": found,
-        "identity": fingerprints.identity(source) if source else "",
-        "imports": sorted(set(_IMPORT.findall(source)[:_MOST_IMPORTS])),
-    }
-    if not (wish["whole"] and found and source):
-        return told
+    imports = sorted(set(_IMPORT.findall(source)[:_MOST_IMPORTS]))
+    if not (found := _asked_for(name, file, source, wish)) or not source:
+        return {"found": found, "identity": fingerprints.identity(source) if source else "", "imports": imports}
     compared = fingerprints.of_program(source)
-    return {**told, "read": text.of_program(name, source, places, wish), "fingerprints": compared}
+    return {
+        "found": True,
+        "identity": compared["identity"],
+        "imports": imports,
+        "read": text.of_program(name, source, places, wish),
+        "fingerprints": compared,
+    }
 
 
 def _asked_for(name: str, file: BinaryIO, program: str, wish: Wish) -> bool:

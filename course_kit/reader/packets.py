@@ -14,17 +14,13 @@ if TYPE_CHECKING:
     from typing import Any, TypedDict
 
     class Wish(TypedDict):
-        """What is asked for: the work, a submission's name and exercise, and what that wants from it.
-
-        A `glance` that is `whole` also tells what `read` and `fingerprints` would, of a file that is asked for.
-        """
+        """What is asked for: the work, a submission's name and exercise, and what that wants from it."""
 
         do: str
         name: str
         exercise: str
         variable: str
         class_name: str
-        whole: bool
 
 
 _LARGEST = 64 * 1024  # bytes; a request holds a few names
