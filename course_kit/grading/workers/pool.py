@@ -42,9 +42,9 @@ class Pool:
         """Grade with a worker that is free; a report comes whatever happens."""
         problem = ""
         for _ in range(_TRIES):
-            if self._closed:
-                break
             worker = self._take()
+            if worker is None:
+                break
             try:
                 report = engine.grade_task(task, worker)
             except Exception as failure:  # noqa: BLE001 - a worker in an unforeseen state must not end a class run
@@ -64,8 +64,11 @@ class Pool:
         for worker in workers:
             worker.close()
 
-    def _take(self) -> Worker:
+    def _take(self) -> Worker | None:
+        """A worker that is free, or a new one; None once the pool is closed: nobody would end it."""
         with self._lock:
+            if self._closed:
+                return None
             while self._idle and self._idle[-1].has_ended():  # with the process they share; costs nobody a try
                 self._idle.pop().close()
             worker = self._idle.pop() if self._idle else Worker()
