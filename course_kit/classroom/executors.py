@@ -74,7 +74,7 @@ class Local:
         most = min(map(needs.side_by_side, promised), default=sys.maxsize)
         usual = min(workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0)), most)
         self.slots = min(_MORE_WHEN_IDLE * usual, most)
-        self._pool = Pool(self.slots, graders)
+        self._pool = Pool(self.slots, graders, awake=usual)
         self._turns = Turns(self._pool.grade, usual, self.slots)
 
     def submit(self, task: Task) -> Future[Report]:

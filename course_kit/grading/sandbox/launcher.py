@@ -31,11 +31,12 @@ from course_kit.grading.sandbox.sandbox import Conditions, Streams
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import freezing, tree
+from course_kit.process.first_uses import first_uses
 from course_kit.process.fork import fork
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
 _LOAD, _START, _END, _ENDED = b"load", b"start", b"end", b"ended"
 _LARGEST_ORDER = 16 * 1024  # bytes
@@ -117,7 +118,7 @@ class Launcher:
 
 
 def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
-    """The process: load the interfaces that exercises use, then serve each line in a process of its own.
+    """The process: load the interfaces that exercises use, then serve each line that is used in a process of its own.
 
     Args:
         names: brings one message: where else interfaces lie, and the names of their classes, each as module and class.
@@ -131,20 +132,19 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
     if len(lines) == 1:
         _serve(lines[0])
         return
-    for line in lines:
-        fork(partial(_serve_one, line, lines))
-    for line in lines:
+    for line, unused in first_uses(lines):
+        if line.recv(1, socket.MSG_PEEK):
+            fork(partial(_serve_one, line, unused))
         line.close()
     with suppress(ChildProcessError):
         while True:
             os.wait()
 
 
-def _serve_one(line: socket.socket, lines: Sequence[socket.socket]) -> None:
+def _serve_one(line: socket.socket, unused: Iterable[socket.socket]) -> None:
     die_with_parent()
-    for other in lines:
-        if other is not line:
-            other.close()
+    for other in unused:
+        other.close()
     _serve(line)
 
 

@@ -7,6 +7,7 @@ once and forks. Several workers grade side by side. This is the handle in the tr
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import asdict
 from typing import TYPE_CHECKING, cast
 
@@ -43,14 +44,18 @@ class Worker(Closing):
         Args:
             whole_environment: pass on all variables, for commands of the user's own.
             own_graph: False to grade nodes on the graph this environment belongs to.
-            at: the process started already, and the line to this worker in it; for `side_by_side`.
+            at: the process started already, and the line to this worker in it, which sleeps; for `side_by_side`.
         """
+        alone = at is None
         if at is None:
             process = WarmProcess(1, variables_of(whole=whole_environment, own_graph=own_graph))
             at = (process, process.channels[0])
         self._process, self._channel = at
+        self._is_asleep = True
         self._closing = False
         self._greeting: Record | None = None
+        if alone:
+            self.wake()
 
     @property
     def process_id(self) -> int:
@@ -62,6 +67,13 @@ class Worker(Closing):
         self.ready()
         return int((self._greeting or {})["process"])
 
+    def wake(self) -> None:
+        """Have it get ready, if it does not yet."""
+        if self._is_asleep:
+            self._is_asleep = False
+            with suppress(ChannelClosedError):  # whoever uses it is told
+                self._channel.send({})
+
     def ready(self) -> Isolation:
         """Wait until it can take a job; returns the isolation it has found.
 
@@ -70,6 +82,7 @@ class Worker(Closing):
         """
         if self._greeting is None:
             try:
+                self.wake()
                 self._greeting = self._channel.receive(_START_S)
             except (ChannelClosedError, TimeoutError) as problem:
                 raise GradingError(f"The grader could not start. {self._last_words()}") from problem
@@ -110,14 +123,18 @@ class Worker(Closing):
         return "It was closed meanwhile." if self._closing else how
 
 
-def side_by_side(number: int, graders: Sequence[str] = ()) -> list[Worker]:
+def side_by_side(number: int, graders: Sequence[str] = (), *, awake: int | None = None) -> list[Worker]:
     """Start several workers that share the cost of getting warm.
 
     Args:
         number: how many.
         graders: modules of checks that they load beforehand.
+        awake: how many of them get ready at once, the others when they are used; all when None.
     """
     if number == 0:
         return []
     process = WarmProcess(number, variables_of(whole=False, own_graph=True), graders)
-    return [Worker(at=(process, channel)) for channel in process.channels]
+    workers = [Worker(at=(process, channel)) for channel in process.channels]
+    for worker in workers[:awake]:
+        worker.wake()
+    return workers

@@ -26,6 +26,7 @@ from course_kit.grading.workers import grader_module, grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import freezing, tree
+from course_kit.process.first_uses import first_uses
 from course_kit.process.fork import fork
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
@@ -65,7 +66,8 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     """The process: get warm, then grade job after job until the other ends close.
 
     Args:
-        channels: the line to each worker. A single worker is this process; of several each is a fork of it.
+        channels: the line to each worker. A single worker is this process; of several each is a fork of it, made when
+            something comes on its line.
         graders: what checks the exercises, loaded beforehand.
     """
     set_name("grade warm")
@@ -94,11 +96,14 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     if len(channels) == 1:
         _work(channels[0], launchers[0], common, keep=(starter,))
         return
-    lines = list(zip(channels, launchers, strict=True))
-    children = [fork(partial(_work_apart, line, lines, common)) for line in lines]
-    for channel, launcher in lines:
+    children = []
+    launcher_of = dict(zip(channels, launchers, strict=True))
+    for channel, unused in first_uses(channels):
+        if not channel.is_closed():
+            others = [(one, launcher_of[one]) for one in unused]
+            children.append(fork(partial(_work_apart, (channel, launcher_of[channel]), others, common)))
         channel.close()
-        launcher.close()
+        launcher_of[channel].close()
     for child in children:  # not reaped: while this process lives, no other one gets the number of a fork
         os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
     tree.end_descendants()
@@ -133,15 +138,14 @@ def _named(interfaces: Iterable[type]) -> list[tuple[str, str]]:
     return sorted({(one.__module__, one.__name__) for one in interfaces})
 
 
-def _work_apart(line: tuple[Channel, Launcher], lines: Sequence[tuple[Channel, Launcher]], common: _Common) -> None:
+def _work_apart(line: tuple[Channel, Launcher], others: Iterable[tuple[Channel, Launcher]], common: _Common) -> None:
     """A worker that is a fork of this process, one of several."""
     os.setsid()  # Linux shares a busy machine out among sessions; each worker is to have its part
     die_with_parent()
     adopt_orphans()
-    for other in lines:
-        if other is not line:
-            other[0].close()  # else nobody would notice the end of that worker
-            other[1].close()
+    for channel, launcher in others:
+        channel.close()  # else nobody would notice the end of that worker
+        launcher.close()
     with suppress(ChannelClosedError):
         _work(*line, common)
 
@@ -155,6 +159,7 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
         common: what holds for all workers.
         keep: children of this process that outlive a grading.
     """
+    channel.receive()  # what has woken it: there is nothing in it
     set_name("grade worker")
     folder = scratch.make()
     found = common.isolation

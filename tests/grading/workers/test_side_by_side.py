@@ -53,6 +53,30 @@ def test_each_grades_while_the_other_one_does(pair: list[Worker]) -> None:
     assert warm_process(pair[0]) == warm_process(pair[1])
 
 
+def named(name: str, within: psutil.Process) -> list[int]:
+    found = [one for one in within.children(recursive=True) if one.status() != psutil.STATUS_ZOMBIE]
+    return [one.pid for one in found if Path(f"/proc/{one.pid}/comm").read_text().strip() == name]
+
+
+def test_a_worker_that_is_not_used_has_no_processes() -> None:
+    workers = side_by_side(3, [EXERCISE], awake=1)
+    try:
+        warm = warm_process(workers[0])
+        assert grading.grade(EXERCISE, SOLUTION, worker=workers[0]).score == 10.0
+        assert named("grade worker", warm) == [workers[0].process_id]
+        assert len(named("grade launcher", warm)) == 1
+        assert grading.grade(EXERCISE, SOLUTION, worker=workers[2]).score == 10.0
+        assert set(named("grade worker", warm)) == {workers[0].process_id, workers[2].process_id}
+        assert len(named("grade launcher", warm)) == 2
+        workers[2].close()
+        wait_until(lambda: len(named("grade launcher", warm)) == 1)
+        assert grading.grade(EXERCISE, SOLUTION, worker=workers[0]).score == 10.0
+    finally:
+        for worker in workers:
+            worker.close()
+    assert not warm.is_running()
+
+
 def test_the_machine_is_shared_out_among_them(pair: list[Worker]) -> None:
     sessions = {os.getsid(worker.process_id) for worker in pair}
     assert sessions == {worker.process_id for worker in pair}
