@@ -10,12 +10,13 @@ import json
 import select
 import socket
 import struct
+import threading
 import time
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from course_kit.grading.plain_data import Record
 
@@ -29,10 +30,13 @@ class ChannelClosedError(ConnectionError):
 
 
 class Channel:
-    """One end of a two-way line of messages. Not for use by several threads at once."""
+    """One end of a two-way line of messages. For one thread at a time; any may hang up."""
 
     def __init__(self, end: socket.socket) -> None:
         self._socket = end
+        self._in_use = False
+        self._hung_up = False
+        self._lock = threading.Lock()  # for the two above
 
     @classmethod
     def pair(cls) -> tuple[Channel, Channel]:
@@ -51,7 +55,8 @@ class Channel:
             ChannelClosedError: nobody is there to read it, or nobody reads it.
         """
         payload = json.dumps(message).encode()
-        self._send(_LENGTH.pack(len(payload)) + payload)
+        with self._use():
+            self._send(_LENGTH.pack(len(payload)) + payload)
 
     def receive(self, timeout: float | None = None) -> Record:
         """Wait for one message, at most `timeout` seconds for its beginning.
@@ -60,13 +65,15 @@ class Channel:
             TimeoutError: nothing came in time.
             ChannelClosedError: the other process has ended, or sends what is no message.
         """
-        if timeout is not None and not self.ready(timeout):
-            raise TimeoutError(f"no message from the other process within {timeout:g} s")
-        (length,) = _LENGTH.unpack(self._exactly(_LENGTH.size))
-        if length > _LARGEST:
-            raise ChannelClosedError("the other process sent something that is not a message")
+        with self._use():
+            if timeout is not None and not self.ready(timeout):
+                raise TimeoutError(f"no message from the other process within {timeout:g} s")
+            (length,) = _LENGTH.unpack(self._exactly(_LENGTH.size))
+            if length > _LARGEST:
+                raise ChannelClosedError("the other process sent something that is not a message")
+            data = self._exactly(length, time.monotonic() + _TRANSFER_S)
         try:
-            message = json.loads(self._exactly(length, time.monotonic() + _TRANSFER_S))
+            message = json.loads(data)
         except (ValueError, RecursionError):
             message = None
         if not isinstance(message, dict):
@@ -80,20 +87,52 @@ class Channel:
         return bool(poll.poll(timeout * 1000))
 
     def is_closed(self) -> bool:
-        """Whether nobody holds the other end any more."""
-        poll = select.poll()
-        poll.register(self._socket, 0)  # a hang-up is told without being asked for
-        return bool(poll.poll(0))
+        """Whether nobody holds the other end any more, or we have hung up."""
+        try:
+            with self._use():
+                poll = select.poll()
+                poll.register(self._socket, 0)  # a hang-up is told without being asked for
+                return bool(poll.poll(0))
+        except ChannelClosedError:
+            return True
 
     def hang_up(self) -> None:
-        """End the connection for everybody, also for a thread of ours that waits for a message, and close."""
-        with suppress(OSError):  # the other end was faster
-            self._socket.shutdown(socket.SHUT_RDWR)
-        self._socket.close()
+        """End the connection for everybody, also for a thread of ours that waits for a message, and close.
+
+        That thread closes when it is done: the number of what it polls must not become another file's meanwhile, as
+        poll(2) looks at it again after it was woken.
+        """
+        with self._lock:
+            if self._hung_up:
+                return
+            self._hung_up = True
+            with suppress(OSError):  # the other end was faster
+                self._socket.shutdown(socket.SHUT_RDWR)
+            if not self._in_use:
+                self._socket.close()
 
     def close(self) -> None:
         """Close this end; a copy of it in another process stays open."""
         self._socket.close()
+
+    @contextmanager
+    def _use(self) -> Iterator[None]:
+        """Keep the socket open while it is used.
+
+        Raises:
+            ChannelClosedError: we have hung up.
+        """
+        with self._lock:
+            if self._hung_up:
+                raise ChannelClosedError("this end was closed")
+            self._in_use = True
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._in_use = False
+                if self._hung_up:
+                    self._socket.close()
 
     def _send(self, data: bytes) -> None:
         deadline = time.monotonic() + _TRANSFER_S

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import select
+import socket
 import threading
 
 import pytest
@@ -65,3 +67,63 @@ def test_a_peer_that_does_not_read_is_not_waited_for(monkeypatch: pytest.MonkeyP
         first.send({"text": "x" * 10_000_000})
     first.close()
     second.close()
+
+
+class _PausingPoll:
+    """A stand-in for `select.poll` whose object halts before it waits, as a thread may anywhere."""
+
+    def __init__(self) -> None:
+        self.reached, self.go_on = threading.Event(), threading.Event()
+
+    def register(self, end: socket.socket, _: int) -> None:
+        self._number = end.fileno()
+        self._poll = _REAL_POLL()
+        self._poll.register(end, select.POLLIN)
+
+    def poll(self, milliseconds: float) -> list[tuple[int, int]]:
+        self.reached.set()
+        assert self.go_on.wait(60)
+        os.fstat(self._number)  # still open
+        return self._poll.poll(milliseconds)
+
+
+_REAL_POLL = select.poll
+
+
+def test_what_a_thread_polls_stays_open_when_another_one_hangs_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else its number can become another file's, and the thread waits for something that never comes."""
+    ours, theirs = Channel.pair()
+    number, pausing, ended = ours.fileno(), _PausingPoll(), []
+
+    def wait() -> None:
+        try:
+            ours.receive(600)
+        except ChannelClosedError as problem:
+            ended.append(problem)
+
+    monkeypatch.setattr(select, "poll", lambda: pausing)
+    waiting = threading.Thread(target=wait)
+    waiting.start()
+    assert pausing.reached.wait(60)
+    ours.hang_up()
+    ours.hang_up()
+    assert ours.fileno() == number
+    pausing.go_on.set()
+    waiting.join(60)
+    monkeypatch.undo()
+    assert len(ended) == 1
+    assert ours.fileno() == -1  # the one who waited has closed it
+    assert theirs.is_closed()
+    theirs.close()
+
+
+def test_after_hanging_up_nothing_goes_on() -> None:
+    ours, theirs = Channel.pair()
+    ours.hang_up()
+    assert ours.fileno() == -1
+    assert ours.is_closed()
+    with pytest.raises(ChannelClosedError, match="this end was closed"):
+        ours.send({})
+    with pytest.raises(ChannelClosedError, match="this end was closed"):
+        ours.receive(600)
+    theirs.close()
