@@ -142,3 +142,32 @@ def test_signals_are_due_between_the_first_and_the_last_only() -> None:
     assert ladder.climb() == (SIGKILL, 0.0)
     assert ladder.at_top
     assert ladder.pause_s() == math.inf
+
+
+@pytest.mark.parametrize("seconds", [60.0, math.inf, None])
+def test_the_end_of_a_child_is_waited_for(seconds: float | None) -> None:
+    child = Child([sys.executable, "-c", "import sys; sys.exit(7)"])
+    assert child.wait(seconds) == 7
+    assert child.wait(seconds) == 7
+    assert child.wait_or_kill(0.0) == 7
+
+
+@pytest.mark.parametrize("missing", [OSError(24, "Too many open files"), AttributeError("pidfd_open")])
+def test_it_is_waited_for_where_the_kernel_does_not_tell(missing: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stand_in(_: int) -> int:
+        raise missing
+
+    monkeypatch.setattr(os, "pidfd_open", stand_in, raising=False)
+    child = Child([sys.executable, "-c", "import time; time.sleep(600)"])
+    assert child.wait(0.01) is None
+    assert child.kill() == -SIGKILL
+    assert child.wait(60.0) == -SIGKILL
+
+
+def test_one_that_goes_on_is_waited_for_as_long_as_was_said() -> None:
+    child = Child([sys.executable, "-c", "import time; time.sleep(600)"])
+    opened = psutil.Process().num_fds()
+    assert child.wait(0.01) is None
+    assert child.wait(0.0) is None
+    assert child.wait_or_kill(0.01) == -SIGKILL
+    assert psutil.Process().num_fds() == opened
