@@ -131,8 +131,11 @@ class Channel:
         finally:
             with self._lock:
                 self._in_use = False
-                if self._hung_up:
-                    self._socket.close()
+                self._close_if_hung_up()
+
+    def _close_if_hung_up(self) -> None:
+        if self._hung_up:  # meanwhile, which a type checker does not see where it was looked at before
+            self._socket.close()
 
     def _send(self, data: bytes) -> None:
         deadline = time.monotonic() + _TRANSFER_S

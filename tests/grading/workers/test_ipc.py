@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 import select
-import socket
 import threading
+from typing import TYPE_CHECKING
 
 import pytest
 
 from course_kit.grading.workers import ipc
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+
+if TYPE_CHECKING:
+    import socket
 
 
 def test_messages_arrive_whole_and_in_order() -> None:
