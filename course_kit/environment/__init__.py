@@ -223,11 +223,11 @@ def child_environment(**changes: str | None) -> dict[str, str]:
 
 
 def trusted_python(module: str, function: str, *arguments: str) -> list[str]:
-    """The command that calls a function of the kit in a fresh Python, to be run with `cwd="/"`.
+    """The command that calls a function in a fresh Python, to be run with `cwd="/"` if that need not be elsewhere.
 
     Neither `-m` nor `-c` as they are would do: both put the working directory, where submissions may lie, before
     Python's own modules. `-P` does not exist in Python 3.10, and `-I` would lose the PYTHONPATH of a sourced ROS;
-    relative and empty entries of that mean the working directory, too, which is why it has to be "/".
+    relative and empty entries of that mean the working directory, too, which is why it should be "/".
 
     Args:
         module: where the function is.

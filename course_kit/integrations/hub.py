@@ -76,7 +76,8 @@ def server_command(folder: Path, lesson: str, arguments: Sequence[str]) -> tuple
     root, opens = shown(folder, lesson, environ)
     environ.setdefault(_DEFAULT_URL, opens)  # what the administrator has set counts
     tell(environment.middleware.unsupported())
-    return [sys.executable, "-m", "jupyterhub.singleuser", *jupyter.server_options(root), *arguments], environ
+    command = environment.trusted_python("jupyterhub.singleuser", "main")
+    return [*command, *jupyter.server_options(root), *arguments], environ
 
 
 def shown(folder: Path, lesson: str, environ: Mapping[str, str]) -> tuple[Path, str]:

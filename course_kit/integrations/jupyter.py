@@ -82,10 +82,7 @@ def lab_command(
     environ = environment.child_environment(**{**server_variables(root), **variables})
     tell(environment.middleware.unsupported())
     command = [
-        sys.executable,
-        "-m",
-        "jupyter",
-        "lab",
+        *environment.trusted_python("jupyterlab.labapp", "main"),
         *server_options(root),
         f"--LabApp.default_url={opens}",
         *_terminals(),
