@@ -162,7 +162,8 @@ def drive(context: CheckContext, target: MovePlace, z: float = 0.0) -> Move:
     except Failed:
         context.spoil()
         raise
-    context.memory[_MOVED] = move
+    if move.length > SHORTEST_M - TOLERANCE:
+        context.memory[_MOVED] = move
     return move
 
 
@@ -178,7 +179,7 @@ def drive_on(context: CheckContext, length: float, z: float = 0.0) -> Move:
 
 
 def by_the_last_move(context: CheckContext, judge: Callable[[Move], Evidence], length: float) -> Evidence:
-    """Judge the move that was made last, or, if that one is not right, one that is made for it.
+    """Judge the last long move, or, if that one is not right, one that is made for it.
 
     A right robot need not drive again for each thing that is asked of a move; what is wrong is shown by a move of the
     check's own.
@@ -189,7 +190,7 @@ def by_the_last_move(context: CheckContext, judge: Callable[[Move], Evidence], l
         length: of the check's own move, in metres.
     """
     last: Move | None = None if context.spoiled else context.memory.get(_MOVED)
-    if last is not None and not last.length < length:
+    if last is not None and last.length > length - TOLERANCE:
         with suppress(Failed):
             return judge(last)
     return judge(drive_on(context, length))

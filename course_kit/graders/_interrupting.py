@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
 
 _PROMPT_S = 1.0  # within which a cancel request is answered
-_FIRST_M, _SECOND_M = 3.0, 1.0  # metres; the ways of two goals at a time
+_FIRST_M, _SECOND_M = 2.4, 1.0  # metres; the ways of two goals at a time
 _LONG_M = 4.0  # metres; a move that is cancelled with the robot at its own speed
 _AT_ONCE_M = 1.0  # metres; the ways of two goals that are sent in the same instant
 _PAIRS = 3  # of them: which callback comes first is a matter of chance

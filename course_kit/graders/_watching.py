@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from course_kit.graders._driving import LONGEST_M, SHORTEST_M, HastyError, Move, by_the_last_move, drive_on
+from course_kit.graders._driving import LONGEST_M, SHORTEST_M, HastyError, Move, by_the_last_move
 from course_kit.graders._moves import (
     BARELY_BEGUN,
     BESIDE,
@@ -38,7 +38,10 @@ def feedback_of_a_move(context: CheckContext) -> Evidence:
     Raises:
         Failed: it does not.
     """
-    move = drive_on(context, LONGEST_M)
+    return by_the_last_move(context, _require_enough, LONGEST_M)
+
+
+def _require_enough(move: Move) -> Evidence:
     enough = enough_feedback(move.length)
     heard = move.goal.wait_for_last_feedback(lambda all_told: len(all_told) >= enough)
     expected = f"at least {enough} feedback messages, spread over the move of {move.length:.2g} m"

@@ -85,7 +85,7 @@ def accepted(context: CheckContext) -> Evidence:
 @check(points=2.0, depends_on=["accepted"], deadline_s=30.0, proves=["reaches", "in_time"])
 def succeeds(context: CheckContext) -> Evidence:
     """A goal in the arena ends SUCCEEDED, with a result."""
-    move = drive_on(context, LONGEST_M)
+    move = drive_on(context, SHORTEST_M)
     return Evidence(move.goal.shown, REACHED, told(move.ended))
 
 
