@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from course_kit.grading.report import Report
 
 Thing = TypeVar("Thing")
+_AT_FIRST = 2  # times the usual number: a program that has just begun mostly waits to be discovered
 _LOOK_S = 0.25  # over which it is seen whether processors idle
 _IDLE, _BUSY = 0.2, 0.1  # share of the processors' time that was idle: above, more at a time; below, one less
 _URGENT_EVERY = 3  # place
@@ -82,7 +83,7 @@ class Turns:
         self._waiting: deque[tuple[Future[Report], Task]] = deque()
         self._changed = threading.Condition()
         self._begun: dict[int, float] = {}  # of what is under way, by thread: when it has begun
-        self._allowed = usual
+        self._allowed = min(_AT_FIRST * usual, most)
         self._idle_share = 0.0
         self._looked: float | None = None  # not at once: workers may still be starting
         self._ended = False

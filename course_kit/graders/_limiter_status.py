@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from course_kit.ros.topic import Inbox
 
 _SILENT_S = 2.0  # four periods
-_PERIOD_S = (0.42, 0.6)  # 2 Hz, on a machine that is now and then busy
-_LAST = 4  # messages; enough to forget one that a busy machine has delayed
-_WATCHED_S = 5.0
 
 
 def expect_status(

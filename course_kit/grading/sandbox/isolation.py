@@ -141,30 +141,47 @@ def status() -> Isolation:
         return Isolation(reason=f"trying it out failed ({problem})")
 
 
+class Trial:
+    """Sets up each kind in a child process, while this one goes on. Only for a process with one thread."""
+
+    def __init__(self) -> None:
+        """Begin; `outcome` has to be asked for, as it cleans up."""
+        self._root = os.geteuid() == 0
+        self._attempt = _Attempt(guest(os.getpid()) if self._root else 0)
+
+    def outcome(self) -> Isolation:
+        """Wait until all has been tried; which kinds work. Once only."""
+        told = self._attempt.told()
+        if self._root and "network" not in told:  # as root of a container that may not map a second user
+            alone = _Attempt(0).told()
+            told = alone if "network" in alone else told
+        reasons = "; ".join(dict.fromkeys(line[1:].strip() for line in told if line.startswith("!")))
+        kinds = {name: name in told for name in ("network", "processes", "files", "landlock", "syscalls", "user")}
+        return Isolation(**kinds, root=self._root, reason=reasons)
+
+
 def try_out() -> Isolation:
-    """Set up each kind in a child process and report which work. Only for a process with one thread."""
-    root = os.geteuid() == 0
-    told = _told(guest(os.getpid()) if root else 0)
-    if root and "network" not in told:  # as root of a container that may not map a second user
-        alone = _told(0)
-        told = alone if "network" in alone else told
-    reasons = "; ".join(dict.fromkeys(line[1:].strip() for line in told if line.startswith("!")))
-    kinds = {name: name in told for name in ("network", "processes", "files", "landlock", "syscalls", "user")}
-    return Isolation(**kinds, root=root, reason=reasons)
+    """Set up each kind and report which work, see `Trial`."""
+    return Trial().outcome()
 
 
-def _told(user: int) -> list[str]:
-    """What a child process that tries everything says: a line for each kind that works, and reasons after "!"."""
-    reader, writer = os.pipe()
-    folder = tempfile.mkdtemp(prefix="course-kit-trial-")
-    child = fork(partial(_try_each, writer, folder, user))
-    os.close(writer)
-    with os.fdopen(reader) as lines:
-        told = [line.rstrip("\n") for line in lines]
-    os.waitpid(child, 0)
-    with suppress(OSError):
-        os.rmdir(folder)  # noqa: PTH106 - as plain as it was made
-    return told
+class _Attempt:
+    """A child process that tries everything."""
+
+    def __init__(self, user: int) -> None:
+        self._reader, writer = os.pipe()
+        self._folder = tempfile.mkdtemp(prefix="course-kit-trial-")
+        self._child = fork(partial(_try_each, writer, self._folder, user))
+        os.close(writer)
+
+    def told(self) -> list[str]:
+        """What it says: a line for each kind that works, and reasons after "!"."""
+        with os.fdopen(self._reader) as lines:
+            told = [line.rstrip("\n") for line in lines]
+        os.waitpid(self._child, 0)
+        with suppress(OSError):
+            os.rmdir(self._folder)  # noqa: PTH106 - as plain as it was made
+        return told
 
 
 def enter_network(user: int = 0) -> None:
