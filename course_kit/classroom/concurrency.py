@@ -2,11 +2,13 @@
 
 A submission that is silent, or asleep, or has got into a loop without end holds a worker for seconds, and keeps at most
 one processor busy. While processors idle, its place is lent to another, and more gradings are begun than usual. On a
-busy machine it stays at the usual number.
+busy machine it stays at the usual number. Where most gradings wait, as those of a robot that drives do, processors idle
+with many of them: then more are begun still.
 """
 
 from __future__ import annotations
 
+import statistics
 import threading
 import time
 from collections import deque
@@ -30,6 +32,7 @@ _URGENT_EVERY = 3  # place
 _WAITING_EVERY = 4  # of these
 _STARTED_S = 0.5  # after which the workers have started, so that what idles is not waiting for them
 _LENT_AFTER_S = 1.5  # a grading that takes longer mostly waits; its place is lent unless processors are busy
+_REMEMBERED = 50  # gradings that have ended
 
 
 class Urgency(IntEnum):
@@ -67,7 +70,13 @@ class Turns:
     """Threads that take tasks in the order they come, when it is their turn."""
 
     def __init__(
-        self, grade: Callable[[Task], Report], usual: int, most: int, idle: Callable[[], float] | None = None
+        self,
+        grade: Callable[[Task], Report],
+        usual: int,
+        most: int,
+        idle: Callable[[], float] | None = None,
+        *,
+        most_that_wait: int = 0,
     ) -> None:
         """Start the threads.
 
@@ -75,19 +84,23 @@ class Turns:
             grade: does a task.
             usual: so many are done side by side.
             most: so many when processors idle.
+            most_that_wait: so many when processors idle because most gradings wait; `most` if that is more.
             idle: what share of the processors' time was idle since it was asked last, 0 to 1; this machine's if None.
         """
         self._grade = grade
-        self._usual, self._most = usual, most
+        self._usual, self._most, self._most_that_wait = usual, most, max(most, most_that_wait)
         self._idle = idle or IdleShare()
         self._waiting: deque[tuple[Future[Report], Task]] = deque()
         self._changed = threading.Condition()
+        self._took: deque[float] = deque(maxlen=_REMEMBERED)  # seconds that gradings have taken
         self._begun: dict[int, float] = {}  # of what is under way, by thread: when it has begun
         self._allowed = min(_AT_FIRST * usual, most)
         self._idle_share = 0.0
         self._looked: float | None = None  # not at once: workers may still be starting
         self._ended = False
-        self._threads = [threading.Thread(target=self._work, name=f"grading {place}") for place in range(most)]
+        self._threads = [
+            threading.Thread(target=self._work, name=f"grading {place}") for place in range(self._most_that_wait)
+        ]
         for thread in self._threads:
             thread.start()
 
@@ -135,7 +148,7 @@ class Turns:
 
     def _done(self) -> None:
         with self._changed:
-            del self._begun[threading.get_ident()]
+            self._took.append(time.monotonic() - self._begun.pop(threading.get_ident()))
             if self._looked is None:
                 self._look()
             self._changed.notify()
@@ -147,16 +160,22 @@ class Turns:
             self._look()
         if self._looked is not None and now - self._looked > _LOOK_S:
             self._look()
-            if self._idle_share > _IDLE and len(self._begun) >= self._allowed:
+            most = self._most_that_wait if self._most_wait(now) else self._most
+            if self._idle_share > _IDLE and self._allowed <= len(self._begun) < most:
                 # So many as would have kept all busy, if each of them waits as much as those that run.
-                enough = int(self._allowed / max(1.0 - self._idle_share, self._allowed / self._most))
-                self._allowed = min(max(enough, self._allowed + 1), self._most)
+                enough = int(self._allowed / max(1.0 - self._idle_share, self._allowed / most))
+                self._allowed = min(max(enough, self._allowed + 1), most)
             elif self._idle_share < _BUSY:
                 self._allowed = max(self._allowed - 1, self._usual)
         if self._idle_share < _BUSY:
             return self._allowed
         lent = sum(now - begun > _LENT_AFTER_S for begun in self._begun.values())
-        return min(self._allowed + lent, self._most)
+        return max(self._allowed, min(self._allowed + lent, self._most))
+
+    def _most_wait(self, now: float) -> bool:
+        """Whether that can be said of most gradings, those under way included."""
+        seconds = [*self._took, *(now - begun for begun in self._begun.values())]
+        return statistics.median(seconds) > _LENT_AFTER_S
 
     def _look(self) -> None:
         self._looked = time.monotonic()

@@ -12,7 +12,7 @@ import sys
 from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.classroom.concurrency import Turns
-from course_kit.grading import needs
+from course_kit.grading import machine, needs
 from course_kit.grading.errors import GradingError
 from course_kit.grading.workers.pool import Pool
 
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 _WORKERS_PER_CORE = 2  # a grading waits for answers about as long as it computes
 _MORE_WHEN_IDLE = 3  # times as many, while submissions that are silent hold workers and leave processors idle
+_MORE_THAT_WAIT = 6  # times as many, while processors idle because most gradings wait, as far as there is memory
+_EACH = 50 << 20  # bytes of memory that a grading of an ordinary submission takes
+_ROOM = 4  # times as much has to be free as they take together: a submission may need more
 _PLUGIN = "course-kit"
 _CONNECT_S = 10
 _CLOSE_S = 5
@@ -73,9 +76,11 @@ class Local:
         """
         most = min(map(needs.side_by_side, promised), default=sys.maxsize)
         usual = min(workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0)), most)
-        self.slots = min(_MORE_WHEN_IDLE * usual, most)
+        idle = min(_MORE_WHEN_IDLE * usual, most)
+        waiting = min(_MORE_THAT_WAIT * usual, most, machine.free_memory() // (_ROOM * _EACH))
+        self.slots = max(idle, waiting)
         self._pool = Pool(self.slots, graders, awake=usual)
-        self._turns = Turns(self._pool.grade, usual, self.slots)
+        self._turns = Turns(self._pool.grade, usual, idle, most_that_wait=waiting)
 
     def submit(self, task: Task) -> Future[Report]:
         """See `Executor`."""

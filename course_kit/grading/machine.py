@@ -1,4 +1,7 @@
-"""What the machine's processors have done, and how much of them this process may use (proc(5), cgroups(7))."""
+"""What the machine's processors have done, and how much of them and of memory this process may use.
+
+Rests on proc(5) and cgroups(7).
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,8 @@ _IDLE, _WAITING_FOR_DISKS = 3, 4  # columns of /proc/stat
 _COLUMNS = 8  # those that follow are counted in the first ones as well
 _CGROUPS = Path("/sys/fs/cgroup")
 _OWN_GROUPS = Path("/proc/self/cgroup")
+_MEMORY = Path("/proc/meminfo")
+_OF_MEMORY = (("memory.max", "memory.current"), ("memory.limit_in_bytes", "memory.usage_in_bytes"))  # versions 2, 1
 
 
 class ProcessorTimes(NamedTuple):
@@ -51,11 +56,27 @@ def processor_share() -> float:
     return min([1.0, *(limit for group in own_groups("cpu") if (limit := _limit(group)) > 0.0)])
 
 
+def free_memory() -> int:
+    """Bytes that new programs may take, as the kernel estimates it, or a control group allows it; 0 if unknown.
+
+    A group counts what it has read of files as used, although that would be given up.
+    """
+    rooms = []
+    with suppress(OSError, ValueError, IndexError):
+        rooms.append(int(_MEMORY.read_text(encoding="ascii").partition("MemAvailable:")[2].split()[0]) * 1024)
+    for group in own_groups("memory"):
+        for allowed, used in _OF_MEMORY:
+            with suppress(OSError, ValueError):  # "max"
+                bound, taken = (int((group / name).read_text(encoding="ascii")) for name in (allowed, used))
+                rooms.append(bound - taken)
+    return max(0, min(rooms, default=0))
+
+
 def own_groups(controller: str) -> list[Path]:
     """The folders of the control groups this process is in, and of those around them, as far as they can be seen.
 
     Args:
-        controller: what is controlled, "cpu"; of version 1 its hierarchy, of version 2 the only one.
+        controller: what is controlled, such as "cpu"; of version 1 its hierarchy, of version 2 the only one.
     """
     folders: list[Path] = []
     with suppress(OSError, ValueError):

@@ -15,7 +15,7 @@ from course_kit.grading.machine import ProcessorTimes
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-USUAL, MOST = 2, 4
+USUAL, AT_FIRST, MOST, MOST_THAT_WAIT = 2, 4, 6, 9
 PATIENCE_S = 30.0  # against hanging only
 
 
@@ -55,7 +55,7 @@ def made(grade: StandInForGrading) -> Iterator[Callable[[float], Turns]]:
     running: list[Turns] = []
 
     def make(idle: float) -> Turns:
-        running.append(Turns(grade, USUAL, MOST, lambda: idle))
+        running.append(Turns(grade, USUAL, MOST, lambda: idle, most_that_wait=MOST_THAT_WAIT))
         return running[-1]
 
     yield make
@@ -68,11 +68,20 @@ def submit(turns_: Turns, *tasks: Any) -> list[Future[Any]]:
     return [turns_.submit(task) for task in tasks]
 
 
-def test_a_busy_machine_gets_no_more_than_usual(grade: StandInForGrading, made: Callable[[float], Turns]) -> None:
+def test_a_busy_machine_soon_gets_no_more_than_usual(
+    grade: StandInForGrading, made: Callable[[float], Turns], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(concurrency, "_LOOK_S", 0.0)
+    busy, silent = made(0.0), threading.Event()
     numbers = [str(number) for number in range(40)]
-    futures: list[Future[Any]] = submit(made(0.0), *numbers)
-    assert [future.result(PATIENCE_S) for future in futures] == numbers
-    assert grade.most <= USUAL
+    futures = submit(busy, *[silent] * AT_FIRST, *numbers)
+    grade.wait_for(AT_FIRST)
+    silent.set()
+    assert [future.result(PATIENCE_S) for future in futures[AT_FIRST:]] == numbers
+    assert grade.most == AT_FIRST
+    grade.most = 0
+    assert [future.result(PATIENCE_S) for future in submit(busy, *numbers)] == numbers
+    assert 0 < grade.most <= USUAL
 
 
 def test_while_processors_idle_more_are_begun_up_to_the_most(
@@ -88,11 +97,24 @@ def test_while_processors_idle_more_are_begun_up_to_the_most(
     assert grade.most == MOST
 
 
+def test_where_most_gradings_wait_still_more_are_begun(
+    grade: StandInForGrading, made: Callable[[float], Turns], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(concurrency, "_LENT_AFTER_S", 0.0)
+    idle, silent = made(1.0), threading.Event()
+    futures = submit(idle, *[silent] * (MOST_THAT_WAIT + 2))
+    grade.wait_for(MOST_THAT_WAIT)
+    assert not futures[-1].running()
+    silent.set()
+    assert not wait(futures, PATIENCE_S).not_done
+    assert grade.most == MOST_THAT_WAIT
+
+
 def test_the_place_of_one_that_only_waits_is_lent(grade: StandInForGrading, made: Callable[[float], Turns]) -> None:
     neither, silent = made(0.2), threading.Event()
     submit(neither, "one that ends")[0].result(PATIENCE_S)
-    waiting = submit(neither, *[silent] * USUAL)
-    grade.wait_for(1 + USUAL)
+    waiting = submit(neither, *[silent] * AT_FIRST)
+    grade.wait_for(1 + AT_FIRST)
     assert submit(neither, "late")[0].result(PATIENCE_S) == "late"
     assert not any(future.done() for future in waiting)
     silent.set()
@@ -110,8 +132,8 @@ def test_what_may_last_begins_early_and_not_all_at_once() -> None:
 
 def test_what_waits_for_its_turn_can_be_cancelled(grade: StandInForGrading, made: Callable[[float], Turns]) -> None:
     busy, silent = made(0.0), threading.Event()
-    futures = submit(busy, *[silent] * USUAL, "late", "later")
-    grade.wait_for(USUAL)
+    futures = submit(busy, *[silent] * AT_FIRST, "late", "later")
+    grade.wait_for(AT_FIRST)
     assert futures[-2].cancel()
     assert not futures[0].cancel()
     silent.set()
@@ -122,12 +144,12 @@ def test_the_end_cancels_what_waits_and_lets_the_rest_finish(
     grade: StandInForGrading, made: Callable[[float], Turns]
 ) -> None:
     busy, silent = made(0.0), threading.Event()
-    futures = submit(busy, *[silent] * USUAL, "late")
-    grade.wait_for(USUAL)
+    futures = submit(busy, *[silent] * AT_FIRST, "late")
+    grade.wait_for(AT_FIRST)
     busy.end()
     silent.set()
     busy.join()
-    assert [future.result(PATIENCE_S) for future in futures[:USUAL]] == [True] * USUAL
+    assert [future.result(PATIENCE_S) for future in futures[:AT_FIRST]] == [True] * AT_FIRST
     with pytest.raises(CancelledError):
         futures[-1].result(PATIENCE_S)
 

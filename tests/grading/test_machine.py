@@ -1,4 +1,4 @@
-"""What the machine tells of its processors."""
+"""What the machine tells of its processors and its memory."""
 
 from __future__ import annotations
 
@@ -62,3 +62,33 @@ def test_a_container_may_be_held_to_less_than_a_processor(
 
 def test_this_machine_gives_a_thread_a_processor_or_a_part_of_it() -> None:
     assert 0.0 < machine.processor_share() <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("files", "free"),
+    [
+        ({}, 4096),
+        ({"memory.max": "max\n", "memory.current": "700\n"}, 4096),
+        ({"memory.max": "1000\n", "memory.current": "700\n"}, 300),
+        ({"memory.max": "600\n", "memory.current": "700\n"}, 0),
+        ({"memory/memory.limit_in_bytes": "9000\n", "memory/memory.usage_in_bytes": "5000\n"}, 4000),
+    ],
+)
+def test_memory_is_what_is_available_and_what_a_container_may_have(
+    files: dict[str, str], free: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "own").write_text("0::/\n" + "3:memory:/\n" * any("/" in name for name in files))
+    (tmp_path / "meminfo").write_text("MemTotal:  9 kB\nMemAvailable:  4 kB\n")
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    monkeypatch.setattr(machine, "_CGROUPS", tmp_path)
+    monkeypatch.setattr(machine, "_OWN_GROUPS", tmp_path / "own")
+    monkeypatch.setattr(machine, "_MEMORY", tmp_path / "meminfo")
+    assert machine.free_memory() == free
+
+
+def test_memory_that_nobody_tells_of_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine, "_OWN_GROUPS", tmp_path / "none")
+    monkeypatch.setattr(machine, "_MEMORY", tmp_path / "none")
+    assert machine.free_memory() == 0
