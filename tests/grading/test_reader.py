@@ -95,9 +95,9 @@ def test_the_first_future_that_a_program_makes_is_known(text: str, line: int, pr
 
 def test_two_who_read_one_file_at_once_do_not_disturb_each_other(program: Path) -> None:
     """As happens when a reader was killed: its child goes on beside its successor's. It has half a program, or none."""
-    program.write_text("x = 1\n" * 20_000)
+    program.write_text("# many lines, of which nothing has to be made\n" * 4_000 + "x = 1\n")
     with Copy(program) as copy, Reader() as one, Reader() as other, ThreadPoolExecutor(2) as threads:
-        for _ in range(50):
+        for _ in range(300):
             readings = list(threads.map(lambda reader: reader.read(copy, TASK).source, (one, other)))
             assert readings == [program.read_text()] * 2
 
