@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.grading.workers.ipc import Channel
 from course_kit.process.child import INTO_STDOUT, Child
+from course_kit.process.freezing import BOUND_AT_ONCE
 from course_kit.process.output import LastWords
 
 if TYPE_CHECKING:
@@ -25,14 +26,13 @@ _STOP_S = 5.0
 _DYING_S = 0.5
 # Python 3.12 warns of forks beside other threads; those of the tracing library take no lock of ours.
 _FORKS_ARE_MEANT = "ignore:This process:DeprecationWarning"
-BINDS_AT_ONCE = "LD_BIND_NOW"  # of ld.so(8): what the warm process has bound, no fork of it need bind again
 # What a program needs to run ROS; everything else, tokens among it, stays out of a submission's reach.
 _PASSED_ON = (
     "TZ",
     "PATH",
     "VIRTUAL_ENV",
     "LD_LIBRARY_PATH",
-    BINDS_AT_ONCE,
+    *BOUND_AT_ONCE,
     "HOME",
     "TMPDIR",
     "XDG_STATE_HOME",
@@ -140,7 +140,7 @@ def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
         "PYTHON_COLORS": "0",  # where FORCE_COLOR is set, Python 3.13 colours tracebacks, and they could not be read
         "OPENBLAS_NUM_THREADS": "1",
         "ROS_PYTHON_CHECK_FIELDS": "1",
-        BINDS_AT_ONCE: "1",
+        **BOUND_AT_ONCE,
     }
     if own_graph:
         changes["ROS_DOMAIN_ID"] = "0"  # never joined: each grading has its own, and the worker needs no lease

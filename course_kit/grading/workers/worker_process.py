@@ -24,7 +24,6 @@ from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_module, grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
-from course_kit.grading.workers.warm_process import BINDS_AT_ONCE
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import freezing, tree
 from course_kit.process.first_uses import first_uses
@@ -250,7 +249,7 @@ def main() -> None:
     """The process; its arguments are the descriptors of its channels, comma-separated, and modules of checks."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channel
     needs.raise_soft_limits()
-    os.environ.pop(BINDS_AT_ONCE, None)  # the linker has read it; what a submission starts binds as usual
+    freezing.forget_binding()
     descriptors, *graders = sys.argv[1:]
     channels = [Channel(socket.socket(fileno=int(number))) for number in descriptors.split(",")]
     try:

@@ -155,3 +155,14 @@ def test_a_program_finds_the_interfaces_of_its_exercise_loaded(pair: list[Worker
             path.write_text(looks, encoding="utf-8")
             found.append(grading.grade(exercise, path, worker=pair[0]).stdout.splitlines()[0])
     assert found == ["['course_interfaces.srv']", "['course_interfaces.srv', 'geometry_msgs.msg']"]
+
+
+def test_functions_are_bound_before_all_forks_and_not_in_what_a_submission_starts(
+    pair: list[Worker], tmp_path: Path
+) -> None:
+    program = tmp_path / "a.py"
+    program.write_text("import subprocess\nprint(subprocess.run(['env'], capture_output=True, text=True).stdout)\n")
+    said = grading.grade(EXERCISE, program, worker=pair[0]).stdout
+    assert warm_process(pair[0]).environ()["LD_BIND_NOW"] == "1"
+    assert "PATH=" in said
+    assert "LD_BIND_NOW" not in said
