@@ -77,7 +77,8 @@ class Local:
         most = min(map(needs.side_by_side, promised), default=sys.maxsize)
         usual = min(workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0)), most)
         idle = min(_MORE_WHEN_IDLE * usual, most)
-        waiting = min(_MORE_THAT_WAIT * usual, most, machine.free_memory() // (_ROOM * _EACH))
+        # Not where somebody has said how many: who does, wants to keep the machine from it.
+        waiting = 0 if workers else min(_MORE_THAT_WAIT * usual, most, machine.free_memory() // (_ROOM * _EACH))
         self.slots = max(idle, waiting)
         self._pool = Pool(self.slots, graders, awake=usual)
         self._turns = Turns(self._pool.grade, usual, idle, most_that_wait=waiting)

@@ -201,7 +201,6 @@ def test_no_more_are_graded_at_once_than_a_container_has_processes_for(
     (tmp_path / "pids.current").write_text("50\n")
     monkeypatch.setattr(machine, "_CGROUPS", tmp_path)
     monkeypatch.setattr(machine, "_OWN_GROUPS", tmp_path / "own")
-    monkeypatch.setattr(machine, "free_memory", lambda: 0)
     with closing(Local(4, promised=[Limits()])) as executor:
         assert executor.slots == slots
 
@@ -211,8 +210,11 @@ def test_many_that_wait_are_graded_at_once_where_there_is_memory_for_them(
     free_gb: int, slots: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(machine, "free_memory", lambda: free_gb << 30)
-    with closing(Local(4)) as executor:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
+    with closing(Local()) as executor:
         assert executor.slots == slots
+    with closing(Local(4)) as executor:  # as somebody has said
+        assert executor.slots == 12
 
 
 def test_gradings_side_by_side_leave_each_other_their_threads() -> None:
