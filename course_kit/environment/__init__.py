@@ -159,13 +159,7 @@ def _range_set_by_user() -> bool:
 
 
 def apply() -> Settings:
-    """Put the course's settings into this process's environment; calling it again changes nothing.
-
-    Raises:
-        DomainError: all ROS domains of this machine are in use, ROS_DOMAIN_ID is no number that ROS can use, there
-            is no loopback interface, or no middleware is installed that could be used. All other settings are made
-            then.
-    """
+    """Put the course's settings into this process's environment; calling it again changes nothing."""
     made = _apply_defaults()
     by_user = _domain_set_by_user(os.environ)
     if by_user is None:
@@ -176,22 +170,14 @@ def apply() -> Settings:
 
 
 def choose_graph(notebook: str) -> None:
-    """Have this process join the graph that is meant for a notebook: a demo has one of its own; call it before `apply`.
-
-    Args:
-        notebook: the notebook's path; empty where nobody tells.
-    """
+    """Join the graph that is meant for a notebook: a demo has its own one. Call it before `apply`."""
     path = Path(notebook)
     if path.parent.name == _WITH_OWN_GRAPH:
         os.environ[_GRAPH] = f"{_WITH_OWN_GRAPH}/{path.stem}"
 
 
 def domain_of_user() -> int | None:
-    """The domain that the user has chosen by ROS_DOMAIN_ID; None where the course chooses.
-
-    Raises:
-        SettingsError: it is no number that ROS can use.
-    """
+    """The domain that the user has chosen by ROS_DOMAIN_ID; None where the course chooses."""
     return _domain_set_by_user(os.environ)
 
 
@@ -200,9 +186,6 @@ def child_environment(**changes: str | None) -> dict[str, str]:
 
     A change of None removes the variable. A changed ROS_DOMAIN_ID counts as the user's choice in the child, and no
     domain is leased for it.
-
-    Raises:
-        DomainError: see `apply`; never with a ROS_DOMAIN_ID among the changes.
     """
     if changes.get("ROS_DOMAIN_ID"):
         _apply_defaults()
@@ -228,11 +211,6 @@ def trusted_python(module: str, function: str, *arguments: str) -> list[str]:
     Neither `-m` nor `-c` as they are would do: both put the working directory, where submissions may lie, before
     Python's own modules. `-P` does not exist in Python 3.10, and `-I` would lose the PYTHONPATH of a sourced ROS;
     relative and empty entries of that mean the working directory, too, which is why it should be "/".
-
-    Args:
-        module: where the function is.
-        function: its name; it is called without arguments.
-        arguments: what it finds in `sys.argv[1:]`.
     """
     program = (
         f"import sys; sys.path[:] = [entry for entry in sys.path if entry not in ('', '/')]; "

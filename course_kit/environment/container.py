@@ -22,12 +22,7 @@ _CGROUPS = (
 
 
 def sign_of_container(root: Path = Path("/"), environ: Mapping[str, str] = os.environ) -> str:
-    """What shows that this is a container, for people: `/.dockerenv`; empty where nothing does.
-
-    Args:
-        root: where files are looked for.
-        environ: the variables of this process.
-    """
+    """What shows that this is a container, for people: `/.dockerenv`; empty where nothing does."""
     for name in _FILES:
         if (root / name).exists():
             return f"/{name}"

@@ -78,12 +78,7 @@ class Lease:
 
 
 class Leases:
-    """The leases in the network namespace of this process.
-
-    Args:
-        scope: leases of different scopes know nothing of each other; all courses use the same.
-        occupied: tells the domains that are in use without a lease.
-    """
+    """The leases in the network namespace of this process."""
 
     def __init__(self, scope: str = "", occupied: Callable[[], Container[int]] = ports.domains_in_use) -> None:
         self._scope = scope
@@ -94,10 +89,6 @@ class Leases:
         """Lease the domain of `owner`, together with every other process of the same user and owner.
 
         The number is stable: it follows from the owner's name, or is the one its living processes use already.
-
-        Raises:
-            NoDomainError: all are taken.
-            NoLoopbackError: no loopback interface.
         """
         candidates = _candidates(owner)
         mark = _address(f"{self._scope} {_realm()} {owner}")
@@ -114,15 +105,7 @@ class Leases:
         raise NoDomainError
 
     def exclusive(self, patience_s: float = 0.0) -> Lease:
-        """Lease a domain nobody else uses.
-
-        Args:
-            patience_s: for how many seconds to queue for one while all are taken.
-
-        Raises:
-            NoDomainError: all are taken, and stayed so.
-            NoLoopbackError: no loopback interface.
-        """
+        """Lease a domain nobody else uses."""
         deadline = time.monotonic() + patience_s
         pause = threading.Event()  # a port that becomes free tells nobody: look again and again, with a deadline
         while True:
@@ -223,11 +206,7 @@ def _is_bound(address: str, port: int) -> bool:
 
 
 def _bind(address: str, port: int, *, shared: bool = False) -> int | None:
-    """The descriptor of a socket that holds a port from now on; None when somebody else holds it.
-
-    Raises:
-        NoLoopbackError: this machine does not have the address, or its loopback interface is switched off.
-    """
+    """The descriptor of a socket that holds a port from now on; None when somebody else holds it."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as holder:
         if shared:
             holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)

@@ -23,18 +23,6 @@ def write_atomically(
 
     Two may write at once: one of the two contents stands in the end. A file that is replaced hands down its mode; a
     link is replaced, and what it leads to stays.
-
-    Args:
-        path: where.
-        content: bytes, or text, which is written as UTF-8 with its line ends as they are.
-        durable: have it on the disk before it takes its place. Without that a power cut may leave an empty file,
-            which does for what can be made again.
-        folders: make those that are missing; without that it is an error if one is.
-        mode: that of a file which was not there before; the umask takes from it, as from that of any new file.
-
-    Raises:
-        OSError: it could not be written; all is as it was before.
-        UnicodeEncodeError: the text cannot be written as UTF-8; the same.
     """
     data = content.encode() if isinstance(content, str) else content
     if folders:
@@ -52,12 +40,7 @@ def write_atomically(
 
 
 def remove_half_written(folder: Path, besides: Collection[str] = ()) -> None:
-    """Take away what `write_atomically` leaves where its process is killed; nobody may write there meanwhile.
-
-    Args:
-        folder: where, with all that is below it; links are not followed.
-        besides: names of folders in it that are left alone.
-    """
+    """Take away what `write_atomically` leaves where its process is killed; nobody may write there meanwhile."""
     for inner, folders, names in os.walk(folder):
         if Path(inner) == folder:
             folders[:] = [name for name in folders if name not in besides]
@@ -68,12 +51,7 @@ def remove_half_written(folder: Path, besides: Collection[str] = ()) -> None:
 
 
 def write_new(path: Path, content: bytes) -> None:
-    """Write a file that is not there yet, down to the disk.
-
-    Raises:
-        FileExistsError: it is there; it stays as it is.
-        OSError: it could not be written; nothing is left of it.
-    """
+    """Write a file that is not there yet, down to the disk."""
     with _made(path, 0o666) as descriptor:
         _fill(descriptor, content, durable=True)
 

@@ -53,14 +53,7 @@ def repair() -> bool:
 
 
 def slot(library: int) -> ctypes.c_void_p:
-    """Where a library keeps the address of the function, as System V's ABI for x86-64 has it.
-
-    Args:
-        library: what dlopen(3) returned for it.
-
-    Raises:
-        KeyError: it does not use the function.
-    """
+    """Where a library keeps the address of the function, as System V's ABI for x86-64 has it."""
     base, dynamic = _LINK_MAP.unpack(ctypes.string_at(library, _LINK_MAP.size))
     entries: dict[int, int] = {}
     while (entry := _DYNAMIC.unpack(ctypes.string_at(dynamic, _DYNAMIC.size)))[0] != _END:
@@ -74,11 +67,7 @@ def slot(library: int) -> ctypes.c_void_p:
 
 
 def opened() -> int:
-    """The wheels' rmw_fastrtps, loaded.
-
-    Raises:
-        OSError: it cannot be.
-    """
+    """The wheels' rmw_fastrtps, loaded."""
     handle = _SYSTEM.dlopen(os.fsencode(_library()), os.RTLD_LAZY)
     if handle is None:
         raise OSError(f"{_library()} cannot be loaded")
@@ -90,11 +79,7 @@ def _library() -> Path:
 
 
 def _executable(code: bytes) -> int:
-    """Where such code lies, for as long as the process lives.
-
-    Raises:
-        OSError: programs may not make code here.
-    """
+    """Where such code lies, for as long as the process lives."""
     flags = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS
     page = _SYSTEM.mmap(None, ctypes.c_size_t(mmap.PAGESIZE), mmap.PROT_READ | mmap.PROT_WRITE, flags, -1, 0)
     if page in (None, ctypes.c_void_p(-1).value):
@@ -105,11 +90,7 @@ def _executable(code: bytes) -> int:
 
 
 def _allow(address: int, rights: int) -> None:
-    """Say what may be done with the page of an address.
-
-    Raises:
-        OSError: the system does not allow it.
-    """
+    """Say what may be done with the page of an address."""
     page = address - address % mmap.PAGESIZE
     if _SYSTEM.mprotect(ctypes.c_void_p(page), ctypes.c_size_t(mmap.PAGESIZE), rights):
         raise OSError(ctypes.get_errno(), "programs may not make code here")

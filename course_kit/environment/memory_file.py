@@ -13,12 +13,6 @@ def file_in_memory(name: str) -> int:
     """A descriptor of a new file that nobody else knows and that is gone when it is closed; it is not inherited.
 
     Where there is no memfd_create(2), as on macOS, it is a temporary file without a name.
-
-    Args:
-        name: what the kernel shows of it.
-
-    Raises:
-        OSError: this process may open no more, or there is no room.
     """
     try:
         return os.memfd_create(name, os.MFD_CLOEXEC)

@@ -17,14 +17,7 @@ _REPLACED = "COURSE_KIT_RMW_REPLACED"
 
 
 def settle() -> str:
-    """See that ROS can load what the environment asks for, and have it load Fast DDS where it cannot.
-
-    Returns:
-        What to tell the user, once: which value was replaced. Empty when nothing was.
-
-    Raises:
-        SettingsError: neither that middleware nor Fast DDS is installed.
-    """
+    """See that ROS can load what the environment asks for, and have it load Fast DDS where it cannot."""
     wanted = {name: os.environ[name] for name in VARIABLES if os.environ.get(name)}
     if set(wanted.values()) <= {SUPPORTED}:
         return ""

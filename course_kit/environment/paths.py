@@ -61,12 +61,7 @@ def learner_folder() -> Path | None:
 
 
 def lesson(notebook: str, base: Path | None = None) -> Path | None:
-    """A notebook of the course, None where it is not here.
-
-    Args:
-        notebook: its path below the course's folder.
-        base: look from this folder upwards first: a learner may have a copy, and no way to the course's folder.
-    """
+    """A notebook of the course, None where it is not here."""
     root = course_files()
     folders = [*([base, *base.parents] if base else []), *([root] if root else [])]
     return next((folder / notebook for folder in folders if (folder / notebook).is_file()), None)
@@ -165,12 +160,7 @@ def guess_folder() -> Path | None:
 
 
 def is_writable(folder: Path, *, make: bool = True) -> bool:
-    """Whether this user can make files in a folder.
-
-    Args:
-        folder: which.
-        make: make it, with those above it, where it is missing.
-    """
+    """Whether this user can make files in a folder."""
     try:
         if make:
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)

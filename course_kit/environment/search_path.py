@@ -22,9 +22,6 @@ def with_scripts_first(path: str | None) -> str:
     """A value for PATH that begins with that folder.
 
     A real `ros2` further behind is not hidden by it: the course's own steps aside for it.
-
-    Args:
-        path: the value there is; the system's own when None or empty.
     """
     first = str(scripts_folder())
     folders = (path or os.defpath).split(os.pathsep)

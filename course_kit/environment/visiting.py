@@ -35,9 +35,6 @@ def visiting(wanted: bool = True) -> Iterator[bool]:
     later, in another domain, would look for its peers in this one.
 
     Where somebody else's profile is in force, or no file can be written, nothing is changed.
-
-    Args:
-        wanted: False changes nothing.
     """
     profile = _profile() if wanted and os.environ.get(_VARIABLE) == str(LOOPBACK_PROFILE) else None
     if profile is None:

@@ -108,12 +108,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
 
 
 def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None, require_isolation: bool) -> Report:
-    """Have a file read and grade it.
-
-    Raises:
-        UnreadableError: there is no program in it.
-        GradingError: a broken installation, or the worker ended.
-    """
+    """Have a file read and grade it."""
     with ExitStack() as opened:
         copy = opened.enter_context(submission.Copy(path))
         reader = opened.enter_context(Reader())
@@ -124,15 +119,7 @@ def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None, re
 
 
 def grade_task(task: Task, worker: Worker | None = None) -> Report:
-    """Grade a submission that has been read.
-
-    Args:
-        task: what is to be graded.
-        worker: a running worker to use; one is started and ended when None.
-
-    Raises:
-        GradingError: a broken installation, a lack of isolation, or the worker ended.
-    """
+    """Grade a submission that has been read."""
     job = exercise_job.of_submission(task.exercise, task.text, task.seed)
     job = replace(job, hidden=(*job.hidden, *task.hidden), first_failure=task.first_failure)
     with Worker() if worker is None else nullcontext(worker) as used:
@@ -140,14 +127,7 @@ def grade_task(task: Task, worker: Worker | None = None) -> Report:
 
 
 def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
-    """The report of a submission that could not be graded at all.
-
-    Args:
-        task: the exercise.
-        shown: what the report calls the submission.
-        problem: why.
-        status: the report's.
-    """
+    """The report of a submission that could not be graded at all."""
     return Report(
         exercise=task.id,
         title=task.title,

@@ -68,14 +68,7 @@ class ExchangeLog:
         self._turns, self._followed = [], []
 
     def sent(self, text: str, kind: Kind = "request", *, about: str = "", minor: bool = False) -> Exchange:
-        """Keep what the grader sends.
-
-        Args:
-            text: what it is, in words.
-            kind: of the step.
-            about: `Evidence.sent` of a verdict on just this turn.
-            minor: only worth telling when nothing else follows, as the question for the present values.
-        """
+        """Keep what the grader sends."""
         turn = self._turn(about, minor=minor)
         turn.steps.append((time.time(), Arrow(GRADER, NODE, kind, _cut(text))))
         return turn

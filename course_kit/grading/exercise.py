@@ -115,11 +115,7 @@ class Exercise:
 
 
 def exercises_folder() -> Path:
-    """The course's folder of exercises.
-
-    Raises:
-        GradingError: this installation has none.
-    """
+    """The course's folder of exercises."""
     folder = exercise_folders.course_folder()
     if folder is None:
         raise GradingError("There is no exercises folder here. Run this from a clone of the course.")
@@ -127,14 +123,7 @@ def exercises_folder() -> Path:
 
 
 def find(folder: Path | None = None) -> FoundExercises:
-    """Where the exercises lie.
-
-    Args:
-        folder: the folder of exercises; when None the course's own, and all that were added.
-
-    Raises:
-        GradingError: there is none, as in an installation without the course's folder.
-    """
+    """Where the exercises lie."""
     if folder is not None:
         return FoundExercises(exercise_folders.within(folder))
     found = exercise_folders.find()
@@ -144,27 +133,12 @@ def find(folder: Path | None = None) -> FoundExercises:
 
 
 def ids(folder: Path | None = None) -> list[str]:
-    """The ids of all exercises, in the alphabet's order.
-
-    Args:
-        folder: see `find`.
-
-    Raises:
-        GradingError: this installation has none.
-    """
+    """The ids of all exercises, in the alphabet's order."""
     return sorted(find(folder).folders)
 
 
 def load(exercise_id: str, folder: Path | None = None) -> Exercise:
-    """Read one exercise.
-
-    Args:
-        exercise_id: its id, or a drill's.
-        folder: see `find`.
-
-    Raises:
-        GradingError: there is none of this id, or more than one, or its exercise.toml has a mistake.
-    """
+    """Read one exercise."""
     found = find(folder)
     drills = exercise_folders.drills(folder)
     places = found.folders.get(exercise_id, ()) or drills.get(exercise_id, ())
@@ -179,11 +153,7 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
 
 
 def read(folder: Path) -> Exercise:
-    """Read the exercise in a folder.
-
-    Raises:
-        GradingError: its exercise.toml cannot be read, or has a mistake.
-    """
+    """Read the exercise in a folder."""
     text, table = _read(folder)
     try:
         found = _parse(table, folder)
@@ -193,11 +163,7 @@ def read(folder: Path) -> Exercise:
 
 
 def table_of(folder: Path) -> Record:
-    """All that stands in the exercise.toml of a folder.
-
-    Raises:
-        GradingError: it cannot be read, or is no TOML.
-    """
+    """All that stands in the exercise.toml of a folder."""
     return _read(folder)[1]
 
 
@@ -282,11 +248,7 @@ def solution_of(table: Record, folder: Path) -> Path:
 
 
 def _with_declared(task: Exercise, text: str, table: Record) -> Exercise:
-    """The exercise with the checks that its exercise.toml declares.
-
-    Raises:
-        GradingError: they have mistakes, or do not agree with the rest.
-    """
+    """The exercise with the checks that its exercise.toml declares."""
     from course_kit.grading.checks.declared import loading  # only for exercises that declare checks
 
     declared, order = loading.load(text, table, task.folder / exercise_folders.TOML)

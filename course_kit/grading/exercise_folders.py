@@ -105,17 +105,7 @@ def find() -> FoundExercises:
 
 
 def add(folders: Iterable[str]) -> list[str]:
-    """Add folders for this process and all that it starts.
-
-    Args:
-        folders: as a user has named them.
-
-    Returns:
-        a sentence for each that was there already; it counts once.
-
-    Raises:
-        GradingError: there is no such folder, or no exercise in it.
-    """
+    """Add folders for this process and all that it starts."""
     told = []
     for named in folders:
         folder = Path(os.path.abspath(os.path.expanduser(named)))  # noqa: PTH100, PTH111 - as typed, links kept

@@ -20,13 +20,7 @@ if TYPE_CHECKING:
 
 
 def of_submission(task: Exercise, text: Submission, seed: int) -> Job:
-    """The job of grading a program.
-
-    Args:
-        task: the exercise.
-        text: the program.
-        seed: what the checks draw from.
-    """
+    """The job of grading a program."""
     return replace(
         of_running(task, seed),
         mode="run",
@@ -40,16 +34,7 @@ def of_submission(task: Exercise, text: Submission, seed: int) -> Job:
 
 
 def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
-    """The job of grading a node that is no program of ours to start.
-
-    Args:
-        task: the exercise.
-        seed: what the checks draw from.
-        command: what starts the node; None for the one that runs on the ROS graph of this environment.
-
-    Raises:
-        GradingError: the command is none.
-    """
+    """The job of grading a node that is no program of ours to start."""
     job = Job(
         task.grader,
         "attach",
@@ -79,15 +64,7 @@ def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
 
 
 def checks_of(task: Exercise, seed: int) -> list[Check]:
-    """The checks of an exercise, loaded into this process.
-
-    Args:
-        task: the exercise.
-        seed: what they draw from.
-
-    Raises:
-        GradingError: they cannot be loaded.
-    """
+    """The checks of an exercise, loaded into this process."""
     job = of_running(task, seed)
     return grader_module.checks_of(grader_module.load_for(job), job)
 

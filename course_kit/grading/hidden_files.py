@@ -27,11 +27,7 @@ _OPTIMIZATIONS = ("", 1, 2)  # of Python's -O
 
 
 def of(task: Exercise) -> tuple[str, ...]:
-    """The real paths of files and folders that the submissions of an exercise may not see.
-
-    Args:
-        task: the exercise; it need not be among those that were added.
-    """
+    """The real paths of files and folders that the submissions of an exercise may not see."""
     exercises, packages = exercise_folders.added()
     found = [folder.resolve() for folder in (task.folder, *exercises, *packages)]
     found += beside(task.solution, task.grader)
@@ -42,12 +38,7 @@ def of(task: Exercise) -> tuple[str, ...]:
 
 
 def beside(solution: Path, grader: str) -> list[Path]:
-    """What belongs to an exercise and lies outside of its folder.
-
-    Args:
-        solution: where its solution is, with helpers beside it perhaps.
-        grader: the module or file with its checks; all of the package that the module is in belongs to it.
-    """
+    """What belongs to an exercise and lies outside of its folder."""
     around = solution.resolve().parent
     found = [*_with_bytecode(solution.resolve())] if _is_of_libraries(around) else [around]
     top = grader.partition(".")[0]

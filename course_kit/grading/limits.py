@@ -46,11 +46,7 @@ class Limits:
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, Any]) -> Limits:
-        """Limits from a table of an exercise.toml.
-
-        Raises:
-            ValueError: an unknown name, or a value that is no positive number.
-        """
+        """Limits from a table of an exercise.toml."""
         known = {field.name: field for field in fields(cls)}
         for name, value in values.items():
             if name not in known:
@@ -61,12 +57,7 @@ class Limits:
 
 
 def apply_to_this_process(limits: Limits, others: int) -> None:
-    """Have the kernel hold this process, and everything it starts, to `limits`.
-
-    Args:
-        limits: what to hold it to.
-        others: processes and threads that the kernel counts together with the submission's.
-    """
+    """Have the kernel hold this process, and everything it starts, to `limits`."""
     data = (limits.memory_mb + RESERVED_MB) * _MB
     # One second between the signal that ends the program (SIGXCPU) and the one nobody can catch.
     _lower(resource.RLIMIT_CPU, limits.cpu_s, limits.cpu_s + 1)
@@ -82,9 +73,6 @@ def bound_reader(seconds: float) -> None:
     """Bound this process of the grader, which reads what a submission sends.
 
     What a check keeps has limits of its own; these are for what nobody has thought of. Who runs into them ends.
-
-    Args:
-        seconds: of computing.
     """
     _lower(resource.RLIMIT_DATA, _READER_MB * _MB, _READER_MB * _MB)
     _lower(resource.RLIMIT_CPU, int(seconds) + 1, int(seconds) + 2)

@@ -73,11 +73,7 @@ def free_memory() -> int:
 
 
 def own_groups(controller: str) -> list[Path]:
-    """The folders of the control groups this process is in, and of those around them, as far as they can be seen.
-
-    Args:
-        controller: what is controlled, such as "cpu"; of version 1 its hierarchy, of version 2 the only one.
-    """
+    """The folders of the control groups this process is in, and of those around them, as far as they can be seen."""
     folders: list[Path] = []
     with suppress(OSError, ValueError):
         for line in _OWN_GROUPS.read_text(encoding="utf-8").splitlines():

@@ -61,26 +61,13 @@ class _TaskRoom(NamedTuple):
 
 
 def require(promised: Limits) -> None:
-    """See that this machine can grade.
-
-    Args:
-        promised: what a submission may use.
-
-    Raises:
-        GradingError: something is missing; the text says what, and what to do.
-    """
+    """See that this machine can grade."""
     if problem := lacking(promised, guest=os.geteuid() == 0):
         raise GradingError(problem)
 
 
 def lacking(promised: Limits, *, guest: bool, disk: str = "") -> str:
-    """What this machine lacks, and what to do about it, in one or two sentences; empty when it lacks nothing.
-
-    Args:
-        promised: what a submission may use.
-        guest: whether submissions run as a user who has nothing else running.
-        disk: the folder for what they write, where that is on a disk.
-    """
+    """What this machine lacks, and what to do about it, in one or two sentences; empty when it lacks nothing."""
     if not sys.platform.startswith("linux"):
         return (
             f"Grading takes a Linux, and this is {platform.system()}: only there can the grader count and end a "

@@ -13,13 +13,7 @@ T = TypeVar("T")
 
 
 def rebuilt(kind: type[T], record: Mapping[str, Any], **parts: type) -> T:
-    """The object of which `dataclasses.asdict` has made a record; JSON has turned its tuples into lists.
-
-    Args:
-        kind: its class.
-        record: the plain data.
-        parts: the classes of the fields that are dataclasses themselves, by the fields' names.
-    """
+    """The object of which `dataclasses.asdict` has made a record; JSON has turned its tuples into lists."""
     fields = {name: _with_tuples(value) for name, value in record.items()}
     return kind(**{**fields, **{name: rebuilt(part, record[name]) for name, part in parts.items()}})
 

@@ -51,25 +51,12 @@ class Reader(Closing):
     """The process. For one thread at a time."""
 
     def __init__(self, stopped: Callable[[], bool] = lambda: False) -> None:
-        """Start it; it gets ready while the caller goes on.
-
-        Args:
-            stopped: asked now and then whether to stop waiting.
-
-        Raises:
-            GradingError: it cannot be started.
-        """
+        """Start it; it gets ready while the caller goes on."""
         self._stopped = stopped
         self._start()
 
     def read(self, copy: Copy, exercise: Exercise) -> Submission:
-        """The program that somebody has handed in for an exercise.
-
-        Raises:
-            UnreadableError: there is none, or reading it needs more than it may.
-            GradingError: the machine's fault, or ours.
-            ReadingStoppedError: somebody has asked to stop.
-        """
+        """The program that somebody has handed in for an exercise."""
         return answers.submission(copy, self._ask("read", copy, exercise))
 
     def look(self, copy: Copy, exercise: Exercise) -> Look:
@@ -129,11 +116,7 @@ class Reader(Closing):
         raise GradingError(f"The process that reads submissions ended while it was reading. {words}".strip())
 
     def _exchange(self, request: Record, copy: Copy) -> tuple[Record, bytes]:
-        """How the reader's child has ended, and what it has written.
-
-        Raises:
-            EOFError: the reader itself has ended, or hangs; or OSError, or ValueError.
-        """
+        """How the reader's child has ended, and what it has written."""
         with _file_in_memory() as answer:
             packets.send(self._line, request, (copy.fileno(), answer.fileno()))
             ended = self._await_end()
@@ -141,11 +124,7 @@ class Reader(Closing):
             return ended, answer.read(limits.ANSWER_BYTES)
 
     def _await_end(self) -> Record:
-        """How the reader's child has ended.
-
-        Raises:
-            EOFError: the reader itself has ended, or hangs.
-        """
+        """How the reader's child has ended."""
         deadline = time.monotonic() + limits.WALL_S + _GRACE_S
         poll = select.poll()
         poll.register(self._line, select.POLLIN)
@@ -158,12 +137,7 @@ class Reader(Closing):
         return packets.receive(self._line)[0]
 
     def _understood(self, copy: Copy, ended: Record) -> bool:
-        """Whether there is an answer; False when the child was ended by somebody else, or has failed.
-
-        Raises:
-            UnreadableError: reading needs more than it may.
-            GradingError: the machine was too busy.
-        """
+        """Whether there is an answer; False when the child was ended by somebody else, or has failed."""
         status, cpu_s = int(ended["status"]), float(ended["cpu_s"])
         ended_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
         used_up = cpu_s >= limits.CPU_S - 1
@@ -187,11 +161,7 @@ class Reader(Closing):
 
 
 def _file_in_memory() -> BinaryIO:
-    """A file nobody else knows.
-
-    Raises:
-        GradingError: this process may open no more.
-    """
+    """A file nobody else knows."""
     try:
         return open(file_in_memory("reader"), "w+b", buffering=0)  # noqa: PTH123 - a descriptor
     except OSError as problem:
@@ -199,11 +169,7 @@ def _file_in_memory() -> BinaryIO:
 
 
 def _checked(answer: bytes) -> Record:
-    """What a child has written.
-
-    Raises:
-        GradingError: nothing of ours.
-    """
+    """What a child has written."""
     try:
         told = json.loads(answer)
     except (ValueError, RecursionError):
@@ -214,11 +180,7 @@ def _checked(answer: bytes) -> Record:
 
 
 def _readable(told: Record) -> Record:
-    """The same answer.
-
-    Raises:
-        UnreadableError: it says that there is nothing to be read.
-    """
+    """The same answer."""
     if "unreadable" in told:
         raise UnreadableError(str(told["unreadable"]))
     return told

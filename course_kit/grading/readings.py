@@ -50,12 +50,7 @@ class Readings(Closing):
     """Does what `Reader` does, and raises what that raises. Its process runs while it has something to read."""
 
     def __init__(self, stopped: Callable[[], bool] = lambda: False, *, memory: _Memory | None = None) -> None:
-        """Get ready; no process runs yet.
-
-        Args:
-            stopped: asked now and then whether to stop waiting.
-            memory: of somebody else, for `remembered`.
-        """
+        """Get ready; no process runs yet."""
         self._stopped = stopped
         self._memory = memory or _Memory()
         self._reader: Reader | None = None

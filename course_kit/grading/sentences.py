@@ -36,11 +36,7 @@ class Sentence:
 
 
 def read(tables: object) -> tuple[Sentence, ...]:
-    """The sentences out of the `[[sentences]]` of an exercise.toml.
-
-    Raises:
-        ValueError: one lacks an id or a text, has a field that there is not, or shares its id with another.
-    """
+    """The sentences out of the `[[sentences]]` of an exercise.toml."""
     if not isinstance(tables, list):
         raise ValueError("'sentences' has to be written as [[sentences]]")  # noqa: TRY004 - a file's mistakes are all of one kind
     found = [_sentence(table) for table in tables]

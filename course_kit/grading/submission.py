@@ -124,16 +124,7 @@ class Copy(Closing):
     """
 
     def __init__(self, path: Path, *, whole: bool = True) -> None:
-        """Copy a file.
-
-        Args:
-            path: the file.
-            whole: refuse one that is too large; else take its beginning.
-
-        Raises:
-            UnreadableError: it cannot be read, is too large, or no file of the right kind.
-            GradingError: this machine has no room for it.
-        """
+        """Copy a file."""
         self.name, self.size = path.name, 0
         try:
             self._file = open(file_in_memory("submission"), "wb")  # noqa: PTH123, SIM115
@@ -176,11 +167,7 @@ class Copy(Closing):
 
 
 def _open(path: Path) -> int:
-    """A descriptor of an ordinary file.
-
-    Raises:
-        UnreadableError: there is none.
-    """
+    """A descriptor of an ordinary file."""
     try:
         _require_no_way_out(path)
         _require_a_file(path, path.stat().st_mode)

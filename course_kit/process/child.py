@@ -45,20 +45,7 @@ class Child:
         descriptors: Sequence[int] = (),
         dies_with_us: bool = False,
     ) -> None:
-        """Start it.
-
-        Args:
-            command: its words.
-            environ: its variables; ours if None.
-            folder: its working directory; ours if None.
-            stdout: PIPE, NOWHERE, a file or a descriptor; our own if None.
-            stderr: the same, or INTO_STDOUT.
-            descriptors: what it inherits besides.
-            dies_with_us: whether the kernel kills it when we end. Only for a process with one thread.
-
-        Raises:
-            OSError: it cannot be started.
-        """
+        """Start it."""
         us = os.getpid()
         self._popen = subprocess.Popen(
             list(command),
@@ -105,11 +92,7 @@ class Child:
             os.killpg(self.pid, number)
 
     def end(self, ladder: Ladder) -> bytes:
-        """Have it end, by SIGKILL at the latest, and kill what it has started and left behind.
-
-        Returns:
-            what it has still written into our pipe, if it has one.
-        """
+        """Have it end, by SIGKILL at the latest, and kill what it has started and left behind."""
         said = b""
         while not ladder.at_top:
             number, seconds = ladder.climb()

@@ -11,15 +11,7 @@ if TYPE_CHECKING:
 
 
 def fork(run: Callable[[], object], *, failed: int = 1) -> int:
-    """Fork, and have the child run a function and end.
-
-    Args:
-        run: what the child does; what it raises is shown on stderr, as Python does.
-        failed: the child's exit status then; 0 after a return.
-
-    Returns:
-        the child's process number.
-    """
+    """Fork, and have the child run a function and end."""
     if child := os.fork():
         return child
     status = failed

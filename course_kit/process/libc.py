@@ -10,16 +10,7 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 
 def call(function: str, *arguments: object, what: str = "") -> int:
-    """Call a function that answers with a negative number where it fails.
-
-    Args:
-        function: its name.
-        arguments: as ctypes takes them: int, bytes, None, or one of its types where the width counts.
-        what: what is done with it, for the message; the name alone otherwise.
-
-    Raises:
-        OSError: it has failed, or this system has no such function.
-    """
+    """Call a function that answers with a negative number where it fails."""
     try:
         found = getattr(_libc, function)
     except AttributeError:  # no Linux

@@ -42,11 +42,7 @@ class LastWords:
     _MOST = 2000  # bytes
 
     def __init__(self) -> None:
-        """Make the file.
-
-        Raises:
-            OSError: this process may open no more.
-        """
+        """Make the file."""
         self.file = open(file_in_memory("last words"), "w+b", buffering=0)  # noqa: PTH123, SIM115 - a descriptor
 
     def last_line(self) -> str:

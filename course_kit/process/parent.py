@@ -15,10 +15,6 @@ def die_with_parent(parent: int = 0, number: signal.Signals = signal.SIGKILL) ->
     """Have the kernel end this process when its parent ends (PR_SET_PDEATHSIG).
 
     Lost when the process enters a user namespace or changes its user.
-
-    Args:
-        parent: the parent's process id, to end at once where it has ended already; 0 where that cannot go unnoticed.
-        number: the signal that this process gets then.
     """
     libc.prctl(_PR_SET_PDEATHSIG, number, what="PDEATHSIG")
     if parent and os.getppid() != parent:

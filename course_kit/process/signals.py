@@ -15,13 +15,7 @@ class Ladder:
     """
 
     def __init__(self, interrupt_s: float, terminate_s: float, kill_s: float) -> None:
-        """Begin at the bottom.
-
-        Args:
-            interrupt_s: seconds to end in after SIGINT.
-            terminate_s: the same after SIGTERM.
-            kill_s: the same after SIGKILL, which only the kernel can delay.
-        """
+        """Begin at the bottom."""
         self._left = [(SIGINT, interrupt_s), (SIGTERM, terminate_s), (SIGKILL, kill_s)]
         self.climbed: list[tuple[Signals, float]] = []
         self._next_at = math.inf

@@ -65,11 +65,7 @@ def usage(process_ids: Iterable[int]) -> Usage:
 
 
 def speaker(process_id: int) -> int:
-    """A number by which /proc tells a process's memory and files: its own, or a thread's if the first has ended.
-
-    Raises:
-        OSError: it has ended.
-    """
+    """A number by which /proc tells a process's memory and files: its own, or a thread's if the first has ended."""
     if _stat(process_id)[0] != _ENDED:
         return process_id
     threads = [int(name) for name in os.listdir(f"/proc/{process_id}/task")]  # noqa: PTH208 - hot

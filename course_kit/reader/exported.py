@@ -18,11 +18,7 @@ _NUMBER = re.compile(r"# In\s*\[(\d{1,6})\]:")
 
 
 def cells(source: str) -> list[tuple[int, str]]:
-    """Number and text of each cell with a `%%submission`, as they stood in the notebook; none in other programs.
-
-    Args:
-        source: a Python script.
-    """
+    """Number and text of each cell with a `%%submission`, as they stood in the notebook; none in other programs."""
     if _CALL not in source:
         return []
     try:

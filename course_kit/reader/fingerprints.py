@@ -44,16 +44,7 @@ _TOKEN = re.compile(
 
 
 def of_submission(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
-    """The fingerprints of a submission.
-
-    Args:
-        name: the file's name.
-        file: the file.
-        wish: the `exercise`, whose cells of a notebook count.
-
-    Returns:
-        its `identity`, and its `prints`, in order; of what cannot be read there is neither.
-    """
+    """The fingerprints of a submission."""
     try:
         source, _ = text.program(name, file, str(wish["exercise"]))
     except text.UnreadableTextError:

@@ -17,19 +17,7 @@ _IMPORT = re.compile(r"^[ \t]*(?:from|import)[ \t]+\.?(\w{1,80})", re.MULTILINE)
 
 
 def at(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
-    """Look at a file; it may be broken.
-
-    Args:
-        name: the file's name.
-        file: the file.
-        wish: the `exercise`, and the `class_name` or the `variable` that it asks for.
-
-    Returns:
-        `found`, whether it holds what the exercise asks for; `identity` of its program, see
-        `fingerprints.identity`, empty when there is none; `imports`, the modules it imports, not all of very many.
-        Of a program that was found also what `text.read` tells as `read`, and what `fingerprints.of_submission` does as
-        `fingerprints`: it will be read and compared, and then needs no further child.
-    """
+    """Look at a file; it may be broken."""
     places: list[tuple[int, int]] = []
     try:
         source, places = text.program(name, file, wish["exercise"])

@@ -17,16 +17,7 @@ _NO_PAIR = "An answer is a pair of two texts."
 
 
 def written_out(tree: ast.Module, variable: str) -> dict[str, object] | None:
-    """What a program sets a variable to; None when only running it can tell.
-
-    Args:
-        tree: the program.
-        variable: the name that it is assigned to.
-
-    Returns:
-        `entries` of a dictionary, each a key, a value and what is wrong with the value, if anything is; the `value` of
-        anything else; `too_large` instead of these when nobody would write so much by hand.
-    """
+    """What a program sets a variable to; None when only running it can tell."""
     used = sum(isinstance(node, ast.Name) and node.id == variable for node in ast.walk(tree))
     values = [value for node in tree.body if (value := _assigned(node, variable)) is not None]
     if used != 1 or len(values) != 1:
@@ -53,11 +44,7 @@ def _assigned(node: ast.stmt, variable: str) -> ast.expr | None:
 
 
 def _entries(table: ast.Dict, bound: frozenset[str] | None) -> list[tuple[str, str, str]]:
-    """Key, value and problem of each entry.
-
-    Raises:
-        ValueError: running the program is the only way to find out.
-    """
+    """Key, value and problem of each entry."""
     entries = []
     for key, value in zip(table.keys, table.values, strict=True):
         if key is None:
@@ -69,11 +56,7 @@ def _entries(table: ast.Dict, bound: frozenset[str] | None) -> list[tuple[str, s
 
 
 def _value(node: ast.expr, bound: frozenset[str] | None) -> tuple[str, str]:
-    """The text of a literal, and nothing; or of one with a name that is nowhere set, and what is wrong with it.
-
-    Raises:
-        ValueError: running the program is the only way to find out.
-    """
+    """The text of a literal, and nothing; or of one with a name that is nowhere set, and what is wrong with it."""
     try:
         return _text(ast.literal_eval(node)), ""
     except _TOO_DEEP:

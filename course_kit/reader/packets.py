@@ -27,31 +27,12 @@ _LARGEST = 64 * 1024  # bytes; a request holds a few names
 
 
 def send(line: socket.socket, message: Mapping[str, object], files: Sequence[int] = ()) -> None:
-    """Send a packet.
-
-    Args:
-        line: our end.
-        message: a few plain values.
-        files: descriptors to send along; they stay open here.
-
-    Raises:
-        OSError: nobody is there to read it.
-    """
+    """Send a packet."""
     socket.send_fds(line, [json.dumps(message).encode()], files)
 
 
 def receive(line: socket.socket, files: int = 0) -> tuple[dict[str, Any], list[int]]:
-    """Wait for a packet.
-
-    Args:
-        line: our end.
-        files: how many descriptors come along.
-
-    Raises:
-        OSError: nobody is there to send one; EOFError among these.
-        EOFError: the other end is closed.
-        ValueError: it is none of ours.
-    """
+    """Wait for a packet."""
     data, descriptors, _, _ = socket.recv_fds(line, _LARGEST, files)
     if not data:
         raise EOFError("the other end is closed")

@@ -53,11 +53,7 @@ def main() -> None:
 
 
 def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int, answer: int) -> dict[str, object]:
-    """How the child has ended: `status` as of waitpid(2), `late` if it had to be stopped, `cpu_s` it has computed.
-
-    Raises:
-        EOFError: the process that asked has ended meanwhile.
-    """
+    """How the child has ended: `status` as of waitpid(2), `late` if it had to be stopped, `cpu_s` it has computed."""
     alive, held = os.pipe()  # the child alone holds the other end
     child = os.fork()
     if child == 0:

@@ -24,14 +24,7 @@ class TooMuchError(ValueError):
 
 
 def parse(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
-    """Parse a program.
-
-    Returns:
-        When it is no Python, the line where Python stopped reading or 0, its text, and what Python says; else the tree.
-
-    Raises:
-        TooMuchError: memory is not enough for it.
-    """
+    """Parse a program."""
     try:
         return None, ast.parse(source)
     except SyntaxError as fault:

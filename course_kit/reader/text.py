@@ -39,16 +39,7 @@ class UnreadableTextError(ValueError):
 
 
 def read(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
-    """Read a submission.
-
-    Args:
-        name: the file's name.
-        file: the file.
-        wish: `exercise`, whose cells of a notebook count, and the `variable` it asks for, if any.
-
-    Returns:
-        `unreadable`, why there is no program; else the program as `Submission` has it.
-    """
+    """Read a submission."""
     try:
         source, places = program(name, file, wish["exercise"])
     except UnreadableTextError as problem:
@@ -72,16 +63,7 @@ def of_program(name: str, source: str, places: list[tuple[int, int]], wish: Wish
 
 
 def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[int, int]]]:
-    """The program, and of a notebook for each cell it was joined from the cell's number and how many lines it gave.
-
-    Args:
-        name: the file's name.
-        file: its bytes.
-        exercise: whose cells of a notebook count.
-
-    Raises:
-        UnreadableTextError: there is none.
-    """
+    """The program, and of a notebook for each cell it was joined from the cell's number and how many lines it gave."""
     text = _decoded(name, file)
     places: list[tuple[int, int]] = []
     if kind(name) == NOTEBOOK:

@@ -28,13 +28,7 @@ _NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}  # a program leaves nothing besi
 
 
 def of(job: Job, variables: Mapping[str, str], view: FileView) -> Conditions:
-    """The conditions.
-
-    Args:
-        job: what is graded.
-        variables: the environment variables to set for the program.
-        view: the files that a Python program sees.
-    """
+    """The conditions."""
     user = _user(job)
     return Conditions(
         limits=job.limits,
@@ -49,13 +43,7 @@ def of(job: Job, variables: Mapping[str, str], view: FileView) -> Conditions:
 
 
 def program(job: Job, arguments: tuple[str, ...], files: Mapping[str, str]) -> Program:
-    """The program of a job, for one start.
-
-    Args:
-        job: what is graded.
-        arguments: what follows the program's name on its command line.
-        files: texts to lay beside it, by file name.
-    """
+    """The program of a job, for one start."""
     return Program(
         name=job.name,
         source=job.source,
@@ -75,11 +63,7 @@ def of_solution(job: Job) -> Job:
 
 
 def expect_few_participants() -> dict[str, str]:
-    """Have Fast DDS announce itself to fewer ports than on a graph that a whole machine shares.
-
-    Returns:
-        the variables for that, which are set in this process as well.
-    """
+    """Have Fast DDS announce itself to fewer ports than on a graph that a whole machine shares."""
     name = "FASTRTPS_DEFAULT_PROFILES_FILE"
     if os.environ.get(name) != str(environment.LOOPBACK_PROFILE):
         return {}

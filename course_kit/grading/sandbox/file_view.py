@@ -144,18 +144,7 @@ def _is_safe(path: str) -> bool:
 
 
 def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:
-    """Make the view the file system of this process. Only in a mount namespace and a PID namespace of its own.
-
-    Args:
-        root: an existing folder, which nobody else uses.
-        view: what is shown.
-        scratch: the name of the scratch directory in it.
-        megabytes: what the scratch directory, and /dev/shm, can hold.
-        user: whose these are, when that is another than the caller.
-
-    Raises:
-        OSError: the machine does not allow it.
-    """
+    """Make the view the file system of this process. Only in a mount namespace and a PID namespace of its own."""
     umask = os.umask(0o022)  # another user has to find the way
     mounts.detach()
     mounts.memory(root, _ROOT_MB)

@@ -32,13 +32,7 @@ _MB = 1024 * 1024
 
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
-    """Arrange the files, start the program, watch it, and end when it has ended.
-
-    Args:
-        program: what to run.
-        cell: under which conditions.
-        inside: the streams' ends for the sandbox.
-    """
+    """Arrange the files, start the program, watch it, and end when it has ended."""
     set_name("grade init")
     die_with_parent()
     adopt_orphans()
@@ -75,15 +69,7 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
 
 class _Watch:
     def __init__(self, child: int, cell: Conditions, inside: Streams, waiting: Waiting, starting: int) -> None:
-        """Watch a program.
-
-        Args:
-            child: the number of its process.
-            cell: under which conditions.
-            inside: the streams' ends for the sandbox.
-            waiting: who keeps it from running.
-            starting: a pipe that ends when the process is locked in, and becomes the program.
-        """
+        """Watch a program."""
         self._child = child
         self._limits = cell.limits
         self._own_network = cell.isolation.network

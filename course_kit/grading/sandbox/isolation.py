@@ -72,11 +72,7 @@ class Isolation:
         return self.network and self.processes and self.files and self.syscalls and (self.user or not self.root)
 
     def require(self) -> None:
-        """Insist on all of it.
-
-        Raises:
-            GradingError: something is missing; the text says what, why, and what to do.
-        """
+        """Insist on all of it."""
         if not self.full:
             raise GradingError(
                 "Nothing was graded: --require-isolation asks for full isolation, and this machine "
@@ -200,17 +196,7 @@ def enter_processes(user: int = 0) -> None:
 
 
 def arrange_files(view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:
-    """Make the view, with its scratch directory, the file system of this process, the first of its PID namespace.
-
-    Args:
-        view: the files that are seen.
-        scratch: the scratch directory.
-        megabytes: what may be written there.
-        user: whose it is; 0 for the grader's own.
-
-    Raises:
-        OSError: the kernel refuses.
-    """
+    """Make the view, with its scratch directory, the file system of this process, the first of its PID namespace."""
     with suppress(OSError):  # then only the filter of system calls keeps it from making user namespaces
         Path("/proc/sys/user/max_user_namespaces").write_text("0", encoding="ascii")
     file_view.lay_out(scratch, view, scratch, megabytes, user)  # from here on /proc is read-only

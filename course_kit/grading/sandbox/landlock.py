@@ -53,15 +53,7 @@ def version() -> int:
 
 
 def restrict(readable: Iterable[Readable], writable: Iterable[str]) -> None:
-    """Have this process, and all it will start, open nothing but what is listed.
-
-    Args:
-        readable: files and folders, with all below them, to read and to run.
-        writable: the same, to change as well.
-
-    Raises:
-        OSError: this kernel has no Landlock.
-    """
+    """Have this process, and all it will start, open nothing but what is listed."""
     kernel = version()
     rights = _FIRST_RIGHTS
     for since, right in ((_REFER_SINCE, _REFER), (_TRUNCATE_SINCE, _TRUNCATE), (_IOCTL_SINCE, _IOCTL_DEV)):

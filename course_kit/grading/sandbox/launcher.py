@@ -63,26 +63,12 @@ class Launcher:
         return cls(ours), theirs
 
     def load(self, interfaces: Sequence[tuple[str, str]]) -> None:
-        """Load interfaces before the next program is started, which then need not do it, each time it starts.
-
-        Args:
-            interfaces: module and class of each.
-        """
+        """Load interfaces before the next program is started, which then need not do it, each time it starts."""
         with suppress(OSError):  # it has ended; whoever starts a program is told
             self._line.send(_LOAD + json.dumps(interfaces).encode())
 
     def start(self, program: Program, cell: Conditions, inside: Streams, network: Sequence[int]) -> None:
-        """Start a program; returns when it has been handed over.
-
-        Args:
-            program: what to run.
-            cell: under which conditions.
-            inside: the streams' ends for the sandbox; they can be closed afterwards.
-            network: descriptors of the user and the network namespace to join; empty to stay in the launcher's.
-
-        Raises:
-            SandboxStartError: the process has ended, or does not take it.
-        """
+        """Start a program; returns when it has been handed over."""
         ours, theirs = socket.socketpair()
         request = Channel(ours)
         try:
@@ -98,11 +84,7 @@ class Launcher:
             request.close()
 
     def end(self) -> None:
-        """Kill all that was started; returns when it is dead.
-
-        Raises:
-            SandboxStartError: the process has ended, or does not manage it.
-        """
+        """Kill all that was started; returns when it is dead."""
         try:
             self._line.settimeout(_ENDING_S)
             self._line.send(_END)
@@ -118,12 +100,7 @@ class Launcher:
 
 
 def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
-    """The process: load the interfaces that exercises use, then serve each line that is used in a process of its own.
-
-    Args:
-        names: brings one message: where else interfaces lie, and the names of their classes, each as module and class.
-        lines: the ends that `Launcher.pair` made.
-    """
+    """The process: load the interfaces that exercises use, then serve each line that is used in an own process."""
     set_name("grade launchers")
     die_with_parent()
     _load(*json.loads(names.recv(_LARGEST_ORDER) or b'["", []]'))

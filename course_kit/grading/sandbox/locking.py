@@ -12,11 +12,7 @@ if TYPE_CHECKING:
 
 
 def lock_in(cell: Conditions) -> None:
-    """After this the process, and all it starts, can do no more than the submission may.
-
-    Raises:
-        OSError: something that worked when it was tried out does not.
-    """
+    """After this the process, and all it starts, can do no more than the submission may."""
     if not cell.isolation.files and cell.isolation.landlock:
         landlock.restrict(file_view.readable(cell.view), (cell.scratch, "/dev/null", "/dev/shm"))  # noqa: S108
     if cell.user:

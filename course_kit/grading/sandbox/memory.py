@@ -34,11 +34,6 @@ def exact_use(process_ids: Iterable[int], files: int, patience_s: float) -> int:
     """Bytes of memory these processes take from the machine: pages that forks share are counted once.
 
     Exact and slow, for a process that is just forking very slow: stops after `patience_s` seconds with what it has.
-
-    Args:
-        process_ids: the processes.
-        files: bytes in their files in memory, of which some are mapped and counted that way already.
-        patience_s: seconds.
     """
     deadline = time.monotonic() + patience_s
     total = mapped = 0
@@ -83,12 +78,7 @@ def held(process_ids: Iterable[int], patience_s: float) -> Held:
 
 
 def _note_all_held(process_id: int, sizes: dict[tuple[int, int], int], sockets: set[str]) -> None:
-    """Add what a process holds, whichever of its threads /proc tells it by.
-
-    Raises:
-        PermissionError: it hides that.
-        OSError: it has ended.
-    """
+    """Add what a process holds, whichever of its threads /proc tells it by."""
     for number_of in (int, tree.speaker):
         number = number_of(process_id)
         try:

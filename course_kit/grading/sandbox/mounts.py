@@ -39,14 +39,7 @@ def bind(source: str, target: str) -> None:
 
 
 def memory(target: str, megabytes: int, *, mode: int = 0o755, user: int = 0) -> None:
-    """Mount an empty file system in memory, gone with the last process that sees it.
-
-    Args:
-        target: an existing folder.
-        megabytes: how much it can hold.
-        mode: of its root folder.
-        user: whose it is, when that is another than the caller; the group's number is the same.
-    """
+    """Mount an empty file system in memory, gone with the last process that sees it."""
     owner = f",uid={user},gid={user}" if user else ""
     options = f"size={megabytes}m,nr_inodes=4096,mode={mode:o}{owner}"
     _mount("tmpfs", target, "tmpfs", _MS_NOSUID | _MS_NODEV, options)
@@ -58,12 +51,7 @@ def processes(target: str) -> None:
 
 
 def make_read_only(folder: str, *, devices: bool = False) -> None:
-    """Make all that is mounted at a folder and below it read-only and its set-uid programs ordinary ones.
-
-    Args:
-        folder: a mount point.
-        devices: whether device files in it work.
-    """
+    """Make all that is mounted at a folder and below it read-only and its set-uid programs ordinary ones."""
     attributes = _ATTR_RDONLY | _ATTR_NOSUID | (0 if devices else _ATTR_NODEV)
     packed = struct.pack("QQQQ", attributes, 0, 0, 0)
     where = (ctypes.c_int(_AT_FDCWD), os.fsencode(folder), ctypes.c_uint(_AT_RECURSIVE))

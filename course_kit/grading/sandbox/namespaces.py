@@ -49,10 +49,6 @@ def enter(kinds: int, guest: int = 0) -> None:
 
     The user and group keep their numbers, everything else is nobody. A new PID namespace holds for the
     children of the process from then on, not for itself.
-
-    Args:
-        kinds: CLONE_NEW... or-ed.
-        guest: the number of a second user and group that exists in it; 0 for none. Needs the privileges of root.
     """
     with _readable_proc():
         if guest:
@@ -103,12 +99,7 @@ def _readable_proc() -> Iterator[None]:
 
 
 def join(user: int, network: int) -> None:
-    """Move into the user and the network namespace of another process of the same user (setns(2)).
-
-    Args:
-        user: a descriptor of /proc/PID/ns/user.
-        network: a descriptor of /proc/PID/ns/net.
-    """
+    """Move into the user and the network namespace of another process of the same user (setns(2))."""
     for descriptor, kind in ((user, CLONE_NEWUSER), (network, CLONE_NEWNET)):
         libc.call("setns", descriptor, kind)
 

@@ -34,24 +34,14 @@ def _own_part(trace: TracebackType | None) -> TracebackType | None:
 
 
 def thread_failed(hook: threading.ExceptHookArgs, evidence: int) -> None:
-    """Show and note an exception that has ended a thread.
-
-    Args:
-        hook: what `threading.excepthook` is told.
-        evidence: the descriptor for notes.
-    """
+    """Show and note an exception that has ended a thread."""
     if hook.exc_value is not None and hook.exc_type is not SystemExit:
         traceback.print_exception(hook.exc_type, hook.exc_value, hook.exc_traceback)
         exception(hook.exc_value, evidence)
 
 
 def exception(problem: BaseException, evidence: int) -> None:
-    """Note what a callback returned when rclpy refused to send it; its own exception does not say.
-
-    Args:
-        problem: the exception.
-        evidence: the descriptor for notes.
-    """
+    """Note what a callback returned when rclpy refused to send it; its own exception does not say."""
     for frame, _ in traceback.walk_tb(problem.__traceback__):
         note, variable = _RETURNED.get(frame.f_code.co_name, ("", ""))
         if variable in frame.f_locals:
@@ -68,10 +58,5 @@ def _type_name(value: object) -> str:
 
 
 def send(evidence: int, **what: object) -> None:
-    """Send a note to the grader.
-
-    Args:
-        evidence: the descriptor for notes.
-        what: plain data.
-    """
+    """Send a note to the grader."""
     os.write(evidence, b"\n" + json.dumps({"note": what}).encode() + b"\n")

@@ -67,13 +67,7 @@ class Program:
 
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
-    """Turn this process into the submission; never returns but where it cannot be locked in.
-
-    Args:
-        program: what to run.
-        cell: under which conditions.
-        inside: the streams' ends for the sandbox.
-    """
+    """Turn this process into the submission; never returns but where it cannot be locked in."""
     try:
         evidence = _lock_in(cell, inside)
         program = _prepare(program, cell)

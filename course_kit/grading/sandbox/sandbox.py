@@ -88,18 +88,7 @@ class Sandbox:
     """One running submission."""
 
     def __init__(self, program: Program, cell: Conditions, launcher: Launcher, network: Sequence[int] = ()) -> None:
-        """Start `program`. Returns at once; whether it starts well is seen in what comes out of `streams`.
-
-        Args:
-            program: what to run.
-            cell: under which conditions.
-            launcher: where it is started.
-            network: descriptors of the user and the network namespace it is to join.
-
-        Raises:
-            SandboxStartError: the launcher has ended.
-            OSError: the scratch directory or the pipes cannot be made.
-        """
+        """Start `program`. Returns at once; whether it starts well is seen in what comes out of `streams`."""
         self._launcher = launcher
         self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=cell.scratch or None)
         if cell.user:
@@ -116,11 +105,7 @@ class Sandbox:
             os.write(self.streams.control, what)
 
     def end(self) -> None:
-        """Kill all that was started; returns when it is dead and its scratch directory gone.
-
-        Raises:
-            SandboxStartError: the launcher has ended.
-        """
+        """Kill all that was started; returns when it is dead and its scratch directory gone."""
         try:
             self._launcher.end()
         finally:

@@ -25,11 +25,7 @@ class _Times(NamedTuple):
 
 
 def own_waiting(*, helpers_only: bool = False) -> float:
-    """Seconds the thread of this process that suffered most was ready to run and got no processor.
-
-    Args:
-        helpers_only: leave the main thread out, which has the number of the process.
-    """
+    """Seconds the thread of this process that suffered most was ready to run and got no processor."""
     with suppress(OSError):
         own = os.path.basename(os.readlink(f"{_PROC}/self"))  # noqa: PTH115, PTH119 - hot
         threads = _threads(int(own))
@@ -55,14 +51,7 @@ class Waiting:
     def __init__(
         self, program: int, *, with_children: bool, clock: Callable[[], float] = time.monotonic, processors: int = 0
     ) -> None:
-        """Begin with a program that has just been started.
-
-        Args:
-            program: the number of its process.
-            with_children: whether the node may be in any process that the program starts, as with a command.
-            clock: seconds since whenever.
-            processors: how many it may use; 0 for those of this process.
-        """
+        """Begin with a program that has just been started."""
         self.seconds = self.hidden_s = 0.0
         self._clock, self._processors = clock, processors or len(os.sched_getaffinity(0))
         self._program, self._with_children = program, with_children
@@ -76,12 +65,7 @@ class Waiting:
         self._hidden_before = 0.0  # at the last look
 
     def notice(self, process_ids: Sequence[int], tasks: int) -> None:
-        """Take in what children have computed, as often as possible: of one that has ended nobody else may know.
-
-        Args:
-            process_ids: the program and everything it has started.
-            tasks: how many processes and threads that is.
-        """
+        """Take in what children have computed, as often as possible: of one that has ended nobody else may know."""
         self._has_children |= len(process_ids) > 1
         if not self._has_children:
             return

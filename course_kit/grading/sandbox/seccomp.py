@@ -169,16 +169,7 @@ class _Program(ctypes.Structure):
 
 
 def install(*, processes: bool = True, files: bool = True) -> None:
-    """Put the filter on this process and all it will start.
-
-    Args:
-        processes: whether there is a PID namespace; else calls that change another process are refused as well.
-        files: whether there is a file system of its own; else calls that change a file's mode, owner, times and
-            attributes do nothing.
-
-    Raises:
-        OSError: this kernel has no such filters, or this kind of processor is not known here.
-    """
+    """Put the filter on this process and all it will start."""
     machine = os.uname().machine
     if machine not in _AUDIT:
         raise OSError(errno.ENOSYS, f"there is no list of system calls for {machine}")

@@ -28,11 +28,7 @@ _OF_OTHERS = 2 * min(max(_SENT, _USUAL), _MOST)
 
 
 def bound_tcp() -> None:
-    """Give TCP in the network namespace of this process no larger buffers than other sockets have.
-
-    Raises:
-        OSError: the kernel refuses.
-    """
+    """Give TCP in the network namespace of this process no larger buffers than other sockets have."""
     for path in _TCP:
         Path(path).write_text(f"4096 65536 {_USUAL}", encoding="ascii")
 

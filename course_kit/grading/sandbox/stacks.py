@@ -21,13 +21,7 @@ def dump(
     collector: OutputCollector,
     pump_until: Callable[[Callable[[OutputCollector], bool], float], None],
 ) -> str:
-    """The stacks, by faulthandler; empty when none come.
-
-    Args:
-        sandbox: whose program.
-        collector: of its output.
-        pump_until: takes in what comes until a condition holds, at most for so many seconds, in short turns.
-    """
+    """The stacks, by faulthandler; empty when none come."""
     collector.forget_stacks()
     began = time.monotonic()
     sandbox.ask(init_process.STACKS)

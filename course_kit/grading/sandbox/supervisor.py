@@ -51,13 +51,7 @@ class Supervisor:
     """The master of one grading."""
 
     def __init__(self, job: Job, launcher: Launcher, view: FileView | None = None) -> None:
-        """Prepare a grading.
-
-        Args:
-            job: what is graded.
-            launcher: where submissions are started.
-            view: the files that a Python program sees, where they are known already: finding them takes a while.
-        """
+        """Prepare a grading."""
         self._job = job
         self._launcher = launcher
         self._view = view or file_view.of_a_program()
@@ -153,11 +147,7 @@ class Supervisor:
             return f"the submission could not be started: {problem}"
 
     def _look_after_everything(self) -> None:
-        """End a submission whose time is up.
-
-        Raises:
-            _BrokenOffError: the sandbox has failed, or the grader's process hangs.
-        """
+        """End a submission whose time is up."""
         now, asking = time.monotonic(), self._asking_since
         deadline = self._wall_end() if asking is None else asking + _SOLUTION_S
         if self._collector is not None and (fault := self._collector.fault()):
@@ -222,9 +212,6 @@ class Supervisor:
 
         In a network of our own that is any, else one leased on this machine. More gradings side by side than the
         machine has domains take turns.
-
-        Raises:
-            DomainError: none became free in time.
         """
         if self._network:
             return self._launches, 0.0

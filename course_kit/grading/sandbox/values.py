@@ -20,17 +20,7 @@ _LONGEST_NAME, _MOST_NAMES = 40, 50
 
 
 def run(code: CodeType, module: ModuleType, variable: str, note: Callable[..., None]) -> None:
-    """Run a program and note what it has set.
-
-    Args:
-        code: the program.
-        module: what it runs in.
-        variable: the name it was asked to set.
-        note: told the facts of `describe`, and `ended_itself` after SystemExit; not called after other exceptions.
-
-    Raises:
-        BaseException: whatever the program raises.
-    """
+    """Run a program and note what it has set."""
     try:
         exec(code, module.__dict__)  # noqa: S102 - the learner's program, which is what this process is for
     except SystemExit:  # a program that ends itself has set what it wanted to set
@@ -40,12 +30,7 @@ def run(code: CodeType, module: ModuleType, variable: str, note: Callable[..., N
 
 
 def describe(names: Mapping[str, object], variable: str) -> Record:
-    """What a program has set, as texts.
-
-    Returns:
-        `set_names`, what it has set at all; when the variable is among them its `value` or, of a mapping, its
-        `entries`, in the words of `repr`; `too_large` instead of these when nobody would write so much by hand.
-    """
+    """What a program has set, as texts."""
     own = [str(name)[:_LONGEST_NAME] for name in names if not str(name).startswith("_")]
     told: Record = {"set_names": own[:_MOST_NAMES]}
     if variable not in names:

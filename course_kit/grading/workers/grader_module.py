@@ -40,14 +40,7 @@ class Grader(Protocol):
 
 
 def load(grader: str) -> Grader:
-    """A grader, its interfaces loaded.
-
-    Args:
-        grader: the name of a module, or the path of a file.
-
-    Raises:
-        GradingError: a file cannot be loaded, or is no grader.
-    """
+    """A grader, its interfaces loaded."""
     from rclpy.type_support import check_for_type_support
 
     path = Path(grader)
@@ -60,11 +53,7 @@ def load(grader: str) -> Grader:
 
 
 def load_for(job: Job) -> Grader | None:
-    """The grader of a job, None where all checks are declared; the interfaces of these are loaded, too.
-
-    Raises:
-        GradingError: see `load`.
-    """
+    """The grader of a job, None where all checks are declared; the interfaces of these are loaded, too."""
     if job.interfaces:
         os.environ[PATH_VARIABLE] = path_with(job.interfaces)  # of this process and those it starts
     if job.declared:
@@ -76,12 +65,7 @@ def load_for(job: Job) -> Grader | None:
 
 
 def interfaces_of(grader: Grader | None, job: Job) -> list[Any]:
-    """The classes of all interfaces that the checks of a job use.
-
-    Args:
-        grader: what `load_for` gave.
-        job: what is graded.
-    """
+    """The classes of all interfaces that the checks of a job use."""
     found = list(grader.INTERFACES) if grader is not None else []
     if job.declared:
         from course_kit.grading.checks.declared import building
@@ -91,17 +75,7 @@ def interfaces_of(grader: Grader | None, job: Job) -> list[Any]:
 
 
 def checks_of(grader: Grader | None, job: Job, context: CheckContext | None = None) -> list[Check]:
-    """The checks of an exercise, those it declares and those of its grader, in the order of its exercise.toml.
-
-    Args:
-        grader: what `load_for` gave.
-        job: what is graded.
-        context: where the exercise's solution is asked what it answers, if a check compares with that; None to ask
-            nothing, for whoever does not run the checks.
-
-    Raises:
-        GradingError: they are not worth what the exercise is, or the solution does not answer.
-    """
+    """The checks of an exercise, those it declares and those of its grader, in the order of its exercise.toml."""
     made: list[Check] = []
     if job.declared:
         from course_kit.grading.checks.declared import building, oracle
@@ -144,11 +118,7 @@ def _of_file(path: Path) -> Grader:
 
 
 def python_module(path: Path) -> ModuleType:
-    """The module in a file of an exercise's folder.
-
-    Raises:
-        GradingError: it cannot be loaded; the text names the line.
-    """
+    """The module in a file of an exercise's folder."""
     package = f"exercise_{hashlib.sha256(os.fsencode(path.parent)).hexdigest()[:_DIGITS]}"
     if package not in sys.modules:
         made = ModuleType(package)

@@ -49,22 +49,13 @@ class Channel:
         return self._socket.fileno()
 
     def send(self, message: Mapping[str, object]) -> None:
-        """Send one message.
-
-        Raises:
-            ChannelClosedError: nobody is there to read it, or nobody reads it.
-        """
+        """Send one message."""
         payload = json.dumps(message).encode()
         with self._use():
             self._send(_LENGTH.pack(len(payload)) + payload)
 
     def receive(self, timeout: float | None = None) -> Record:
-        """Wait for one message, at most `timeout` seconds for its beginning.
-
-        Raises:
-            TimeoutError: nothing came in time.
-            ChannelClosedError: the other process has ended, or sends what is no message.
-        """
+        """Wait for one message, at most `timeout` seconds for its beginning."""
         with self._use():
             if timeout is not None and not self.ready(timeout):
                 raise TimeoutError(f"no message from the other process within {timeout:g} s")
@@ -117,11 +108,7 @@ class Channel:
 
     @contextmanager
     def _use(self) -> Iterator[None]:
-        """Keep the socket open while it is used.
-
-        Raises:
-            ChannelClosedError: we have hung up.
-        """
+        """Keep the socket open while it is used."""
         with self._lock:
             if self._hung_up:
                 raise ChannelClosedError("this end was closed")

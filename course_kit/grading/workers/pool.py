@@ -26,13 +26,7 @@ class Pool:
     """Workers of one process; safe to use from many threads."""
 
     def __init__(self, warm: int = 0, graders: Sequence[str] = (), *, awake: int | None = None) -> None:
-        """Start `warm` workers ahead of time, with the modules `graders` loaded; more are started when needed.
-
-        Args:
-            warm: how many share one warm process.
-            graders: modules of checks.
-            awake: so many of these get ready at once, the others when they are needed; all when None.
-        """
+        """Start `warm` workers ahead of time, with the modules `graders` loaded; more are started when needed."""
         self._idle = side_by_side(warm, graders, awake=awake)[::-1]  # the first to be ready is the first to be taken
         self._lock = threading.Lock()
         self._busy: set[Worker] = set()

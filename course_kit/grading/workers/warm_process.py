@@ -69,13 +69,7 @@ class WarmProcess:
     """The process, seen from the trusted parent."""
 
     def __init__(self, workers: int, variables: Mapping[str, str], graders: Sequence[str] = ()) -> None:
-        """Start the process; it gets ready while the caller goes on.
-
-        Args:
-            workers: how many are to work side by side. A single one is the process itself, of several each is a fork.
-            variables: its environment.
-            graders: modules of checks that are loaded beforehand.
-        """
+        """Start the process; it gets ready while the caller goes on."""
         pairs = [socket.socketpair() for _ in range(workers)]
         self.channels = [Channel(ours) for ours, _ in pairs]
         theirs = [end for _, end in pairs]
@@ -108,11 +102,7 @@ class WarmProcess:
         self._said.file.close()
 
     def give_up(self, worker: int | None) -> str:
-        """End a worker that has stopped working; returns what was printed last, or how it has ended as far as is known.
-
-        Args:
-            worker: its process, None when it has not said.
-        """
+        """End a worker that has stopped working; returns what was printed last, or how it has ended."""
         if not self._shared:
             code = self._process.wait_or_kill(_STOP_S)
             return self._said.last_line() or f"Its exit status was {code}."
@@ -129,12 +119,7 @@ class WarmProcess:
 
 
 def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
-    """The environment of a worker.
-
-    Args:
-        whole: pass on all variables, for commands of the user's own.
-        own_graph: False to grade nodes on the graph this environment belongs to.
-    """
+    """The environment of a worker."""
     changes: dict[str, str | None] = {
         "PYTHONUNBUFFERED": None,
         "PYTHON_COLORS": "0",  # where FORCE_COLOR is set, Python 3.13 colours tracebacks, and they could not be read

@@ -39,13 +39,7 @@ class Worker(Closing):
         own_graph: bool = True,
         at: tuple[WarmProcess, Channel] | None = None,
     ) -> None:
-        """Start the process; it gets ready while the caller goes on.
-
-        Args:
-            whole_environment: pass on all variables, for commands of the user's own.
-            own_graph: False to grade nodes on the graph this environment belongs to.
-            at: the process started already, and the line to this worker in it, which sleeps; for `side_by_side`.
-        """
+        """Start the process; it gets ready while the caller goes on."""
         alone = at is None
         if at is None:
             process = WarmProcess(1, variables_of(whole=whole_environment, own_graph=own_graph))
@@ -59,11 +53,7 @@ class Worker(Closing):
 
     @property
     def process_id(self) -> int:
-        """Of the worker process.
-
-        Raises:
-            GradingError: it did not start.
-        """
+        """Of the worker process."""
         self.ready()
         return int((self._greeting or {})["process"])
 
@@ -75,11 +65,7 @@ class Worker(Closing):
                 self._channel.send({})
 
     def ready(self) -> Isolation:
-        """Wait until it can take a job; returns the isolation it has found.
-
-        Raises:
-            GradingError: it did not start.
-        """
+        """Wait until it can take a job; returns the isolation it has found."""
         if self._greeting is None:
             try:
                 self.wake()
@@ -91,11 +77,7 @@ class Worker(Closing):
         return Isolation(**self._greeting["isolation"])
 
     def grade(self, job: Job) -> GradingOutcome:
-        """Grade one submission; returns the outcome as the supervisor describes it.
-
-        Raises:
-            GradingError: the worker ended or hung; it can take no further job then.
-        """
+        """Grade one submission; returns the outcome as the supervisor describes it."""
         self.ready()
         try:
             self._channel.send({"job": asdict(job)})
@@ -124,13 +106,7 @@ class Worker(Closing):
 
 
 def side_by_side(number: int, graders: Sequence[str] = (), *, awake: int | None = None) -> list[Worker]:
-    """Start several workers that share the cost of getting warm.
-
-    Args:
-        number: how many.
-        graders: modules of checks that they load beforehand.
-        awake: how many of them get ready at once, the others when they are used; all when None.
-    """
+    """Start several workers that share the cost of getting warm."""
     if number == 0:
         return []
     process = WarmProcess(number, variables_of(whole=False, own_graph=True), graders)

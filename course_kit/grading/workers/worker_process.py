@@ -63,13 +63,7 @@ class _Common:
 
 
 def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
-    """The process: get warm, then grade job after job until the other ends close.
-
-    Args:
-        channels: the line to each worker. A single worker is this process; of several each is a fork of it, made when
-            something comes on its line.
-        graders: what checks the exercises, loaded beforehand.
-    """
+    """The process: get warm, then grade job after job until the other ends close."""
     set_name("grade warm")
     usual = os.getpriority(os.PRIO_PROCESS, 0)
     with suppress(OSError):
@@ -115,11 +109,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
 def _fork_launchers(
     pairs: Sequence[tuple[Launcher, socket.socket]], channels: Sequence[Channel]
 ) -> tuple[int, socket.socket]:
-    """Start the process from which submissions are forked, before anything is loaded that is not for them.
-
-    Returns:
-        its number, and the line on which it waits for the names of the interfaces to load.
-    """
+    """Start the process from which submissions are forked, before anything is loaded that is not for them."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     freezing.freeze()
 
@@ -154,14 +144,7 @@ def _work_apart(line: tuple[Channel, Launcher], others: Iterable[tuple[Channel, 
 
 
 def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container[int] = ()) -> None:
-    """One worker: it ends with ChannelClosedError.
-
-    Args:
-        channel: brings jobs, takes outcomes.
-        launcher: where its submissions are started.
-        common: what holds for all workers.
-        keep: children of this process that outlive a grading.
-    """
+    """One worker: it ends with ChannelClosedError."""
     channel.receive()  # what has woken it: there is nothing in it
     set_name("grade worker")
     folder = scratch.make()
