@@ -21,11 +21,7 @@ _EMPTY_LINES = re.compile(r"\n(?:[ \t]*\n)+")
 
 
 class StillAndFolded(Preprocessor):
-    """Keeps answers folded, and has a picture of each panel take the widget's place.
-
-    With pictures embedded, nbconvert closes a `<details>` at its first empty line, so that the answer below it stands
-    open. And a notebook that it has run itself shows widgets, which need a page on the network to be drawn.
-    """
+    """Keeps answers folded, and has a picture of each panel take the widget's place."""
 
     def preprocess_cell(
         self, cell: NotebookNode, resources: dict[str, Any], _index: int

@@ -25,11 +25,7 @@ _LAYOUT = {
 
 
 def prepare(workspaces: Path) -> None:
-    """Write the first workspace of a folder, unless it has one; where that fails, Jupyter's own default counts.
-
-    Args:
-        workspaces: the folder of workspaces, which need not be there.
-    """
+    """Write the first workspace of a folder, unless it has one; where that fails, Jupyter's own default counts."""
     with suppress(OSError):
         if workspaces.is_dir() and any(workspaces.iterdir()):
             return

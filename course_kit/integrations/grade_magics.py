@@ -119,11 +119,7 @@ class GradeMagics(Magics):
             print(next_step(exercise))
 
     def grade_cells(self, exercise: str, seed: int | None = None) -> Report | None:
-        """Grade what was last run in the exercise's `%%submission` cells; None when there were none.
-
-        Raises:
-            GradingError: there is no such exercise, or a broken installation.
-        """
+        """Grade what was last run in the exercise's `%%submission` cells; None when there were none."""
         from course_kit import grading
 
         require(exercise)
@@ -152,10 +148,7 @@ class GradeMagics(Magics):
             complain(warning)
 
     def _run_in_its_cell(self, first: str, cell: str) -> None:
-        """Run the rest of a cell so that errors name the cell, and its lines as the notebook counts them.
-
-        A magic of a whole cell has to stand in the first line, so there the lines are counted from it.
-        """
+        """Run the rest of a cell so that errors name the cell, and its lines as the notebook counts them."""
         after_it, self.shell.execution_count = self.shell.execution_count, self._number()
         self._within_cell = True
         try:
@@ -197,11 +190,7 @@ class GradeMagics(Magics):
 
 
 def of_this_notebook(caller: str) -> GradeMagics:
-    """The magics of the notebook we run in, for `caller`, a function that an instructor writes there.
-
-    Raises:
-        GradingError: the course kit was not loaded into a notebook.
-    """
+    """The magics of the notebook we run in, for `caller`, a function that an instructor writes there."""
     shell = get_ipython()
     magics = shell.magics_manager.registry.get("GradeMagics") if shell else None
     if not isinstance(magics, GradeMagics):
@@ -223,11 +212,7 @@ def _in_an_autograder() -> bool:
 
 
 def parse(line: str) -> tuple[str, str | None, int | None]:
-    """Exercise, file and seed of a `%grade` line.
-
-    Raises:
-        ValueError: it is something else.
-    """
+    """Exercise, file and seed of a `%grade` line."""
     words = shlex.split(line)
     seed = None
     if "--seed" in words:
@@ -240,11 +225,7 @@ def parse(line: str) -> tuple[str, str | None, int | None]:
 
 
 def require(exercise: str) -> None:
-    """See that there is such an exercise.
-
-    Raises:
-        GradingError: there is none; names the nearest.
-    """
+    """See that there is such an exercise."""
     from course_kit.grading.exercise import load
 
     load(exercise)

@@ -27,14 +27,7 @@ _ROOT_DIR, _DEFAULT_URL = "JUPYTERHUB_ROOT_DIR", "JUPYTERHUB_DEFAULT_URL"
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Replace this process by a user's server on a hub; return 2 where that cannot be done.
-
-    A user whose folder cannot be written, or for whom no ROS domain is left, still gets a server: there they can delete
-    files, or read what the course says. The hub would only tell them that the server did not start.
-
-    Args:
-        arguments: options of `jupyterhub-singleuser`.
-    """
+    """Replace this process by a user's server on a hub; return 2 where that cannot be done."""
     if not os.environ.get(_OF_THE_HUB):
         return cannot(
             f"only a JupyterHub can start {VERB}, as its c.Spawner.cmd. To open the course yourself, run "
@@ -60,13 +53,7 @@ def run(arguments: Sequence[str]) -> int:
 
 
 def server_command(folder: Path, lesson: str, arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
-    """The words and the environment that start a user's server.
-
-    Args:
-        folder: the learner's.
-        lesson: what it opens, below that folder; empty where the folder could not be made.
-        arguments: more for `jupyterhub-singleuser`.
-    """
+    """The words and the environment that start a user's server."""
     variables = jupyter.server_variables(folder)
     try:
         environ = environment.child_environment(**variables)
@@ -81,13 +68,7 @@ def server_command(folder: Path, lesson: str, arguments: Sequence[str]) -> tuple
 
 
 def shown(folder: Path, lesson: str, environ: Mapping[str, str]) -> tuple[Path, str]:
-    """The folder that the server shows, and the address it opens.
-
-    Args:
-        folder: the learner's.
-        lesson: the notebook to open, below that folder; empty for none.
-        environ: what the hub has said: `c.Spawner.notebook_dir` is the folder to show, if it holds the learner's.
-    """
+    """The folder that the server shows, and the address it opens."""
     chosen = environ.get(_ROOT_DIR)
     root = Path(chosen).expanduser() if chosen else folder
     if not lesson:

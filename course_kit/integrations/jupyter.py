@@ -28,13 +28,7 @@ class LabStartError(RuntimeError):
 
 
 def run_lab(arguments: Sequence[str]) -> int:
-    """Replace this process by JupyterLab, opened on the first lesson; return 2 where that cannot be done.
-
-    The settings of the course are in its environment, so kernels and terminals all join the same ROS graph.
-
-    Args:
-        arguments: the folder to open, if the first is no option, then options of `jupyter lab`.
-    """
+    """Replace this process by JupyterLab, opened on the first lesson; return 2 where that cannot be done."""
     root = environment.course_files()
     if root is None:
         return cannot("the lessons are missing in this installation. Install the course again.")
@@ -65,19 +59,7 @@ def run_lab(arguments: Sequence[str]) -> int:
 def lab_command(
     root: Path, opens: str, arguments: Sequence[str], *, verb: str = "lab", **variables: str
 ) -> tuple[list[str], dict[str, str]]:
-    """The words and the environment that start JupyterLab here.
-
-    Args:
-        root: the folder it shows.
-        opens: the address it opens, without that of the server.
-        arguments: more for `jupyter lab`.
-        verb: the course's command that it is for, to be named in an error.
-        variables: more for its environment.
-
-    Raises:
-        LabStartError: it would refuse to start.
-        DomainError: there is no ROS domain for it.
-    """
+    """The words and the environment that start JupyterLab here."""
     as_root = root_arguments(arguments, os.geteuid(), environment.sign_of_container(), verb)
     environ = environment.child_environment(**{**server_variables(root), **variables})
     tell(environment.middleware.unsupported())
@@ -93,11 +75,7 @@ def lab_command(
 
 
 def server_options(root: Path) -> list[str]:
-    """What every Jupyter server of the course is started with, a hub's included.
-
-    Args:
-        root: the folder it shows.
-    """
+    """What every Jupyter server of the course is started with, a hub's included."""
     return [
         f"--ServerApp.root_dir={root}",
         "--LabApp.expose_app_in_browser=True",  # panels ask it for a view of their own beside the notebook
@@ -105,11 +83,7 @@ def server_options(root: Path) -> list[str]:
 
 
 def server_variables(folder: Path) -> dict[str, str]:
-    """What its environment has beside the settings of ROS.
-
-    Args:
-        folder: the learner's.
-    """
+    """What its environment has beside the settings of ROS."""
     found = {**_folders(), **_interfaces(), **terminals.variables(), environment.FOLDER_VARIABLE: str(folder)}
     before = found.get(_CONFIG_PATH) or os.environ.get(_CONFIG_PATH)
     found[_CONFIG_PATH] = os.pathsep.join(filter(None, (before, str(_CONFIG))))
@@ -118,17 +92,7 @@ def server_variables(folder: Path) -> dict[str, str]:
 
 
 def root_arguments(arguments: Sequence[str], user: int, container: str, verb: str = "lab") -> list[str]:
-    """What `jupyter lab` needs beside the user's arguments to start as root, which it refuses by itself.
-
-    Args:
-        arguments: the user's.
-        user: the number of the user, 0 for root.
-        container: what shows that this is a container; empty when nothing does.
-        verb: the course's command, to be named in the error.
-
-    Raises:
-        LabStartError: root, on what seems to be a whole machine.
-    """
+    """What `jupyter lab` needs beside the user's arguments to start as root, which it refuses by itself."""
     if user != 0 or any("allow-root" in word or "allow_root" in word for word in arguments):
         return []
     if container:
@@ -141,15 +105,7 @@ def root_arguments(arguments: Sequence[str], user: int, container: str, verb: st
 
 
 def make_ready(root: Path, folder: Path) -> None:
-    """Bring a learner's folder up to date; the course's own folder, which an author opens, stays as it is.
-
-    Args:
-        root: the course's folder.
-        folder: the one that JupyterLab opens.
-
-    Raises:
-        OSError: it could not be written.
-    """
+    """Bring a learner's folder up to date; the course's own folder, which an author opens, stays as it is."""
     if folder.resolve() == root:
         return
     is_new = not folder.exists()

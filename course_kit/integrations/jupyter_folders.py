@@ -28,10 +28,7 @@ _FOLDERS: dict[str, tuple[Callable[[], str], str]] = {
 
 
 def replacements() -> dict[str, str]:
-    """Variables for a Jupyter server and its kernels; empty where the usual folders can be written.
-
-    The course's state folder takes their place. Configuration and kernels in the old ones are still found.
-    """
+    """Variables for a Jupyter server and its kernels; empty where the usual folders can be written."""
     spare = environment.state_dir() / "jupyter"
     found: dict[str, str] = {}
     for name, (usual, search_path) in _FOLDERS.items():

@@ -43,11 +43,7 @@ def interface_magic(shell: InteractiveShell) -> Callable[[str, str], None]:
     """The `%%interface` magic for a shell."""
 
     def interface(line: str, cell: str) -> None:
-        """Define a ROS interface: `%%interface my_interfaces/srv/PersonInfo`, its text in the cell.
-
-        The class is there at once, under its name in the notebook and for `from my_interfaces.srv import ...` in any
-        program of the course. Running the cell again with other fields defines it anew.
-        """
+        """Define a ROS interface: `%%interface my_interfaces/srv/PersonInfo`, its text in the cell."""
         __tracebackhide__ = True
         from course_kit import interfaces
 
@@ -66,15 +62,7 @@ def interface_magic(shell: InteractiveShell) -> Callable[[str, str], None]:
 
 
 def ros_script(line: str, cell: str | None = None) -> None:
-    """Run the cell as an unmodified ROS 2 program: `%%ros_script client 1 2`.
-
-    A program that ends is waited for; one that serves goes on in the background until `%ros_stop NAME`. Running
-    the cell again replaces it. `--wait` and `--background`, before the name, decide it yourself. With one percent
-    sign and no program below, `%ros_script client 3 4` runs the program that was saved under the name again.
-
-    Raises:
-        MagicError: the line says something else.
-    """
+    """Run the cell as an unmodified ROS 2 program: `%%ros_script client 1 2`."""
     __tracebackhide__ = True
     from course_kit import lab
 
@@ -105,14 +93,7 @@ def _saved(name: str) -> str:
 
 
 def ros_launch(line: str, cell: str) -> None:
-    """Run the cell as a launch file: `%%ros_launch robot speed:=2.0`, as `ros2 launch robot.launch.py speed:=2.0`.
-
-    What it starts goes on in the background until `%ros_stop robot.launch`. A program of a `%%ros_script` cell is
-    found by its name, whatever the package.
-
-    Raises:
-        MagicError: the line says something else.
-    """
+    """Run the cell as a launch file: `%%ros_launch robot speed:=2.0`, as `ros2 launch robot.launch.py speed:=2.0`."""
     __tracebackhide__ = True
     from course_kit import lab
     from course_kit.ros2cli import launching
@@ -125,11 +106,7 @@ def ros_launch(line: str, cell: str) -> None:
 
 
 def ros_stop(line: str) -> None:
-    """Stop a script: `%ros_stop server`; without a name, all of them.
-
-    Raises:
-        MagicError: the line says something else.
-    """
+    """Stop a script: `%ros_stop server`; without a name, all of them."""
     __tracebackhide__ = True
     from course_kit import lab
 

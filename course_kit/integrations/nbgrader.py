@@ -24,27 +24,7 @@ _STDOUT, _STDERR = 1, 2
 
 
 def points(exercise: str, *, points: float | None = None, seed: int | None = None) -> float:
-    """Grade what this notebook's `%%submission` cells hold, print the feedback, and return the points.
-
-    Write it as the last line of a test cell of nbgrader ("Autograder tests"), without anything after it:
-
-        from course_kit.integrations import nbgrader
-
-        nbgrader.points("EXERCISE")
-
-    Args:
-        exercise: the exercise's id.
-        points: the points of the test cell, when they are not those of the exercise: the grade is scaled to them.
-        seed: what the checks draw their random values from; by default the exercise's own or drawn anew.
-
-    Returns:
-        A number from 0 to the points of the cell; a whole number as an int.
-
-    Raises:
-        GradingError: there is no such exercise, or the grader itself could not do its work. A submission that is bad,
-            missing or does not end gets its points, 0 perhaps, and never an error.
-        ValueError: `points` is negative.
-    """
+    """Grade what this notebook's `%%submission` cells hold, print the feedback, and return the points."""
     from course_kit.grading import render_text
     from course_kit.grading.exercise import load
 
@@ -65,22 +45,13 @@ def points(exercise: str, *, points: float | None = None, seed: int | None = Non
 
 
 def scaled(score: float, of: float, most: float) -> float:
-    """`score` of `of` points as so many of `most`: without the last digits' noise, a whole number as an int.
-
-    Args:
-        score: the points reached.
-        of: the points to be had.
-        most: what these are to become.
-    """
+    """`score` of `of` points as so many of `most`: without the last digits' noise, a whole number as an int."""
     number = min(round(score / of * most, _DIGITS), most)
     return int(number) if number == int(number) else number
 
 
 def _put_all_on_stdout(shell: InteractiveShell) -> None:
-    """Send what goes to stderr to stdout until the cell has ended.
-
-    One log line of a node that the learner has left running would cost all points.
-    """
+    """Send what goes to stderr to stdout until the cell has ended."""
     restored = ExitStack()
     restored.enter_context(redirect_stderr(sys.stdout))
     restored.enter_context(_errors_of_c_code_on_stdout())

@@ -39,20 +39,7 @@ def test_{id}():
 
 
 def check(exercise: str, name: str, *, seed: int | None = None) -> None:
-    """Return when this notebook's submission passes a check of the exercise, and raise when it does not.
-
-    The submission is what the `%%submission` cells hold; it is graded when the first check asks, and again after such a
-    cell was run anew. In a test cell for `otter assign` import this function inside of the test function.
-
-    Args:
-        exercise: the exercise's id.
-        name: the check's id, as in a report of `course-kit grade --format json`.
-        seed: what the checks draw their random values from; by default the exercise's own or drawn anew.
-
-    Raises:
-        AssertionError: the check was not passed; the text is the feedback.
-        GradingError: there is no such exercise or check, or the grader itself could not do its work.
-    """
+    """Return when this notebook's submission passes a check of the exercise, and raise when it does not."""
     from course_kit.integrations.grade_magics import nothing_from, of_this_notebook
 
     report = of_this_notebook("otter.check").report(exercise, seed)
@@ -63,11 +50,7 @@ def check(exercise: str, name: str, *, seed: int | None = None) -> None:
 
 
 def feedback(report: Report, name: str) -> str:
-    """What to tell about a check; empty when it was passed.
-
-    Raises:
-        GradingError: there is no such check, or the grader itself could not do its work.
-    """
+    """What to tell about a check; empty when it was passed."""
     from course_kit.grading.render.text import check_lines
 
     if report.status == "error":
@@ -82,11 +65,7 @@ def feedback(report: Report, name: str) -> str:
 
 
 def case_file(exercise: str, seed: int | None = None) -> str:
-    """The text of the test file for an exercise; one that draws its questions has other checks with another seed.
-
-    Raises:
-        GradingError: there is no such exercise.
-    """
+    """The text of the test file for an exercise; one that draws its questions has other checks with another seed."""
     more = {} if seed is None else {"seed": seed}
     command = " ".join([exercise, *(f"--{option} {value}" for option, value in more.items())])
     cases = [

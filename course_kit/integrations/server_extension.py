@@ -42,11 +42,7 @@ def _link_jupyter_server_extension(server: ServerApp) -> None:
 
 
 def set_exports(config: Config) -> None:
-    """Have a server export as `jupyter nbconvert` does here; what the user has set counts.
-
-    Args:
-        config: the server's, which is changed.
-    """
+    """Have a server export as `jupyter nbconvert` does here; what the user has set counts."""
     from traitlets.config import Config
 
     own = copy.deepcopy(config)

@@ -24,13 +24,7 @@ _MARK = re.compile(r"\s*%%submission\s+(\S+)")
 
 @dataclass
 class SubmissionCell:
-    """A cell that was run.
-
-    Attributes:
-        source: its text, the magic's line included.
-        number: as in `In[number]`; 0 where there is none.
-        when: when it was run.
-    """
+    """A cell that was run."""
 
     source: str
     number: int = 0
@@ -48,27 +42,14 @@ class SubmissionCells:
         self._unmarked: dict[str, int] = {}  # in which cell without the magic a class was last defined
 
     def keep(self, exercise: str, cell_id: str | None, source: str, number: int = 0) -> None:
-        """Remember a cell's text; a cell without an id (no JupyterLab behind it) replaces all of its exercise.
-
-        Args:
-            exercise: its id.
-            cell_id: the cell's, empty when it has none.
-            source: its text.
-            number: as in `In[number]`.
-        """
+        """Remember a cell's text; a cell without an id (no JupyterLab behind it) replaces all of its exercise."""
         cells = self._cells.setdefault(exercise, {})
         if cell_id is None:
             cells.clear()
         cells[cell_id or ""] = SubmissionCell(source, number)
 
     def before(self, cell_id: str | None, source: str, deleted: Iterable[str] = ()) -> None:
-        """Any cell is about to run.
-
-        Args:
-            cell_id: its id.
-            source: its text.
-            deleted: the ids of the cells that were deleted since the last one was run.
-        """
+        """Any cell is about to run."""
         marked = _MARK.match(source)
         for exercise, cells in self._cells.items():
             gone = set(deleted)
@@ -77,12 +58,7 @@ class SubmissionCells:
             self._cells[exercise] = {one: cell for one, cell in cells.items() if one not in gone}
 
     def after(self, source: str, number: int) -> None:
-        """Any cell was run.
-
-        Args:
-            source: its text.
-            number: as in `In[number]`.
-        """
+        """Any cell was run."""
         if not _MARK.match(source):
             self._unmarked.update(dict.fromkeys(_CLASS.findall(source), number))
 
@@ -121,12 +97,7 @@ class SubmissionCells:
 
 @dataclass
 class _Saved:
-    """The notebook this kernel belongs to, as last saved.
-
-    Attributes:
-        sources: each cell's text by its id, in order; none where the server does not name the notebook.
-        when: when it was saved.
-    """
+    """The notebook this kernel belongs to, as last saved."""
 
     sources: dict[str, str]
     when: datetime

@@ -25,11 +25,7 @@ def variables() -> dict[str, str]:
 
 
 def shell_command(*, login: bool = False) -> list[str] | None:
-    """The command of a terminal, None where there is no bash.
-
-    Args:
-        login: whether it reads what a login shell reads, as it must where nobody has logged in before.
-    """
+    """The command of a terminal, None where there is no bash."""
     bash = shutil.which("bash")
     if bash is None:
         return None

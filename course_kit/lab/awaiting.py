@@ -27,15 +27,7 @@ class NotAwaitedError(LabError, AttributeError):
 
 
 class Pending(Coroutine[Any, Any, T]):
-    """What a verb returns: it does its work when it is awaited, and until then says that it has not.
-
-    Args:
-        make: makes the coroutine that does the work.
-        missing: what to say.
-
-    Attributes:
-        told: whether the learner has been told.
-    """
+    """What a verb returns: it does its work when it is awaited, and until then says that it has not."""
 
     def __init__(self, make: Callable[[], Coroutine[Any, Any, T]], missing: str) -> None:
         self._make = make
@@ -98,12 +90,7 @@ class Pending(Coroutine[Any, Any, T]):
 def to_be_awaited(
     verb: str, otherwise: str = "Nothing was sent"
 ) -> Callable[[Callable[P, Coroutine[Any, Any, T]]], Callable[P, Pending[T]]]:
-    """Have a coroutine function tell of a forgotten `await`.
-
-    Args:
-        verb: how the learner calls it, such as "lab.call".
-        otherwise: what has not happened without the `await`.
-    """
+    """Have a coroutine function tell of a forgotten `await`."""
 
     def decorate(function: Callable[P, Coroutine[Any, Any, T]]) -> Callable[P, Pending[T]]:
         @functools.wraps(function)

@@ -32,13 +32,7 @@ _CHECK = 0.2  # seconds between looks at whether the server is still there
 
 
 class Asked(NamedTuple):
-    """What a caller wants.
-
-    Attributes:
-        request: a ready request, or None to build one of `fields`.
-        fields: the request's fields.
-        timeout: seconds until the answer must be there.
-    """
+    """What a caller wants."""
 
     request: Message
     fields: dict[str, object]
@@ -46,13 +40,7 @@ class Asked(NamedTuple):
 
 
 class PendingCall(ABC):
-    """Something sent, and the wait for what comes back; `call_async` and `call_blocking` drive it.
-
-    Args:
-        lab: sends it.
-        wanted: the server it is for.
-        timeout: seconds from now on until the answer must be there.
-    """
+    """Something sent, and the wait for what comes back; `call_async` and `call_blocking` drive it."""
 
     def __init__(self, lab: Engine, wanted: WantedServer, timeout: float) -> None:
         self._lab = lab
@@ -61,11 +49,7 @@ class PendingCall(ABC):
         self._start = time.monotonic()
 
     def may_send(self) -> bool:
-        """Whether the server is there.
-
-        Raises:
-            LabError: it has been waited for long enough; the error says what is there instead.
-        """
+        """Whether the server is there."""
         if self._is_there():
             self._lab.surroundings.tell_who_answers(self._wanted.role, self._wanted.name)
             return True
@@ -83,11 +67,7 @@ class PendingCall(ABC):
         return max(0.0, min(_CHECK, self._start + self._timeout - time.monotonic()))
 
     def check(self) -> None:
-        """Look whether an answer can still come.
-
-        Raises:
-            NoAnswerError: the time is over, or the server has gone.
-        """
+        """Look whether an answer can still come."""
         if self._has_come():
             return
         if time.monotonic() - self._start >= self._timeout:
@@ -124,17 +104,7 @@ class PendingCall(ABC):
 
 
 class ServiceCall(PendingCall):
-    """One request and the wait for its response.
-
-    Args:
-        lab: sends it.
-        service: the service's name; a relative one counts from the root namespace.
-        service_type: its class.
-        asked: the request and how long to wait.
-
-    Raises:
-        FieldError: the request cannot be built.
-    """
+    """One request and the wait for its response."""
 
     def __init__(self, lab: Engine, service: str, service_type: ServiceType, asked: Asked) -> None:
         if not is_service_type(service_type):
@@ -160,12 +130,7 @@ class ServiceCall(PendingCall):
         self._client.queue.enter(self, send_now)
 
     def result(self) -> Message:
-        """The response.
-
-        Raises:
-            ServiceFailedError: the callback in this lab gave none.
-            Exception: the request could not be sent.
-        """
+        """The response."""
         if self._unsent is not None:
             raise self._unsent
         try:
@@ -259,14 +224,7 @@ def call_blocking(call: PendingCall) -> Any:
 
 
 def not_of_kind(given: object, kind: str, parts: tuple[str, ...], verb: str) -> str:
-    """What to say of something that is no service's or action's class.
-
-    Args:
-        given: what was passed instead.
-        kind: "service" or "action".
-        parts: how the names of its messages end.
-        verb: the function that takes it.
-    """
+    """What to say of something that is no service's or action's class."""
     hint = ""
     owner = getattr(given, "__name__", "")
     if owner.endswith(parts):

@@ -45,13 +45,7 @@ class OtherTypeError(LabError):
 
 
 class Clients:
-    """What the lab speaks through.
-
-    Args:
-        executor_thread: runs the node.
-        hooks: told that these clients are the lab's.
-        alias: the node's name in recordings.
-    """
+    """What the lab speaks through."""
 
     def __init__(self, executor_thread: ExecutorThread, hooks: MessageHooks, alias: str) -> None:
         self._executor_thread = executor_thread
@@ -73,11 +67,7 @@ class Clients:
         return self.known_node
 
     def client(self, service_type: ServiceType, service: str) -> QueuedClient:
-        """The client for a service; one of the same name and another type is replaced.
-
-        Raises:
-            ServiceNotFoundError: no server of this name and type.
-        """
+        """The client for a service; one of the same name and another type is replaced."""
 
         def make() -> QueuedClient:
             client = QueuedClient(self.node, service_type, service)
@@ -102,11 +92,7 @@ class Clients:
         return found
 
     def goal_client(self, action_type: ActionType, action: str) -> GoalClient:
-        """The client for an action; one of the same name and another type is replaced.
-
-        Raises:
-            ActionNotFoundError: no server of this name and type.
-        """
+        """The client for an action; one of the same name and another type is replaced."""
 
         def make() -> Any:
             node = self.node
@@ -135,17 +121,7 @@ class Clients:
     def subscription(
         self, message_type: type[Message], topic: str, callback: Callable[[Message], None], qos: QoSProfile
     ) -> Subscription:
-        """A new subscription.
-
-        Args:
-            message_type: its class.
-            topic: its name.
-            callback: called with each message.
-            qos: the profile.
-
-        Raises:
-            LabError: the topic is no ROS name, or has another type on the graph.
-        """
+        """A new subscription."""
         wanted = type_name(message_type)
         types = types_of(self.node, "/" + str(topic).lstrip("/"))
         if types and wanted not in types:  # nothing could ever arrive; rcl would fail, and not say why
@@ -224,10 +200,7 @@ class Clients:
 
 
 def incompatible(error: BaseException) -> bool:
-    """Whether rclpy refused an endpoint because this process uses its name with another type already.
-
-    Fast DDS keeps one type for each topic name in a participant, and a lab has one participant.
-    """
+    """Whether rclpy refused an endpoint because this process uses its name with another type already."""
     return "incompatible type" in error_text(error)
 
 

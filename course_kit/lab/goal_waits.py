@@ -22,14 +22,7 @@ _MISSED = 2  # looks in a row without the server, after which it has gone
 
 
 class Awaited(NamedTuple):
-    """What is waited for.
-
-    Attributes:
-        lacking: begins the sentence about an answer that has not come.
-        arrived: whether it has.
-        begin: called on the lab's thread first.
-        outcome: what to return.
-    """
+    """What is waited for."""
 
     lacking: str
     arrived: Callable[[], bool]
@@ -38,15 +31,7 @@ class Awaited(NamedTuple):
 
 
 class Wait(PendingCall):
-    """A wait for news of a goal.
-
-    Args:
-        lab: sends what is to be sent.
-        tracker: of the goal.
-        timeout: seconds.
-        awaited: the news.
-        action_type: the name of the action's type, where a server is still to be found.
-    """
+    """A wait for news of a goal."""
 
     def __init__(
         self, lab: Engine, tracker: GoalTracker, timeout: float, awaited: Awaited, action_type: str = ""

@@ -18,13 +18,7 @@ _POLL = 0.01
 
 
 class WantedServer(NamedTuple):
-    """A server that was looked for.
-
-    Attributes:
-        role: what it does: `graph.SERVES` or `graph.RUNS`.
-        name: full name of the service or action.
-        type: its type.
-    """
+    """A server that was looked for."""
 
     role: graph.Role
     name: str
@@ -32,14 +26,7 @@ class WantedServer(NamedTuple):
 
 
 def not_found(node: Node, wanted: WantedServer, waited: float, except_by: frozenset[str] = frozenset()) -> LabError:
-    """The error that says why no such server was found, and what to do.
-
-    Args:
-        node: looks at the graph.
-        wanted: what was looked for.
-        waited: seconds.
-        except_by: nodes whose servers do not count.
-    """
+    """The error that says why no such server was found, and what to do."""
     kind = ServiceNotFoundError if wanted.role == graph.SERVES else ActionNotFoundError
     return kind(_not_offered(node, wanted, waited, except_by))
 
@@ -64,14 +51,7 @@ def _not_offered(node: Node, wanted: WantedServer, waited: float, except_by: fro
 
 
 def wait_for_nodes(node: Node, names: list[str], own: set[str], *, there: bool) -> None:
-    """Wait until every node of these names is on the graph, or none is; 3 s at most.
-
-    Args:
-        node: looks at the graph.
-        names: fully qualified names.
-        own: names of nodes in this process, of which one each does not count.
-        there: what to wait for.
-    """
+    """Wait until every node of these names is on the graph, or none is; 3 s at most."""
     deadline = time.monotonic() + _SETTLING
     pause = threading.Event()  # rclpy has no event for changes of the graph
     while time.monotonic() < deadline:

@@ -15,27 +15,13 @@ if TYPE_CHECKING:
 
 
 def require_message_type(given: object) -> None:
-    """Refuse what is not a message's class.
-
-    Raises:
-        FieldError: it is none.
-    """
+    """Refuse what is not a message's class."""
     if not is_message_type(given):
         raise FieldError(f"{getattr(given, '__name__', given)!r} is not a message type.")
 
 
 def message_of(message_type: type[Message], ready: Message, fields: Fields, owner: str) -> Message:
-    """The message to be sent.
-
-    Args:
-        message_type: its class.
-        ready: a ready one, or None.
-        fields: its fields, where there is no ready one.
-        owner: how to call it in errors, e.g. "a std_srvs/srv/Trigger request".
-
-    Raises:
-        FieldError: both are given, there is no such field, or it cannot take the value.
-    """
+    """The message to be sent."""
     if ready is None:
         try:
             return make(message_type, fields, owner)

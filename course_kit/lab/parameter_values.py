@@ -18,13 +18,7 @@ class Values(dict[str, Any]):
 
 
 class Outcome:
-    """What came of setting parameters; true if all were set.
-
-    Attributes:
-        node: the node's full name.
-        values: what was asked for, by name.
-        reasons: why the node refused, by name; in the node's own words where it has any.
-    """
+    """What came of setting parameters; true if all were set."""
 
     def __init__(self, node: str, values: dict[str, object], reasons: dict[str, str], *, atomically: bool) -> None:
         self.node = node

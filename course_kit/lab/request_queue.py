@@ -33,12 +33,7 @@ class RequestQueue:
         self._waiting: deque[tuple[object, Callable[[], None]]] = deque()
 
     def enter(self, request: object, send: Callable[[], None]) -> None:
-        """Send a request now, or as soon as another one has left.
-
-        Args:
-            request: identifies it.
-            send: sends it, and raises nothing.
-        """
+        """Send a request now, or as soon as another one has left."""
         with self._changing:
             if len(self._under_way) >= AT_ONCE:
                 self._waiting.append((request, send))
@@ -61,16 +56,7 @@ class RequestQueue:
 
 
 class QueuedClient(ServiceClient):
-    """A client of one service, with the queue of those who use it.
-
-    Args:
-        node: whose client it is.
-        service_type: the service's class.
-        service: its name, which the node resolves.
-
-    Attributes:
-        queue: where each request waits for its turn.
-    """
+    """A client of one service, with the queue of those who use it."""
 
     def __init__(self, node: Node, service_type: ServiceType, service: str) -> None:
         super().__init__(node, service_type, service)

@@ -22,10 +22,6 @@ def current() -> Lab:
 
 
 def use(lab: Lab | None) -> Lab | None:
-    """Make another lab the current one; None for a new one on next use.
-
-    Returns:
-        the one before, which goes on until it is closed.
-    """
+    """Make another lab the current one; None for a new one on next use."""
     before, _Current.lab = _Current.lab, lab
     return before

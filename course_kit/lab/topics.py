@@ -40,25 +40,7 @@ def _wait_until(condition: Callable[[], bool]) -> None:
 
 
 class Subscription:
-    """A function that is called with each message of a topic, until `close`.
-
-    Making one waits until it is connected to the publishers that are there, one second at most, so that what they
-    publish next is not missed.
-
-    Args:
-        lab: has it.
-        topic: the topic's name.
-        message_type: the messages' class.
-        callback: called with each message.
-        qos: a profile; what the topic's publishers offer unless given.
-
-    Attributes:
-        topic: the topic's full name.
-
-    Raises:
-        FieldError: this is no message type.
-        LabError: the topic is no ROS name, or is in use here with another type.
-    """
+    """A function that is called with each message of a topic, until `close`."""
 
     def __init__(
         self,
@@ -93,21 +75,7 @@ class Subscription:
 
 
 def publish(lab: Engine, topic: str, message_type: type[Message], message: Message, fields: Fields) -> None:
-    """Publish a message once the topic's subscriptions are connected; return when those of this lab have had it.
-
-    So what their callbacks print is printed with the cell that published. At most one second each: a subscription of
-    another type or quality of service never gets it, and a callback may take long.
-
-    Args:
-        lab: publishes it.
-        topic: its name.
-        message_type: its class.
-        message: a ready message instead of `fields`.
-        fields: the message's fields.
-
-    Raises:
-        FieldError: no such field, or a value it cannot take.
-    """
+    """Publish a message once the topic's subscriptions are connected; return when those of this lab have had it."""
     require_message_type(message_type)
     ready = message_of(message_type, message, fields, f"a {type_name(message_type)}")
     publisher = lab.clients.publisher(message_type, topic)
@@ -136,18 +104,7 @@ def publish(lab: Engine, topic: str, message_type: type[Message], message: Messa
 async def next_messages(
     lab: Engine, topic: str, message_type: type[Message], count: int, timeout: float
 ) -> list[Message]:
-    """Subscribe, and return the next messages once there are `count`.
-
-    Args:
-        lab: the lab.
-        topic: its name.
-        message_type: its class.
-        count: how many.
-        timeout: seconds for all of them.
-
-    Raises:
-        NoAnswerError: fewer came within `timeout` seconds; says who publishes what on that topic.
-    """
+    """Subscribe, and return the next messages once there are `count`."""
     require_message_type(message_type)
     loop = asyncio.get_running_loop()
     complete = loop.create_future()

@@ -32,13 +32,7 @@ class _MapWidget(anywidget.AnyWidget):
 
 
 class RobotMap(GoalFollower):
-    """The arena of `course_interfaces/action/MoveRobot`, 10 m x 10 m, and what its feedback says about the robot.
-
-    The map knows nothing but what crosses the graph: until the first feedback it does not know where the robot is.
-
-    Args:
-        action: the action's name.
-    """
+    """The arena of `course_interfaces/action/MoveRobot`, 10 m x 10 m, and what its feedback says about the robot."""
 
     def __init__(self, action: str = "/move_robot") -> None:
         super().__init__(action)

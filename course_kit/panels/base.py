@@ -27,23 +27,12 @@ def of_files(*names: str) -> str:
 
 
 class Shown:
-    """A widget that has words, too.
-
-    A notebook displays it as `widget`; a terminal, a stored notebook and a screen reader's text view have
-    `describe()`, which holds nothing that changes from run to run. An export of a notebook has `still()`.
-
-    Attributes:
-        widget: the ipywidget to be displayed.
-    """
+    """A widget that has words, too."""
 
     widget: Widget
 
     def describe(self) -> str:
-        """The panel in a sentence or two, for where no widget can be shown.
-
-        Raises:
-            NotImplementedError: the panel has not said.
-        """
+        """The panel in a sentence or two, for where no widget can be shown."""
         raise NotImplementedError
 
     def displayed(self) -> Widget:
@@ -66,11 +55,7 @@ class Shown:
 
 
 class Panel(Shown):
-    """A widget for one thing on the ROS graph, which ends with the lab.
-
-    Args:
-        subject: what it is for. A panel of the same class for the same subject is closed first.
-    """
+    """A widget for one thing on the ROS graph, which ends with the lab."""
 
     def __init__(self, *subject: Hashable) -> None:
         self._closing: list[Callable[[], None]] = []
@@ -87,15 +72,7 @@ class Panel(Shown):
 
 
 class Latest(Generic[T]):
-    """Hands the latest value to `show` on a thread of its own, at most `rate` times a second.
-
-    For what comes from callbacks of nodes: they may be faster than a browser, and must not wait for one. The last
-    value is always shown.
-
-    Args:
-        show: called with the latest value; an exception in it ends the updates.
-        rate: updates a second at most.
-    """
+    """Hands the latest value to `show` on a thread of its own, at most `rate` times a second."""
 
     def __init__(self, show: Callable[[T], None], rate: float = RATE) -> None:
         self._show = show

@@ -18,16 +18,7 @@ _TEMPLATE = Path(__file__).with_name("comparison.html")
 
 
 class Comparison(Panel):
-    """Numbers side by side.
-
-    Args:
-        title: what was measured; a panel of the same title is replaced.
-        values: by what they belong to; finite, none below zero.
-        unit: of the values, such as "ms".
-
-    Raises:
-        ValueError: there is no value, or one is no length for a bar.
-    """
+    """Numbers side by side."""
 
     def __init__(self, title: str, values: Mapping[str, float], unit: str) -> None:
         if not values or not all(math.isfinite(value) and value >= 0 for value in values.values()):

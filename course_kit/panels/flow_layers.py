@@ -22,13 +22,7 @@ _SWEEPS = 12
 
 
 class Layers(NamedTuple):
-    """Columns of boxes.
-
-    Attributes:
-        columns: from left to right, each from top to bottom, waypoints among them.
-        chains: the boxes that each arrow passes, from the column on the left to the one on the right.
-        turned: the arrows that lead from right to left.
-    """
+    """Columns of boxes."""
 
     columns: list[list[Box]]
     chains: dict[Arrow, list[Box]]
@@ -36,13 +30,7 @@ class Layers(NamedTuple):
 
 
 def layers(boxes: Sequence[Box], arrows: Sequence[Arrow], least: Mapping[Box, int]) -> Layers:
-    """The columns of boxes that hang together.
-
-    Args:
-        boxes: all of them; their order decides where nothing else does.
-        arrows: from box to box; where a circle has to be broken, the later ones are turned.
-        least: the leftmost column of a box.
-    """
+    """The columns of boxes that hang together."""
     turned = frozenset(_turned(boxes, arrows))
     forward = [(end, begin) if (begin, end) in turned else (begin, end) for begin, end in arrows]
     column_of = _columns(boxes, forward, least)

@@ -23,13 +23,7 @@ _WIDEST = 900  # parts that do not hang together stand side by side up to this w
 
 
 class FlowLayout(NamedTuple):
-    """The picture.
-
-    Attributes:
-        places: the top left corner of each box.
-        ways: the points of each arrow, from where it begins to where it ends; between two of them it bends.
-        size: width and height of it all.
-    """
+    """The picture."""
 
     places: dict[Box, Point]
     ways: dict[Arrow, list[Point]]
@@ -37,13 +31,7 @@ class FlowLayout(NamedTuple):
 
 
 def lay_out(sizes: Mapping[Box, Size], arrows: Sequence[Arrow], least: Mapping[Box, int]) -> FlowLayout:
-    """Place boxes so that arrows lead from left to right and no two boxes overlap.
-
-    Args:
-        sizes: width and height of each box.
-        arrows: from box to box, no two of them the same; where they lead in a circle the later ones lead back.
-        least: the leftmost column of a box, such as 0 for what begins a flow and 1 for what cannot.
-    """
+    """Place boxes so that arrows lead from left to right and no two boxes overlap."""
     places: dict[Box, Point] = {}
     ways: dict[Arrow, list[Point]] = {}
     x = y = row = widest = 0.0

@@ -28,16 +28,7 @@ _LINES = 12  # of the exchange; other nodes may talk meanwhile
 
 
 class FormWidget(anywidget.AnyWidget):
-    """The form as the page has it.
-
-    Attributes:
-        title: what is called, and its type.
-        entries: what to draw, see `MessageForm.entries`.
-        values: what the fields hold, by path.
-        outcome: what came of the last request: `state`, `text`, `rows`, `comments` on fields, `errors`,
-            `printed`, `exchange`.
-        ended: why the form no longer works; "" while it does.
-    """
+    """The form as the page has it."""
 
     _esm = of_files("dom.js", "message_form.js", "form_view.js")
     _css = of_files("frame.css", "panels.css")
@@ -49,16 +40,7 @@ class FormWidget(anywidget.AnyWidget):
 
 
 class ServiceForm(Panel):
-    """A form for one service.
-
-    Args:
-        service: the service's name.
-        service_type: its class.
-        timeout: seconds in which the answer must come.
-
-    Raises:
-        FieldError: `service_type` is not a service's class.
-    """
+    """A form for one service."""
 
     def __init__(self, service: str, service_type: ServiceType, timeout: float) -> None:
         if not isinstance(service, str) or not is_service_type(service_type):
@@ -96,11 +78,7 @@ class ServiceForm(Panel):
         self.widget.values = {**self.widget.values, **values}
 
     def send(self) -> Message:
-        """Send what the fields hold, as the button does.
-
-        Returns:
-            the response; None when there is none, and the form says why.
-        """
+        """Send what the fields hold, as the button does."""
         try:
             request = self._form.read(self.widget.values)
         except FormError as error:

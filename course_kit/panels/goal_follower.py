@@ -16,11 +16,7 @@ if TYPE_CHECKING:
 
 
 class GoalFollower(Panel):
-    """A panel for one action.
-
-    Args:
-        action: the action's name.
-    """
+    """A panel for one action."""
 
     def __init__(self, action: str) -> None:
         super().__init__(action)

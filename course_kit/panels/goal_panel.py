@@ -24,10 +24,7 @@ _NOT_SENT = "Not sent: correct the marked fields above."
 
 
 class _ActionWidget(anywidget.AnyWidget):
-    """The panel as the page has it.
-
-    It sends {"do": "send"}, {"do": "cancel"}, and {"do": "add" or "remove", "path"} for lists, each with `values`.
-    """
+    """The panel as the page has it."""
 
     _esm = of_files("dom.js", "message_form.js", "goal_panel.js")
     _css = of_files("frame.css", "panels.css", "goal_panel.css")
@@ -38,15 +35,7 @@ class _ActionWidget(anywidget.AnyWidget):
 
 
 class ActionPanel(GoalFollower):
-    """A panel for one action.
-
-    Args:
-        action: the action's name.
-        action_type: its class.
-
-    Raises:
-        FieldError: `action_type` is not an action's class.
-    """
+    """A panel for one action."""
 
     def __init__(self, action: str, action_type: ActionType) -> None:
         if not isinstance(action, str) or not is_action_type(action_type):

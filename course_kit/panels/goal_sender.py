@@ -28,17 +28,7 @@ _GOODBYE = 1.0  # seconds a cancel request is given when the panel ends
 
 @dataclass(frozen=True)
 class Standing:
-    """How things stand with the latest goal.
-
-    Attributes:
-        asked: the goal message; None before the first one.
-        status: "" before the first one, "SENDING" until the server has answered, then as in the lab.
-        note: what else is to be said, such as an error.
-        refused: the goal message that was rejected last, if nothing has come after it.
-        feedback: the latest feedback message.
-        count: feedback messages so far.
-        result: the result message, when it has ended.
-    """
+    """How things stand with the latest goal."""
 
     asked: Message = None
     status: str = ""
@@ -76,14 +66,7 @@ class _Attempt:
 
 
 class GoalSender:
-    """Sends goals to one action; the latest one that was accepted is the one that is followed.
-
-    Args:
-        action: its name.
-        action_type: its class.
-        changed: told how things stand, on whatever thread; must return at once.
-        on_feedback: told of each feedback message of the goal that is followed, on the lab's thread.
-    """
+    """Sends goals to one action; the latest one that was accepted is the one that is followed."""
 
     def __init__(
         self,

@@ -26,12 +26,7 @@ _STYLE = Style(names=": ", between="; ", nested="()", lists="", digits=2, quoted
 
 
 class Progress(NamedTuple):
-    """How far a goal is.
-
-    Attributes:
-        share: 0.0 to 1.0; None where nobody can know.
-        text: the same in words.
-    """
+    """How far a goal is."""
 
     share: float | None
     text: str
@@ -44,13 +39,7 @@ def status(name: str, goal: str = "The goal") -> str:
 
 
 def progress(goal: Message, feedback: Message, count: int) -> Progress:
-    """How far a goal is, by what its feedback says.
-
-    Args:
-        goal: the goal message.
-        feedback: the latest feedback message, None when there was none.
-        count: feedback messages so far.
-    """
+    """How far a goal is, by what its feedback says."""
     if feedback is None:
         return Progress(0.0, "no feedback yet")
     share = getattr(feedback, "progress", None)

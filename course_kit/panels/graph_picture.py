@@ -33,15 +33,7 @@ _LEAST_WIDTH = 90.0
 
 
 class GraphBox(NamedTuple):
-    """A node or a channel.
-
-    Attributes:
-        kind: "node", or the channel's kind.
-        name: as people read it; its full name for a channel.
-        lines: each with its style.
-        words: what it is and does, in words.
-        elsewhere: whether it is a node that only other notebooks run.
-    """
+    """A node or a channel."""
 
     kind: str
     name: str
@@ -57,12 +49,7 @@ class GraphBox(NamedTuple):
 
 
 def graph_svg(seen: Overview, others: Sequence[OtherNotebook] = ()) -> str:
-    """The drawing as an `svg` element, which templates take as it is; empty without nodes.
-
-    Args:
-        seen: the graph.
-        others: other notebooks on it, whose nodes say so.
-    """
+    """The drawing as an `svg` element, which templates take as it is; empty without nodes."""
     if not seen.nodes:
         return ""
     boxes = boxes_of(seen, others)

@@ -17,13 +17,7 @@ if TYPE_CHECKING:
 
 
 class Hop(NamedTuple):
-    """One half of a message's way, between a node and a channel.
-
-    Attributes:
-        role: what the node does there.
-        leaves: whether the message leaves the node.
-        stage: its place in an exchange: 0 and 1 for the way there, 2 and 3 for the way back.
-    """
+    """One half of a message's way, between a node and a channel."""
 
     role: Role
     leaves: bool
@@ -50,12 +44,7 @@ _HOPS = {
 
 
 class Traffic:
-    """Tells `show` what has crossed since it was told last, ten times a second at most.
-
-    Args:
-        show: gets, for each hop, the node as people read it, the verb and kind of its role, the channel, whether the
-            message left the node, its stage, and how many there were.
-    """
+    """Tells `show` what has crossed since it was told last, ten times a second at most."""
 
     def __init__(self, show: Callable[[list[dict[str, object]]], None]) -> None:
         self._show = show

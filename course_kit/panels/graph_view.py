@@ -35,17 +35,7 @@ _ROLES = {(role.kind, role.verb): role for role in ROLES}
 
 
 class GraphWidget(anywidget.AnyWidget):
-    """The picture as the page has it.
-
-    Attributes:
-        svg: the drawing; empty without nodes.
-        text: the same in lines.
-        news: what has come or gone since the last change, for a screen reader.
-        crossed: what has crossed since the last time, under "hops", and a "number" that grows.
-        wanted: only nodes and channels whose name holds this are shown, and who is connected to them.
-        plumbing: whether what ROS itself brings along is shown.
-        ended: whether the picture no longer changes.
-    """
+    """The picture as the page has it."""
 
     _esm = of_files("dom.js", "docking.js", "graph_traffic.js", "graph_view.js")
     _css = of_files("frame.css", "panels.css", "graph_flow.css", "graph_view.css")
@@ -59,11 +49,7 @@ class GraphWidget(anywidget.AnyWidget):
 
 
 class GraphView(Panel):
-    """The ROS graph, looked at five times a second.
-
-    rclpy has no event for changes of the graph, so a thread compares what it sees with what is shown, and tells the
-    page only when that has changed. Messages are those that the lab's recorder sees.
-    """
+    """The ROS graph, looked at five times a second."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -156,12 +142,7 @@ def with_lab(seen: Overview, uses: frozenset[Use]) -> Overview:
 
 
 def matching(seen: Overview, wanted: str) -> Overview:
-    """The nodes and channels whose name holds a text, and who is connected to them.
-
-    Args:
-        seen: the graph.
-        wanted: the text, in capitals or not; everything without it.
-    """
+    """The nodes and channels whose name holds a text, and who is connected to them."""
     text = wanted.strip().lower()
     if not text:
         return seen

@@ -35,11 +35,7 @@ class GuessForm(anywidget.AnyWidget):
 
 
 class GuessPanel(Shown):
-    """One question, or several below each other. It needs no node, and stays when the lab ends.
-
-    Args:
-        questions: which, of one lesson.
-    """
+    """One question, or several below each other. It needs no node, and stays when the lab ends."""
 
     widget: GuessForm
 
@@ -62,12 +58,7 @@ class GuessPanel(Shown):
         return str(render(_HERE / "guess.html", questions=list(self._questions.values()), letters=_LETTERS))
 
     def answer(self, name: str, place: int) -> None:
-        """Choose, as a click in the form does.
-
-        Args:
-            name: the question's.
-            place: of the choice, from 0 on.
-        """
+        """Choose, as a click in the form does."""
         with self._one_at_a_time:
             self._record.choose(self._questions[name], place)
             self._again.discard(name)

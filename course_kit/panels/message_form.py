@@ -23,11 +23,7 @@ Values = dict[str, Any]  # path of a field -> the text in it, or whether it is t
 
 
 class FormError(ValueError):
-    """Some fields hold what they cannot take.
-
-    Attributes:
-        fields: path of each such field, with the reason.
-    """
+    """Some fields hold what they cannot take."""
 
     def __init__(self, fields: dict[str, str]) -> None:
         self.fields = fields
@@ -35,14 +31,7 @@ class FormError(ValueError):
 
 
 class MessageForm:
-    """The form of one message type.
-
-    A field of numbers is one line, lists of numbers too, with commas. Lists of texts or of messages grow and shrink
-    by one element at a time. Constants of the type are offered as choices where they fit.
-
-    Args:
-        message_type: the class, live or compiled; any that ROS has.
-    """
+    """The form of one message type."""
 
     def __init__(self, message_type: type[Message]) -> None:
         self._type = message_type
@@ -64,12 +53,7 @@ class MessageForm:
             self._lengths[path] = min(wanted, entry["most"] or wanted)
 
     def type_in(self, page: Widget, wish: dict[str, Any]) -> None:
-        """Take over what a page has sent: what was typed, and a list that is to grow or shrink.
-
-        Args:
-            page: the widget with `entries` and `values`.
-            wish: from the page: `values`, and for a list `do` ("add" or "remove") with its `path`.
-        """
+        """Take over what a page has sent: what was typed, and a list that is to grow or shrink."""
         page.values = {**page.values, **wish.get("values", {})}
         if wish.get("do") in {"add", "remove"}:
             self.resize(wish["path"], 1 if wish["do"] == "add" else -1)
@@ -79,11 +63,7 @@ class MessageForm:
                 page.values = {path: known.get(path, value) for path, value in self.defaults().items()}
 
     def read(self, values: Values) -> Message:
-        """The message these values make; fields without one keep their defaults.
-
-        Raises:
-            FormError: names each field that cannot take what it was given.
-        """
+        """The message these values make; fields without one keep their defaults."""
         wrong: dict[str, str] = {}
         known = self.defaults()
         for path in values:
@@ -219,11 +199,7 @@ def _constants(message_type: type[Message]) -> dict[str, object]:
 def _choices(
     field: MessageField, fields: tuple[MessageField, ...], constants: dict[str, object]
 ) -> list[dict[str, str]]:
-    """The constants that a field may be meant to have.
-
-    A definition does not say what its constants are for. Offered are those of the field's kind of value, but one
-    that begins with the name of a field belongs to that field alone, as in `MODE_AUTO` for `mode`.
-    """
+    """The constants that a field may be meant to have."""
     owners = {one.name.upper(): one for one in fields}
     return [
         {"name": name, "value": str(value[0] if isinstance(value, bytes) else value)}

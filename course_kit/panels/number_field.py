@@ -17,15 +17,7 @@ _NUMBER = re.compile(r"(u?int\d+|float|double|boolean)")
 
 
 class NumberField:
-    """A path to a number in messages of a type.
-
-    Args:
-        message_type: the messages' class.
-        path: names joined by dots, elements of arrays in brackets.
-
-    Raises:
-        FieldError: there is no such field, or it is no number; names the nearest one, or those there are.
-    """
+    """A path to a number in messages of a type."""
 
     def __init__(self, message_type: type[Message], path: str) -> None:
         if not is_message_type(message_type):

@@ -16,11 +16,7 @@ if TYPE_CHECKING:
 
 
 class OtherNotebooks:
-    """A line for each notebook; nothing where there is none.
-
-    Attributes:
-        widget: the ipywidget to be displayed.
-    """
+    """A line for each notebook; nothing where there is none."""
 
     def __init__(self) -> None:
         self.widget = VBox([])

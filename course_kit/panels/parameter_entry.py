@@ -34,12 +34,7 @@ class EntryError(ValueError):
 
 
 def entry(descriptor: Descriptor) -> dict[str, object]:
-    """What the page has to know to draw a parameter.
-
-    Returns:
-        name, type, kind ("slider", "number", "flag" or "text"), description, limits and note in words; a slider has
-        lowest, highest and step as well.
-    """
+    """What the page has to know to draw a parameter."""
     kind = _KINDS.get(descriptor.type, "text")
     limits = descriptor.range
     drawn: dict[str, object] = {
@@ -57,12 +52,7 @@ def entry(descriptor: Descriptor) -> dict[str, object]:
 
 
 def slider_step(limits: Range, *, whole: bool) -> float:
-    """The step of a slider: the node's own, else a round one that leads to the upper limit.
-
-    Args:
-        limits: the parameter's.
-        whole: whether it is an integer.
-    """
+    """The step of a slider: the node's own, else a round one that leads to the upper limit."""
     width = limits.highest - limits.lowest
     if limits.step:
         return limits.step
@@ -87,15 +77,7 @@ def shown(value: Any) -> Any:
 
 
 def typed(kind: str, text: Any) -> Any:
-    """The value of what the page sent.
-
-    Args:
-        kind: the parameter's type, as in a Descriptor.
-        text: what was typed, or a bool.
-
-    Raises:
-        EntryError: it is no such value.
-    """
+    """The value of what the page sent."""
     if kind in {"bool", "string"}:
         return text
     try:

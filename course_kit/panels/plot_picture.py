@@ -17,13 +17,7 @@ _LEAST_GAP = 0.5  # seconds without a message that the line never goes across
 
 
 def plot_svg(samples: Sequence[Sequence[float]], span: float, field: str) -> str:
-    """The drawing as an `svg` element, which templates take as it is.
-
-    Args:
-        samples: pairs of time and value, oldest first.
-        span: seconds shown.
-        field: what the values are called.
-    """
+    """The drawing as an `svg` element, which templates take as it is."""
     finite = [value for _, value in samples if math.isfinite(value)]
     marks = _marks(*_range(finite))
     low, high = marks[0], marks[-1]

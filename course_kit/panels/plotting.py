@@ -33,16 +33,7 @@ _ENDED = "This plot has ended. Run its cell again to go on."
 
 
 class PlotWidget(anywidget.AnyWidget):
-    """The plot as the page has it.
-
-    Attributes:
-        topic: where the numbers come from.
-        field: which number of a message.
-        span: seconds shown.
-        samples: float64 pairs of time and value, oldest first; the time in seconds since the plot began.
-        count: messages so far.
-        ended: why nothing more is drawn; "" while it is.
-    """
+    """The plot as the page has it."""
 
     _esm = of_files("plotting.js")
     _css = of_files("frame.css", "plotting.css")
@@ -55,18 +46,7 @@ class PlotWidget(anywidget.AnyWidget):
 
 
 class Plot(Panel):
-    """The last seconds of one number of a topic.
-
-    Args:
-        topic: the topic's name.
-        message_type: its type.
-        field: which number, such as "data", "linear.x" or "ranges[0]".
-        seconds: how many of them are shown.
-
-    Raises:
-        FieldError: there is no such field, or it is no number.
-        LabError: the topic is no ROS name or has another type.
-    """
+    """The last seconds of one number of a topic."""
 
     def __init__(self, topic: str, message_type: type[Message], field: str, seconds: float) -> None:
         if not seconds > 0:
@@ -125,12 +105,7 @@ class Plot(Panel):
 
 
 def thinned(samples: Samples, most: int) -> Samples:
-    """At most so many of the samples, and among them the highest and lowest of each stretch, so that no peak is lost.
-
-    Args:
-        samples: float64 array of shape (n, 2), time and value.
-        most: how many may be left; at least 2.
-    """
+    """At most so many samples, and among them the highest and lowest of each stretch, so that no peak is lost."""
     if len(samples) <= most:
         return samples
     kept = []

@@ -20,12 +20,7 @@ Answers = dict[str, tuple[str, str]]
 
 
 def usable(questions: Questions, choices: object) -> Answers:
-    """Of whatever a browser or a file holds, the pairs of words that can be chosen; the rest is left out.
-
-    Args:
-        questions: the scenarios that were drawn.
-        choices: pattern and reason by the scenario's id, either of them empty as long as it is not chosen.
-    """
+    """Of whatever a browser or a file holds, the pairs of words that can be chosen; the rest is left out."""
     found: Answers = {}
     for scenario in questions.scenarios:
         pair = choices.get(scenario.id) if isinstance(choices, dict) else None
@@ -39,11 +34,7 @@ def usable(questions: Questions, choices: object) -> Answers:
 
 
 class Kept:
-    """Choices kept beside the course, so that running the cell again or a new kernel does not lose them.
-
-    Args:
-        seed: each seed has choices of its own.
-    """
+    """Choices kept beside the course, so that running the cell again or a new kernel does not lose them."""
 
     def __init__(self, seed: int) -> None:
         self._path = environment.own_run_dir() / "quiz" / f"seed_{seed}.json"
@@ -62,15 +53,7 @@ class Kept:
 
 
 def write(questions: Questions, answers: Mapping[str, tuple[str, str]], name: str) -> str:
-    """Write the answers as a Python file and say in a sentence what became of it.
-
-    A file that somebody has written or changed by hand is left as it is.
-
-    Args:
-        questions: the scenarios that were drawn.
-        answers: pattern and reason by the scenario's id.
-        name: of the file, in the notebook's folder unless it is a path.
-    """
+    """Write the answers as a Python file and say in a sentence what became of it."""
     if not name.strip():
         return "Nothing was written: give the file a name, such as my_answers.py."
     path = Path(name.strip()).expanduser()

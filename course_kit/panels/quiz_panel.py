@@ -43,14 +43,7 @@ class QuizForm(anywidget.AnyWidget):
 
 
 class QuizPanel(Panel):
-    """The ten scenarios of a seed, one at a time.
-
-    Args:
-        seed: whose scenarios; the number an instructor gave, or the course's own.
-
-    Raises:
-        TypeError: the seed is no whole number.
-    """
+    """The ten scenarios of a seed, one at a time."""
 
     widget: QuizForm
 
@@ -96,13 +89,7 @@ class QuizPanel(Panel):
         return still(self.describe(), picture, "still_panels.css")
 
     def answer(self, scenario: str, pattern: str, reason: str) -> None:
-        """Choose for one scenario, as a click in the form does.
-
-        Args:
-            scenario: its id.
-            pattern: `topic`, `service` or `action`.
-            reason: the id of one of its reasons.
-        """
+        """Choose for one scenario, as a click in the form does."""
         with self._one_at_a_time:
             self.widget.choices = {**self.widget.choices, scenario: [pattern, reason]}
 

@@ -28,16 +28,7 @@ _ENDED = "These sliders have ended. Run their cell again to use them."
 
 
 class SlidersWidget(anywidget.AnyWidget):
-    """The parameters as the page has them.
-
-    Attributes:
-        node: whose they are.
-        entries: what to draw, see `parameter_entry.entry`.
-        values: the values in force, by name, see `parameter_entry.shown`.
-        outcomes: what came of the last change, by name: `state` ("set", "refused", "elsewhere"), `text`, and `token`,
-            by which the page knows which of its wishes was answered.
-        ended: why they no longer work; "" while they do.
-    """
+    """The parameters as the page has them."""
 
     _esm = of_files("dom.js", "sliders.js")
     _css = of_files("frame.css", "sliders.css")
@@ -49,18 +40,7 @@ class SlidersWidget(anywidget.AnyWidget):
 
 
 class ParameterSliders(Panel):
-    """One widget for each parameter the author of a node has declared.
-
-    Each sets the real parameter through the node's service, and shows what the node says: a refusal stands beside
-    the widget, which goes back to the value in force. Changes made elsewhere are heard on /parameter_events.
-    Parameters that ROS 2 declares in every node are left out.
-
-    Args:
-        node: the node's name, or a node of this lab.
-
-    Raises:
-        NodeNotFoundError: no such node has parameters.
-    """
+    """One widget for each parameter the author of a node has declared."""
 
     def __init__(self, node: str | Node) -> None:
         self.node = full_name(node)
@@ -100,16 +80,7 @@ class ParameterSliders(Panel):
         return still(self.describe(), drawn("still_sliders.html", node=self.node, rows=rows), "still_panels.css")
 
     def set(self, name: str, text: str | bool, token: int = 0) -> bool:
-        """Set a parameter to what was typed, as the page does.
-
-        Args:
-            name: of the parameter.
-            text: what was typed, or a bool.
-            token: comes back with the outcome.
-
-        Returns:
-            whether the node took it.
-        """
+        """Set a parameter to what was typed, as the page does."""
         with self._lock:
             heard, kind = self._heard.get(name, 0), self._descriptors[name].type
         try:

@@ -12,37 +12,18 @@ _HERE = Path(__file__).parent
 
 
 def still(words: str, picture: str = "", *style_sheets: str) -> str:
-    """The HTML of a still picture.
-
-    Args:
-        words: the panel in words, which stand below the picture, or in its place.
-        picture: HTML or SVG that a template has rendered.
-        style_sheets: files of this folder that the picture needs.
-    """
+    """The HTML of a still picture."""
     sheets = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("still.css", *style_sheets))
     return str(render(_HERE / "still.html", css=_as_it_is(sheets), picture=picture, lines=words.splitlines()))
 
 
 def drawn(template: str, **values: object) -> str:
-    """A picture out of a template of this folder.
-
-    Args:
-        template: its file.
-        values: what it names.
-    """
+    """A picture out of a template of this folder."""
     return render(_HERE / template, **values)
 
 
 def form(title: dict[str, str], part: str, entries: list[dict[str, Any]], values: dict[str, Any], *buttons: str) -> str:
-    """A form that sends a message, as a picture; its style sheet is `still_panels.css`.
-
-    Args:
-        title: of what is called: `name` and `type`.
-        part: what is filled in, such as "Request".
-        entries: its fields, see `MessageForm.entries`.
-        values: what they hold, by path.
-        buttons: what stands on the buttons.
-    """
+    """A form that sends a message, as a picture; its style sheet is `still_panels.css`."""
     return drawn("still_form.html", **title, part=part, entries=entries, values=values, buttons=buttons)
 
 

@@ -18,10 +18,7 @@ class Place(NamedTuple):
 
 
 class Track:
-    """A line through every place that was reported; places on a straight way are left out.
-
-    A robot that drives straight on is one line of two points, however often it tells where it is.
-    """
+    """A line through every place that was reported; places on a straight way are left out."""
 
     def __init__(self) -> None:
         self._corners: list[Place] = []
@@ -33,10 +30,7 @@ class Track:
         return list(self._corners)
 
     def add(self, place: Place) -> None:
-        """Go on to a place.
-
-        What is no number is not drawn: a browser would refuse the whole picture.
-        """
+        """Go on to a place."""
         if not (math.isfinite(place.x) and math.isfinite(place.y)):
             return
         if self._corners and place == self._corners[-1]:

@@ -48,13 +48,7 @@ def as_asyncio(future: Future) -> asyncio.Future[Any]:
 
 
 def install(patches: Patches, before_waiting: Callable[[Future], None], after_waiting: Callable[[], None]) -> None:
-    """Replace `Future.__await__`.
-
-    Args:
-        patches: takes it back.
-        before_waiting: called with a future that is awaited inside a callback; raises if that could never end.
-        after_waiting: called in the notebook's thread when an awaited future is done.
-    """
+    """Replace `Future.__await__`."""
     original = Future.__await__
 
     def awaited(future: Future) -> Generator[Any, None, Any]:

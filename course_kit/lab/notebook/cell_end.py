@@ -39,11 +39,7 @@ class NotAwaited:
 
 
 def tell_meaning(result: Any) -> None:
-    """Say what a cell's error means, where Python's or rclpy's words do not.
-
-    Args:
-        result: the cell's, as IPython has it.
-    """
+    """Say what a cell's error means, where Python's or rclpy's words do not."""
     error = getattr(result, "error_in_exec", None)
     if not isinstance(error, BaseException) or isinstance(error, LabError):
         return

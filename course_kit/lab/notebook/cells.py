@@ -37,12 +37,7 @@ _STREAMS: tuple[Stream, ...] = ("stdout", "stderr")
 
 
 class Notebook:
-    """The connection to the IPython shell of this process, if there is one.
-
-    Attributes:
-        present: whether there is one.
-        nodes_run: tells whether the lab has nodes.
-    """
+    """The connection to the IPython shell of this process, if there is one."""
 
     def __init__(self, shell: Any, output: Output) -> None:
         self._shell = shell
@@ -76,10 +71,7 @@ class Notebook:
         return self._shell is not None
 
     def ros_arguments(self, found: Compatibility) -> list[str]:
-        """What rclpy.init is given: in a plain program its command line, which may have ROS arguments.
-
-        In a notebook none of the kernel's own, and no log lines on file descriptor 2 where they are shown by us.
-        """
+        """What rclpy.init is given: in a plain program its command line, which may have ROS arguments."""
         if not self.present:
             return sys.argv
         from course_kit.ros import compat_names
@@ -146,11 +138,7 @@ class Notebook:
                 self._shell.events.unregister(event, function)
 
     def _route(self) -> None:
-        """Have the lab's thread queue what it prints, and any other show what is queued first.
-
-        On the stream's `write`, because ipykernel insists on its own class. Done again for each cell: IPython 9
-        replaces `write` while a cell runs and puts back what was there when the cell began.
-        """
+        """Have the lab's thread queue what it prints, and any other show what is queued first."""
         for name in _STREAMS:
             stream = getattr(sys, name)
             if getattr(stream.write, "notebook", None) is not self:
@@ -230,10 +218,7 @@ class Notebook:
         self._output.drain()
 
     def _in_cell(self, write: Callable[[], None]) -> None:
-        """Write under the cell that runs, or has run last.
-
-        ipykernel 6 files what another thread writes under the cell in which that thread was started, as of a panel's.
-        """
+        """Write under the cell that runs, or has run last."""
         if threading.current_thread() is threading.main_thread():
             write()
         else:
@@ -264,10 +249,7 @@ class Notebook:
             self._loop.call_soon(self._route)
 
     def _keep_beating(self) -> None:
-        """Turn the loop over while a cell runs.
-
-        ipykernel cancels an interrupted await from a signal handler, which does not wake a loop that sleeps.
-        """
+        """Turn the loop over while a cell runs."""
         if self._loop is not None:
             if self._beat is not None:
                 self._beat.cancel()

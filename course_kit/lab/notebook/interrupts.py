@@ -31,16 +31,7 @@ class _Interrupted(KeyboardInterrupt):
 def tell_briefly(
     patches: Patches, shell: Any, locate: Callable[[str], str | None], nodes_run: Callable[[], bool]
 ) -> None:
-    """Have an interrupted cell say that it was, where, and that nodes go on.
-
-    Where IPython shows what a cell raised: `set_custom_exc` does not see an interrupt between two statements.
-
-    Args:
-        patches: what the replacement is added to.
-        shell: IPython's.
-        locate: what a cell is called, by its file name.
-        nodes_run: whether there are nodes.
-    """
+    """Have an interrupted cell say that it was, where, and that nodes go on."""
     show = shell.showtraceback
 
     def tell(exc_tuple: ExceptionTuple | None = None, *place: Any, **more: Any) -> None:
@@ -61,11 +52,7 @@ def tell_briefly(
 
 
 def let_stop_repeat() -> None:
-    """Have each further press of Stop cancel the cell that is running once more.
-
-    Of a cell with `await`, ipykernel cancels the task at the first press and never again. Code may keep that to
-    itself: `asyncio.wait_for` does until Python 3.11, when it comes together with what was waited for.
-    """
+    """Have each further press of Stop cancel the cell that is running once more."""
     if threading.current_thread() is not threading.main_thread():
         return
     first = signal.getsignal(signal.SIGINT)

@@ -10,10 +10,7 @@ _LAST = 20  # lines shown of what was left out
 
 
 class CellLimit:
-    """What the running cell has printed to one stream.
-
-    Lines beyond the limit are left out; the last ones of them are shown when the cell ends.
-    """
+    """What the running cell has printed to one stream."""
 
     def __init__(self) -> None:
         self.begin()

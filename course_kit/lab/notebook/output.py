@@ -24,15 +24,7 @@ _LAST = 100  # lines beyond these: the last ones say how it ended
 
 
 class Output:
-    """The queue between callbacks and the notebook.
-
-    Attributes:
-        queued: whether lines wait for `drain`; otherwise they are written as they come.
-        pumps: called first by `drain`: they put what has arrived from elsewhere.
-        on_put: called when a line has been put.
-        in_cell: calls a function that writes, so that what it writes is filed under the cell that runs.
-        producers: identifiers of the threads that run callbacks: they put, and never write what others have put.
-    """
+    """The queue between callbacks and the notebook."""
 
     def __init__(self) -> None:
         self.queued = False
@@ -88,10 +80,7 @@ class Output:
         self._news.wait(timeout)
 
     def drain(self) -> None:
-        """Write everything queued, on the calling thread, unless that is one of the producers.
-
-        What another thread is writing meanwhile is waited for: whoever collects the output has all of it then.
-        """
+        """Write everything queued, on the calling thread, unless that is one of the producers."""
         me = threading.get_ident()
         if me in self.producers or me == self._drainer:  # called by our own print
             return

@@ -15,11 +15,7 @@ if TYPE_CHECKING:
 
 
 def show_all_output(patches: Patches) -> None:
-    """Have pexpect look for output once more when a program has ended.
-
-    Args:
-        patches: takes it back.
-    """
+    """Have pexpect look for output once more when a program has ended."""
     try:
         from pexpect import EOF, spawn
     except ImportError:  # IPython needs it only where there are pseudoterminals

@@ -15,16 +15,7 @@ class Patches:
         self._replaced: list[tuple[Any, str, Any]] = []
 
     def set(self, owner: Any, name: str, replacement: Any) -> Any:
-        """Replace an attribute of a module, a class or an object.
-
-        Returns:
-            what was there before.
-
-        Args:
-            owner: the module, class or object.
-            name: the attribute.
-            replacement: what it is to be.
-        """
+        """Replace an attribute of a module, a class or an object."""
         before = getattr(owner, name)
         own = vars(owner).get(name, _MISSING)
         self._replaced.append((owner, name, own))
@@ -42,11 +33,7 @@ class Patches:
 
 
 def quieten_finalizers(patches: Patches) -> None:
-    """Keep an executor that is collected from complaining about what is gone already; nobody could do anything then.
-
-    rclpy's finalizer destroys a part of the executor. Python may have collected that part before it: both belong to a
-    circle of objects, which are finalized in any order. And an executor that could not be made does not have the part.
-    """
+    """Keep an executor that is collected from complaining about what is gone already; nobody could do anything then."""
     from rclpy.exceptions import InvalidHandle
     from rclpy.executors import Executor
 

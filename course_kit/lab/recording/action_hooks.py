@@ -49,12 +49,7 @@ def where_of(server: ActionServer) -> Where | None:
 
 
 class ActionHooks:
-    """Wraps the methods of rclpy's action clients and servers.
-
-    Args:
-        hooks: what it reports through.
-        patches: takes it back.
-    """
+    """Wraps the methods of rclpy's action clients and servers."""
 
     def __init__(self, hooks: MessageHooks, patches: Patches) -> None:
         self._hooks = hooks

@@ -18,11 +18,7 @@ __all__ = ["Recording", "attach"]
 
 
 def attach(lab: Lab | None = None) -> Recording:
-    """Record from now on, in the given lab or the current one.
-
-    Returns:
-        the recording; the lab's own one if there is one already.
-    """
+    """Record from now on, in the given lab or the current one."""
     from course_kit import lab as labs
 
     target = lab or labs.current()

@@ -27,16 +27,7 @@ _SENT = {sent: taken for taken, (sent, _) in _TAKEN_IN.items()}
 
 @dataclass
 class Busy:
-    """A thread inside a callback, without a pause.
-
-    Attributes:
-        lane: the thread, as people know it.
-        node: whose callback it is.
-        label: what it does.
-        begin: in nanoseconds.
-        end: the same; None while it runs.
-        failed: whether it raised.
-    """
+    """A thread inside a callback, without a pause."""
 
     lane: str
     node: str
@@ -47,13 +38,7 @@ class Busy:
 
 
 class MessageWait(NamedTuple):
-    """Something sent that nobody had taken in yet.
-
-    Attributes:
-        label: what it is.
-        begin: when it was sent, in nanoseconds.
-        end: when it was taken in; None if it never was.
-    """
+    """Something sent that nobody had taken in yet."""
 
     label: str
     begin: int
@@ -61,12 +46,7 @@ class MessageWait(NamedTuple):
 
 
 def busy_times(events: Iterable[Event], own_process: int) -> list[Busy]:
-    """What each thread was busy with, in the order of time.
-
-    Args:
-        events: those of `SPAN_KINDS` count.
-        own_process: the number of this process; threads of another one are those of a script.
-    """
+    """What each thread was busy with, in the order of time."""
     open_spans: dict[tuple[int, int], Busy] = {}
     found: list[Busy] = []
     lanes: dict[tuple[int, int], str] = {}
@@ -104,13 +84,7 @@ def _lane(event: Event, own_process: int, lanes: dict[tuple[int, int], str]) -> 
 
 
 def waiting_times(events: Iterable[Event], busy: Sequence[Busy], least: int) -> list[MessageWait]:
-    """What was never taken in, or waited for a thread that was busy.
-
-    Args:
-        events: in the order of time.
-        busy: what threads were busy with. What waits while its receiver is idle is only on its way.
-        least: nanoseconds; shorter waits are left out.
-    """
+    """What was never taken in, or waited for a thread that was busy."""
     sent: dict[tuple[str, str, int], Event] = {}
     found = []
     for event in events:

@@ -43,12 +43,7 @@ _END = re.compile(r"\b(e)(nd)\b", re.IGNORECASE)
 
 
 class Diagram:
-    """A sequence diagram that a notebook displays.
-
-    Attributes:
-        arrows: what is drawn.
-        left_out: how many earlier arrows are not.
-    """
+    """A sequence diagram that a notebook displays."""
 
     def __init__(self, arrows: Sequence[Arrow], left_out: int = 0) -> None:
         self.arrows = list(arrows)

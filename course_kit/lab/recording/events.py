@@ -40,20 +40,7 @@ KINDS: frozenset[str] = frozenset(get_args(Kind))
 
 
 class Event(NamedTuple):
-    """One thing seen at the boundary between a node and the middleware.
-
-    Attributes:
-        kind: what happened.
-        node: fully qualified name of the node it happened in, "lab" for the lab's own calls.
-        channel: full name of the service, topic or action.
-        type_name: e.g. "std_srvs/srv/Trigger".
-        value: a plain copy of the message (see `ros.showing`), or text for failures; for the answer to a goal and to a
-            cancel request whether it was "accepted", for a result its "status" and the "result"; for a callback that
-            begins "what" it is, and the "thread", its "ident" and "process".
-        sequence: the client's number of the request; a goal's identifier as a number; the number of a callback's
-            run in its process; 0 for topics.
-        at: CLOCK_MONOTONIC in nanoseconds, comparable between the processes of one machine.
-    """
+    """One thing seen at the boundary between a node and the middleware."""
 
     kind: Kind
     node: str
@@ -83,15 +70,7 @@ class EventStream:
         self._observers = tuple(one for one in self._observers if one != observer)
 
     def emit(self, kind: Kind, where: tuple[str, str, str], message: object, sequence: int = 0, at: int = 0) -> None:
-        """Report something that happened now, or at `at`; `where` is node, channel and type name.
-
-        Args:
-            kind: what happened.
-            where: node, channel and type name.
-            message: what crossed.
-            sequence: which request it belongs to.
-            at: when, in nanoseconds of the monotonic clock; now when 0.
-        """
+        """Report something that happened now, or at `at`; `where` is node, channel and type name."""
         if self._observers:
             self.forward(Event(kind, *where, snapshot(message), sequence, at or time.monotonic_ns()))
 

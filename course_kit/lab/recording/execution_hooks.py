@@ -20,12 +20,7 @@ if TYPE_CHECKING:
 
 
 def hook_execution(patches: Patches, hooks: MessageHooks) -> None:
-    """Have execute callbacks of goals reported, wherever they run.
-
-    Args:
-        patches: takes it back. What decides on which thread they run has to be there already.
-        hooks: knows what nodes are called, and reports.
-    """
+    """Have execute callbacks of goals reported, wherever they run."""
     from rclpy.action import ActionServer
 
     execute_goal = ActionServer._execute_goal  # noqa: SLF001 - all of a server's goals pass here

@@ -39,11 +39,7 @@ _SILENT_TOPICS = frozenset({"/parameter_events", "/rosout", "/_lab/nodes", "/_la
 
 
 class WrongResponseError(TypeError):
-    """A service callback returned something that is not its service's response.
-
-    Attributes:
-        what: the part of the message after "the service callback".
-    """
+    """A service callback returned something that is not its service's response."""
 
     def __init__(self, returned: object, service_type: ServiceType) -> None:
         self.what = _wrong_response(returned, service_type)
@@ -66,14 +62,7 @@ class WrongResultError(WrongResponseError):
 
 
 class MessageHooks:
-    """Sees messages cross and reports them to `events`.
-
-    Attributes:
-        aliases: what to call a node, by its fully qualified name.
-        direct: clients whose futures may be completed at once, on the executor's thread, because nobody but the
-            lab waits for them; saves a turn of the executor for each call.
-        on_delivery: called with a subscription when its callback has had a message.
-    """
+    """Sees messages cross and reports them to `events`."""
 
     def __init__(self, events: EventStream) -> None:
         self.events = events

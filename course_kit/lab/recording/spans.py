@@ -34,13 +34,7 @@ class CallbackSpans:
         self._counting = threading.Lock()
 
     def around(self, work: Work, where: Where, what: str) -> Work:
-        """The same work, reported while it runs.
-
-        Args:
-            work: a function that makes a coroutine.
-            where: node, channel and type name.
-            what: what is called, such as "service".
-        """
+        """The same work, reported while it runs."""
         if not self._events or is_of_every_node(where[1]):
             return work
 

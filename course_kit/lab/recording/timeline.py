@@ -33,19 +33,7 @@ _MILLISECOND = 1_000_000
 
 
 class TimelineBar(NamedTuple):
-    """A bar of the drawing.
-
-    Attributes:
-        kind: "busy", "failed" or "waits".
-        x: its left end.
-        y: its upper end.
-        width: how long it is.
-        text: above it.
-        anchor: where the text's x is: at its "start" or its "end".
-        text_x: where the text stands.
-        words: what it is, with the times.
-        is_open: whether it has not ended.
-    """
+    """A bar of the drawing."""
 
     kind: str
     x: int
@@ -59,16 +47,7 @@ class TimelineBar(NamedTuple):
 
 
 class Timeline:
-    """Time lines that a notebook displays.
-
-    Args:
-        events: what has crossed, oldest first.
-        spans: when callbacks have begun and ended, oldest first.
-
-    Attributes:
-        busy: what threads were busy with.
-        waiting: what waited to be taken in.
-    """
+    """Time lines that a notebook displays."""
 
     def __init__(self, events: Sequence[Event], spans: Sequence[Event]) -> None:
         self.busy: list[Busy] = busy_times(spans, os.getpid())[-_DRAWN:]

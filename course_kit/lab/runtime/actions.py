@@ -53,13 +53,7 @@ def _hold(patches: Patches, owner: Any, method: str, lock: AbstractContextManage
 
 
 def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[BaseException, Turn], None]) -> None:
-    """Have goals executed by `executions`, and `crashed` told of what raises.
-
-    Args:
-        patches: takes it back.
-        executions: execute them.
-        crashed: told of an error, and of the callback that has raised it.
-    """
+    """Have goals executed by `executions`, and `crashed` told of what raises."""
     execute_goal = ActionServer._execute_goal  # noqa: SLF001 - all of a server's goals pass here, however they are begun
 
     async def execute_goal_apart(
@@ -87,11 +81,7 @@ def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[B
 async def _result(
     executions: Executions, server: ActionServer, execute_callback: Execute, handle: ServerGoalHandle
 ) -> Message:
-    """What an execute callback returns.
-
-    Raises:
-        WrongResultError: it is no result; rclpy fails on that so late that the client never hears of it.
-    """
+    """What an execute callback returns."""
     if executions.runs(server._node):  # noqa: SLF001 - as above
         result = await executions.run(server, execute_callback, handle)
     elif inspect.iscoroutinefunction(execute_callback):

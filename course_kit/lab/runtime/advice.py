@@ -25,13 +25,7 @@ _GIVEN_TO = {  # what rclpy calls a callback with, by the class of what it belon
 
 
 def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str:
-    """A sentence or two; empty where there is nothing to add.
-
-    Args:
-        error: what was raised.
-        node: in whose callback; found in the traceback where it is not given.
-        entity: the service, timer... the callback belongs to.
-    """
+    """A sentence or two; empty where there is nothing to add."""
     text = error_text(error)
     node = node if node is not None else node_in(error)
     if isinstance(error, TypeError) and (found := _ARGUMENTS.search(text)):

@@ -34,16 +34,7 @@ _NOT_THE_LEARNERS = tuple(
 
 
 class Crash(NamedTuple):
-    """What is known about a callback that failed; text only, so that no frame is kept alive.
-
-    Attributes:
-        node: the node's name, or "" if it cannot be told.
-        callback: the function's name, or "".
-        error: e.g. "raised ZeroDivisionError: division by zero", or what it returned in place of a response.
-        place: e.g. "In[3], line 9" or "server.py, line 9", or "".
-        source: that line, stripped.
-        advice: what the error means and what to write, or "".
-    """
+    """What is known about a callback that failed; text only, so that no frame is kept alive."""
 
     node: str
     callback: str
@@ -64,13 +55,7 @@ class Crash(NamedTuple):
 
 
 def own_line(filename: str, number: int, locate: Locate) -> tuple[str, str]:
-    """How to call a line of the learner's, and its text.
-
-    Args:
-        filename: as a frame has it.
-        number: of the line.
-        locate: what a notebook's cell is called, by its file name.
-    """
+    """How to call a line of the learner's, and its text."""
     place = locate(filename) or Path(filename).name
     return f"{place}, line {number}", linecache.getline(filename, number).strip()
 
@@ -81,14 +66,7 @@ def is_own(filename: str) -> bool:
 
 
 def examine(error: BaseException, entity: Any, node: Node | None, locate: Locate) -> Crash:
-    """Find out about an error while its traceback is there.
-
-    Args:
-        error: what a callback raised.
-        entity: the service, subscription, timer... it was called for, or the turn of one that was called for none.
-        node: its node, or None.
-        locate: the name a file has for the learner, such as "In[3]" for a cell.
-    """
+    """Find out about an error while its traceback is there."""
     frames = [(frame, number) for frame, number in traceback.walk_tb(error.__traceback__)]
     own = [(frame, number) for frame, number in frames if is_own(frame.f_code.co_filename)]
     callback = getattr(entity, "callback", None)

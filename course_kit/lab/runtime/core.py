@@ -29,15 +29,7 @@ if TYPE_CHECKING:
 
 
 class Lab:
-    """Nodes, scripts and calls of one process.
-
-    Making one costs nothing; ROS starts when it is first needed. `close` ends it; at interpreter exit that
-    happens by itself.
-
-    Attributes:
-        events: told what crosses between nodes.
-        output: what callbacks and scripts have printed.
-    """
+    """Nodes, scripts and calls of one process."""
 
     def __init__(self) -> None:
         self.events = EventStream()
@@ -55,11 +47,7 @@ class Lab:
 
     @property
     def engine(self) -> Engine:
-        """The half of the lab that needs ROS, started on first use.
-
-        Raises:
-            LabError: the lab is closed.
-        """
+        """The half of the lab that needs ROS, started on first use."""
         with self._lock:
             if self._closed:
                 raise LabError("This lab is closed.")
@@ -99,11 +87,7 @@ class Lab:
         return node
 
     def stop(self, target: object = None, /) -> None:
-        """See `course_kit.lab.stop`.
-
-        Raises:
-            LabError: no such node is running.
-        """
+        """See `course_kit.lab.stop`."""
         if self._engine is None:
             nodes = []
         else:
@@ -134,11 +118,7 @@ class Lab:
         return self.engine.surroundings.neighbours.others()
 
     def stop_others(self, title: str | None) -> None:
-        """See `course_kit.lab.stop_others`.
-
-        Raises:
-            LabError: no such notebook has nodes here, or one has not stopped them.
-        """
+        """See `course_kit.lab.stop_others`."""
         self._not_in_callback("lab.stop_others()")
         others = [one for one in self.others() if title is None or one.title == title]
         if title is not None and not others:
@@ -163,10 +143,7 @@ class Lab:
         return self.scripts.run(name, source, arguments, mode)
 
     def wait_for_nodes(self, names: list[str], *, there: bool) -> None:
-        """Wait until the nodes of a script are on the graph as this process sees it, or are not; with a deadline.
-
-        A server that was killed stays visible for the 2 s of its lease; calling it meanwhile would wait for nothing.
-        """
+        """Wait until the nodes of a script are on the graph as this process sees it, or are not; with a deadline."""
         if self._engine is not None and not self._engine.in_callback():
             graph.wait_for_nodes(self._engine.node, names, {live.name for live in self._engine.nodes}, there=there)
 

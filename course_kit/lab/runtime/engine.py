@@ -52,18 +52,7 @@ _LAST_JOIN = 2.0  # the same at the end of the lab
 
 
 class Engine:
-    """Everything of a lab that needs rclpy.
-
-    Args:
-        events: told what crosses.
-        output: takes what callbacks say.
-        notebook: where someone may read along, and want to be told that `rclpy.init()` was not needed.
-        found: which features of the lab this rclpy allows.
-
-    Attributes:
-        on_server_gone: called before a caller is told that its server went away.
-        guests: nodes that others spin in this lab's context; their clients, too, are told when a callback fails.
-    """
+    """Everything of a lab that needs rclpy."""
 
     def __init__(self, events: EventStream, output: Output, notebook: Notebook, found: Compatibility) -> None:
         self.output = output

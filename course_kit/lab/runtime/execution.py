@@ -39,21 +39,7 @@ if TYPE_CHECKING:
 
 
 class Execution:
-    """One goal that is being executed.
-
-    Args:
-        node: the server's node.
-        callback: the execute callback.
-        goal_handle: for the callback.
-        wake: called when it has ended.
-
-    Attributes:
-        node: the server's node.
-        callback: the execute callback.
-        begun: when, by time.monotonic.
-        stopped: whether its node has been stopped.
-        afterwards: called on the lab's thread when it has ended and its goal as well.
-    """
+    """One goal that is being executed."""
 
     def __init__(self, node: Node, callback: Execute, goal_handle: ServerGoalHandle, wake: Callable[[], None]) -> None:
         self.node = node
@@ -142,11 +128,7 @@ class Execution:
             steps.close()
 
     def _wait_for(self, awaited: Any) -> Generator[Any, None, None]:
-        """Wait for what a step awaits, or until it is stopped.
-
-        From rclpy 7.1.9 on a step that awaits a future yields it, and must not go on before that is done; until then
-        it yields None, and may be asked again at any time.
-        """
+        """Wait for what a step awaits, or until it is stopped."""
         if not isinstance(awaited, Future):
             yield
             return
@@ -162,12 +144,7 @@ class Execution:
 
 
 class Executions:
-    """The goals that are being executed in one lab.
-
-    Args:
-        executor: the lab's.
-        output: takes what the callbacks print.
-    """
+    """The goals that are being executed in one lab."""
 
     def __init__(self, executor: LabExecutor, output: Output) -> None:
         self._executor = executor
@@ -179,17 +156,7 @@ class Executions:
         return node.executor is self._executor
 
     async def run(self, server: ActionServer, callback: Execute, goal_handle: ServerGoalHandle) -> Message:
-        """Execute a goal.
-
-        Args:
-            server: the action server.
-            callback: its execute callback.
-            goal_handle: of the goal.
-
-        Raises:
-            CallbackStopped: its node was stopped.
-            BaseException: what the callback has raised.
-        """
+        """Execute a goal."""
         node = server._node  # noqa: SLF001 - rclpy has no other way to it
         execution = Execution(node, callback, goal_handle, self._executor.wake)
         self._running[execution] = None
@@ -212,11 +179,7 @@ class Executions:
         return next((one for one in list(self._running) if one.node is node), None)
 
     def stop(self, nodes: Iterable[Node]) -> list[threading.Thread]:
-        """Have the executions of these nodes end.
-
-        Returns:
-            their threads, except the caller's own.
-        """
+        """Have the executions of these nodes end."""
         ending = [one for one in list(self._running) if any(one.node is node for node in nodes)]
         for one in ending:
             one.stop()
@@ -226,10 +189,7 @@ class Executions:
 
 
 def abort_goals(nodes: Iterable[Node]) -> None:
-    """Abort the goals of these nodes' action servers that have not ended, and have their results sent; both at once.
-
-    For a node that is about to be destroyed, which would leave their clients without any answer.
-    """
+    """Abort the goals of these nodes' action servers that have not ended, and have their results sent; both at once."""
     for node in nodes:
         for server in list(getattr(node, "waitables", ())):
             if isinstance(server, ActionServer):

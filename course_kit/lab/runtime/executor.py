@@ -34,15 +34,7 @@ _BREATH = 0.1  # seconds between attempts while the middleware itself fails
 
 
 class Turn(NamedTuple):
-    """The callback that is running.
-
-    Attributes:
-        entity: what it was called for; None for a future's callback and for the execution of a goal.
-        node: its node.
-        since: when it began, by time.monotonic.
-        callback: of a goal, such as its execute callback.
-        follows: what its error has led to, when that is seen to already.
-    """
+    """The callback that is running."""
 
     entity: Any
     node: Node | None
@@ -52,17 +44,7 @@ class Turn(NamedTuple):
 
 
 class LabExecutor(Executor):
-    """Runs callbacks one after the other on the thread that calls `run`.
-
-    Differs from rclpy's SingleThreadedExecutor in what happens when a callback raises: it is reported and the
-    others go on, where rclpy's ends.
-
-    A callback that awaits a future is resumed by its own task until rclpy 7.1.8, from 7.1.9 on by another one, which
-    knows nothing of it. Here it is recognised either way: whose it is while it runs, and what it raises.
-
-    Attributes:
-        turned: set whenever a callback has ended or awaits something.
-    """
+    """Runs callbacks one after the other on the thread that calls `run`."""
 
     def __init__(self, context: Context, failures: Failures) -> None:
         super().__init__(context=context)

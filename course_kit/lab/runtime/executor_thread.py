@@ -34,12 +34,7 @@ _JOIN = 2.0  # seconds a callback is given to end
 
 
 class ExecutorThread:
-    """Owns the context, the executor and the thread.
-
-    Attributes:
-        context: an rclpy Context of its own, without signal handlers: the interrupt button belongs to the notebook.
-        executor: the LabExecutor on that context.
-    """
+    """Owns the context, the executor and the thread."""
 
     def __init__(self, ros_arguments: list[str], hooks: MessageHooks, failures: Failures, found: Compatibility) -> None:
         # Where the default context cannot be replaced by ours, ours is that one.
@@ -64,12 +59,7 @@ class ExecutorThread:
         return threading.current_thread() is self._thread
 
     def run_between_callbacks(self, function: Callable[[], object], deadline: float) -> bool:
-        """Run `function` on the thread while no callback is running.
-
-        Returns:
-            False if it has not run within `deadline` seconds, because a callback does not end. It runs later then,
-            should that callback end after all; so it must be harmless if the caller has done its work meanwhile.
-        """
+        """Run `function` on the thread while no callback is running."""
         if self.is_current_thread():
             function()
             return True
@@ -87,11 +77,7 @@ class ExecutorThread:
         return done.wait(deadline)
 
     def ask(self, function: Callable[[], ResultT], deadline: float) -> ResultT:
-        """Return what `function` returns on the thread, between two callbacks; what it raises is raised here.
-
-        Raises:
-            NoAnswerError: a callback runs and does not end within `deadline` seconds; the function does not run then.
-        """
+        """Return what `function` returns on the thread, between two callbacks; what it raises is raised here."""
         outcome: list[ResultT] = []
         raised: list[BaseException] = []
         late = False
@@ -121,11 +107,7 @@ class ExecutorThread:
             )
 
     def close(self, destroy_nodes: Callable[[], None]) -> bool:
-        """End the thread, then the nodes, then the context.
-
-        Returns:
-            False if a callback could not be ended; the context is left alone then, as it is in use.
-        """
+        """End the thread, then the nodes, then the context."""
         self.executor.request_stop()
         self._thread.join(_JOIN)
         if self._thread.is_alive():

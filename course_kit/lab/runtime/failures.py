@@ -27,14 +27,7 @@ _REPEATS = 3  # times the same error of the same callback is shown in a row
 
 
 class Failures:
-    """Told by the executor of callbacks that fail.
-
-    Args:
-        output: shows what went wrong.
-        locate: the name a file of the learner's has for the learner.
-        hooks: knows whose a service is.
-        lab: knows what runs, and who waits for answers.
-    """
+    """Told by the executor of callbacks that fail."""
 
     def __init__(self, output: Output, locate: Locate, hooks: MessageHooks, lab: Engine) -> None:
         self._output = output
@@ -70,13 +63,7 @@ class Failures:
         self._output.put(crash.text(ending), "stderr")
 
     def request_failed(self, service: Service, sequence: int, error: BaseException) -> None:
-        """Give the one who waits for this answer an error, if it is a client in this lab.
-
-        Args:
-            service: the service's object.
-            sequence: the request's number.
-            error: what was raised.
-        """
+        """Give the one who waits for this answer an error, if it is a client in this lab."""
         turn = self._lab.turn()
         if turn is not None:  # before its caller goes on, so that the two are shown in this order
             self.callback_crashed(error, Turn(service, turn.node, turn.since))

@@ -35,12 +35,7 @@ _IN_A_PROGRAM = ". In a separate program this would end the server, and the clie
 
 
 def answer_for_broken_ones(patches: Patches, crashed: Callable[[BaseException, Turn], None]) -> None:
-    """Have `crashed` told of what raises, and the client answered.
-
-    Args:
-        patches: takes it back.
-        crashed: told of an error, of the callback that has raised it, and of what follows from it.
-    """
+    """Have `crashed` told of what raises, and the client answered."""
     _guard(patches, "register_goal_callback", crashed, lambda *_: (_REJECTED, lambda: GoalResponse.REJECT))
     _guard(patches, "register_cancel_callback", crashed, lambda *_: (_REFUSED, lambda: CancelResponse.REJECT))
     _guard(patches, "register_handle_accepted_callback", crashed, _abort)

@@ -38,13 +38,7 @@ _OF_EVERY_NODE = "/parameter_events"
 
 
 class OtherNotebook(NamedTuple):
-    """Another notebook, or a program with a lab, that has nodes on this graph.
-
-    Attributes:
-        title: the notebook's file, such as "02_actions.ipynb".
-        nodes: the full names of its nodes, its scripts' included.
-        key: by which it is told to stop: the full name of its hidden node.
-    """
+    """Another notebook, or a program with a lab, that has nodes on this graph."""
 
     title: str
     nodes: tuple[str, ...]
@@ -55,13 +49,7 @@ class OtherNotebook(NamedTuple):
 
 
 class Neighbours:
-    """What one lab knows of the others.
-
-    Args:
-        node: the lab's hidden one.
-        title: what others call this notebook.
-        stop: called on a thread of its own when another notebook asks for it, with that one's title.
-    """
+    """What one lab knows of the others."""
 
     def __init__(self, node: Node, title: str, stop: Callable[[str], None]) -> None:
         self._node = node
@@ -102,15 +90,7 @@ class Neighbours:
         return bool(others & of_node)
 
     def answering(self, role: graph.Role, name: str) -> str:
-        """Whose server answers where none of this notebook does; told once, until some notebook has other nodes.
-
-        Args:
-            role: `graph.SERVES` or `graph.RUNS`.
-            name: the full name of the service or action.
-
-        Returns:
-            such as "robot of 02_actions.ipynb"; empty where it is this notebook's or no notebook's.
-        """
+        """Whose server answers where none of this notebook does; told once, until some notebook has other nodes."""
         if not self._heard or (role, name) in self._asked:
             return ""
         self._asked.add((role, name))
@@ -123,11 +103,7 @@ class Neighbours:
         return any(use.channel == name for use in graph.uses_of(self._node, node, role))
 
     def stop(self, others: list[OtherNotebook]) -> list[OtherNotebook]:
-        """Have others stop their nodes, and wait until they have.
-
-        Returns:
-            those that have not within some seconds: a callback of theirs does not end, or their kernel hangs.
-        """
+        """Have others stop their nodes, and wait until they have."""
         keys = {one.key for one in others}
         for key in keys:
             self._stop_out.publish(String(data=json.dumps({"key": key, "by": self._title})))

@@ -40,14 +40,7 @@ _BETWEEN_CALLBACKS = 1.0  # seconds a running callback may take before its node 
 
 @dataclass(eq=False)
 class LiveNode:
-    """A started node.
-
-    Attributes:
-        node: the learner's object.
-        node_class: the class it was started from.
-        arguments: what it was started with.
-        helpers: further nodes its `__init__` made; they end with it.
-    """
+    """A started node."""
 
     node: Node
     node_class: type
@@ -111,16 +104,7 @@ class Nodes:
         patches.set(Node, "__init__", initialise)
 
     def start(self, node_class: type, arguments: tuple[object, ...], options: dict[str, Any]) -> Any:
-        """Make a node and run it, in place of the ones it follows.
-
-        Args:
-            node_class: the class.
-            arguments: for its `__init__`.
-            options: those by name.
-
-        Raises:
-            LabError: it is no node's class, or does not call `super().__init__`.
-        """
+        """Make a node and run it, in place of the ones it follows."""
         __tracebackhide__ = True  # IPython: the learner's own lines are what matters
         _require_node_class(node_class)
         given = (arguments, options)
@@ -212,11 +196,7 @@ class Nodes:
 
 
 class NodeList(list[LiveNode]):
-    """Live nodes that print as a list of what each offers.
-
-    Attributes:
-        others: other notebooks that have nodes on this graph; they print after the nodes.
-    """
+    """Live nodes that print as a list of what each offers."""
 
     others: list[OtherNotebook]
 

@@ -19,13 +19,7 @@ _SLOW = 3.0  # seconds
 
 @contextmanager
 def told_if_slow(node_class: object, locate: Locate, tell: Callable[[str], None]) -> Iterator[None]:
-    """Say where `__init__` is when it takes longer than any needs.
-
-    Args:
-        node_class: whose.
-        locate: what a notebook's cell is called, by its file name.
-        tell: shows a line, from another thread.
-    """
+    """Say where `__init__` is when it takes longer than any needs."""
     starting = threading.get_ident()
 
     def look() -> None:

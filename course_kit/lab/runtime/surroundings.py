@@ -30,19 +30,7 @@ _GOALS = "/_action/send_goal"
 
 
 class Surroundings:
-    """Tells other notebooks of this one's nodes, and the learner of theirs.
-
-    Other programs are found some time after a node is made, so a thread looks for some seconds after each start.
-
-    Args:
-        lab: whose nodes; shows what is found.
-        title: what others call this notebook.
-
-    Attributes:
-        neighbours: other notebooks.
-        on_stop_asked: called, on a thread of its own, when another notebook asks this one to stop its nodes.
-        script_nodes: tells the full names of the nodes of scripts, each with the script's name.
-    """
+    """Tells other notebooks of this one's nodes, and the learner of theirs."""
 
     def __init__(self, lab: Engine, title: str) -> None:
         self.on_stop_asked: Callable[[str], None] = lambda _: None

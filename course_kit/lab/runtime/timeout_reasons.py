@@ -20,13 +20,7 @@ if TYPE_CHECKING:
 
 
 class Running(NamedTuple):
-    """What runs on a thread of the lab.
-
-    Attributes:
-        turn: the callback, if one is running.
-        thread_id: the thread's identifier.
-        unfinished: the services, timers... whose callbacks have begun and not ended.
-    """
+    """What runs on a thread of the lab."""
 
     turn: Turn | None
     thread_id: int
@@ -34,14 +28,7 @@ class Running(NamedTuple):
 
 
 def no_answer(nodes: Iterable[LiveNode], running: Running, service: str, locate: Locate) -> str:
-    """What is known about a service's server that does not answer.
-
-    Args:
-        nodes: the lab's.
-        running: the callback that is running, if any.
-        service: its full name.
-        locate: what a notebook's cell is called, by its file name.
-    """
+    """What is known about a service's server that does not answer."""
     if running.turn is not None and running.turn.entity is not None:
         return f"{_still_in(running, locate)}; while a callback runs, no other does."
     for live in nodes:
@@ -60,15 +47,7 @@ def no_answer(nodes: Iterable[LiveNode], running: Running, service: str, locate:
 
 
 def no_result(nodes: Iterable[LiveNode], running: Running, action: str, locate: Locate, executions: Executions) -> str:
-    """What is known about an action server that does not answer.
-
-    Args:
-        nodes: the lab's.
-        running: the callback that is running, if any.
-        action: its full name.
-        locate: what a notebook's cell is called, by its file name.
-        executions: the execute callbacks.
-    """
+    """What is known about an action server that does not answer."""
     if running.turn is not None and running.turn.entity is not None:
         return f"{_still_in(running, locate)}; while a callback runs, no other does."
     for live in nodes:

@@ -166,16 +166,7 @@ def _is_action(waitable: object) -> bool:
 
 
 def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:
-    """Run the program.
-
-    Args:
-        path: its file.
-        arguments: its command line.
-        interrupts: knows whether somebody has interrupted it.
-
-    Returns:
-        its exit code.
-    """
+    """Run the program."""
     sys.argv = [path, *arguments]
     sys.path[0] = os.getcwd()  # noqa: PTH109 - sys.path takes strings
     threading.excepthook = lambda failure: _report_thread(failure, path)
@@ -202,11 +193,7 @@ def _report_thread(failure: threading.ExceptHookArgs, path: str) -> None:
 
 
 def own_traceback(error: BaseException, path: str) -> str:
-    """The traceback with the lines of the program itself, under its plain name.
-
-    It looks the same on every Python: without the marks below a line, which Python 3.10 does not have, and which later
-    versions draw in different ways.
-    """
+    """The traceback with the lines of the program itself, under its plain name."""
     report = traceback.TracebackException.from_exception(error)
     for part in _chain(report):
         own = [frame for frame in part.stack if frame.filename == path]

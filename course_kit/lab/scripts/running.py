@@ -54,18 +54,7 @@ class Scripts:
         self._reader.start()
 
     def run(self, name: str, source: str, arguments: tuple[str, ...], mode: str, runner: str = _RUNNER) -> Script:
-        """Start a program in place of the one of this name; returns as `mode` says.
-
-        Args:
-            name: as for `course_kit.lab.script`.
-            source: as for `course_kit.lab.script`.
-            arguments: its command line.
-            mode: as for `course_kit.lab.script`.
-            runner: the module that becomes the program; see `course_kit.lab.scripts.child_main` for what it is told.
-
-        Raises:
-            ScriptError: the name cannot be a file's name, or the mode is unknown.
-        """
+        """Start a program in place of the one of this name; returns as `mode` says."""
         name = checked_name(name)
         if mode not in get_args(Mode):
             raise ScriptError(f"The mode is one of {', '.join(get_args(Mode))}, not {mode!r}.")
@@ -80,11 +69,7 @@ class Scripts:
         return script
 
     def stop(self, name: str | None) -> None:
-        """End one program, or all.
-
-        Raises:
-            ScriptError: no program of this name is running.
-        """
+        """End one program, or all."""
         if name is not None:
             name = checked_name(name)
             if name not in self._running:

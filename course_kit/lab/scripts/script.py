@@ -14,16 +14,7 @@ if TYPE_CHECKING:
 
 
 class Script:
-    """A running program.
-
-    Attributes:
-        name: what the learner calls it.
-        process: the child.
-        nodes: fully qualified names of the nodes it has made.
-        spins: "server" or "client" once its nodes are being spun.
-        stopping: whether we have asked it to end.
-        follower: the thread that waits for its end.
-    """
+    """A running program."""
 
     def __init__(self, name: str, process: Child) -> None:
         self.name = name
