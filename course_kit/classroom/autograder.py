@@ -25,21 +25,7 @@ _STUDENT = "submission"  # there is only one, and the platform knows who
 
 
 def grade(exercise_id: str, path: Path, *, seed: int | None = None, require_isolation: bool = False) -> Record:
-    """Grade a file, or what is found in a folder by the rules of a class's intake.
-
-    Args:
-        exercise_id: which exercise.
-        path: the file or folder.
-        seed: what the checks draw from; drawn when None.
-        require_isolation: refuse to run a submission where it would not be fully isolated.
-
-    Returns:
-        the result; one of status unreadable where the folder holds no submission of the exercise.
-
-    Raises:
-        GradingError: usage, or a fault that is not the student's: it could not be graded.
-        OSError: the folder cannot be copied.
-    """
+    """Grade a file, or what is found in a folder by the rules of a class's intake."""
     task = exercise.load(exercise_id)
     if seed is None:  # drawn here, for the result to tell it
         seed = secrets.randbits(31) if task.seed is None else task.seed
@@ -58,11 +44,7 @@ def grade(exercise_id: str, path: Path, *, seed: int | None = None, require_isol
 
 
 def _record(task: Exercise, source: str, report: Report, seed: int) -> Record:
-    """The result as a class's exports take it.
-
-    Raises:
-        GradingError: the grader itself has failed, which is no grade.
-    """
+    """The result as a class's exports take it."""
     if report.status == "error":
         raise GradingError(f"The grader itself failed, which is no fault of the submission: {report.problem}")
     entry = Entry("", task.id, source)

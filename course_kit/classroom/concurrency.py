@@ -36,11 +36,7 @@ _REMEMBERED = 50  # gradings that have ended
 
 
 class Urgency(IntEnum):
-    """What may last begins early, so that nothing waits for it at the end.
-
-    A class's endless programs are also those that take all the memory they may. So most of them begin before those that
-    wait: more run side by side once some of these do.
-    """
+    """What may last begins early, so that nothing waits for it at the end."""
 
     LOOPS = 0
     WAITS = 1
@@ -78,15 +74,6 @@ class Turns:
         *,
         most_that_wait: int = 0,
     ) -> None:
-        """Start the threads.
-
-        Args:
-            grade: does a task.
-            usual: so many are done side by side.
-            most: so many when processors idle.
-            most_that_wait: so many when processors idle because most gradings wait; `most` if that is more.
-            idle: what share of the processors' time was idle since it was asked last, 0 to 1; this machine's if None.
-        """
         self._grade = grade
         self._usual, self._most, self._most_that_wait = usual, most, max(most, most_that_wait)
         self._idle = idle or IdleShare()

@@ -19,17 +19,7 @@ if TYPE_CHECKING:
 
 
 def look(plan: Plan, stopped: Callable[[], bool] = lambda: False) -> Intake:
-    """Find the submissions and write their table into the output folder; nothing else is written there.
-
-    Args:
-        plan: what would be graded.
-        stopped: asked now and then whether to stop.
-
-    Raises:
-        GradingError: there is nothing that can be read, or one of the folders lies in the other.
-        KeyboardInterrupt: somebody has asked to stop.
-        OSError: the table cannot be written.
-    """
+    """Find the submissions and write their table into the output folder; nothing else is written there."""
     require_folders_apart(plan.sources, plan.out)
     with tempfile.TemporaryDirectory(prefix="course-kit-intake-") as folder:
         try:

@@ -46,11 +46,7 @@ class Executor(Protocol):
         """Have a task done some time."""
 
     def require_reachable(self) -> None:
-        """See that tasks can still come back.
-
-        Raises:
-            SchedulerLostError: they cannot.
-        """
+        """See that tasks can still come back."""
 
     def close(self) -> None:
         """Stop; what is under way is given up."""
@@ -66,14 +62,6 @@ class Local:
     def __init__(
         self, workers: int | None = None, graders: Sequence[str] = (), promised: Sequence[Limits] = ()
     ) -> None:
-        """Start the workers.
-
-        Args:
-            workers: how many at work; when None as many as fit this machine. While processors idle there are more, and
-                never more than it has processes for.
-            graders: modules of checks that they will need, as far as that is known: loaded once for all of them.
-            promised: what submissions may use.
-        """
         most = min(map(needs.side_by_side, promised), default=sys.maxsize)
         usual = min(workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0)), most)
         idle = min(_MORE_WHEN_IDLE * usual, most)
@@ -101,11 +89,6 @@ class Cluster:
     """Workers on the machines of a Dask cluster; each of them needs the course kit of this version."""
 
     def __init__(self, address: str) -> None:
-        """Connect to a scheduler such as `tcp://10.0.0.1:8786`.
-
-        Raises:
-            GradingError: there is none, it has no workers, or Dask is not installed.
-        """
         try:
             import distributed
         except ImportError as problem:

@@ -20,39 +20,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Gradebook:
-    """The results of a class run.
+    """The results of a class run."""
 
-    Attributes:
-        exercises: the exercises that were set, in the order of the course.
-        records: one for each student and exercise that was handed in, by student and exercise.
-        missing: student and exercise of those who handed in something else only.
-        left: path and reason of each file that is no submission.
-        layout: the layout the submissions were in.
-        seed: what the checks drew from.
-        complete: whether every submission has its record; False after Ctrl-C.
-        root: the folder the entries' sources are relative to; None where they are not at hand.
-        readings: who has read them, and remembers; None where nobody has.
-        odd: student and reason of those whose entry does not fit the layout.
-        dropped: student and reason of those who handed in something of which nothing could be graded, or not all.
-        absent: identifier and name of those on the roster who handed in nothing; they are among `missing`, too.
-        unknown: student and reason of those who do not match the roster.
-        others: who has no submission at all, in entries without exercise and source.
-    """
-
-    exercises: tuple[Exercise, ...]
-    records: tuple[Record, ...]
-    missing: tuple[tuple[str, str], ...] = ()
-    left: tuple[tuple[str, str], ...] = ()
-    layout: str = ""
-    seed: int = 0
-    complete: bool = True
-    root: Path | None = None
-    readings: Readings | None = None
-    odd: tuple[tuple[str, str], ...] = ()
+    exercises: tuple[Exercise, ...]  # the exercises that were set, in the order of the course
+    records: tuple[Record, ...]  # one for each student and exercise that was handed in, by student and exercise
+    missing: tuple[tuple[str, str], ...] = ()  # student and exercise of those who handed in something else only
+    left: tuple[tuple[str, str], ...] = ()  # path and reason of each file that is no submission
+    layout: str = ""  # the layout the submissions were in
+    seed: int = 0  # what the checks drew from
+    complete: bool = True  # whether every submission has its record; False after Ctrl-C
+    root: Path | None = None  # the folder the entries' sources are relative to; None where they are not at hand
+    readings: Readings | None = None  # who has read them, and remembers; None where nobody has
+    odd: tuple[tuple[str, str], ...] = ()  # student and reason of those whose entry does not fit the layout
+    # student and reason of those who handed in something of which nothing could be graded, or not all
     dropped: tuple[tuple[str, str], ...] = ()
+    # identifier and name of those on the roster who handed in nothing; they are among `missing`, too
     absent: tuple[tuple[str, str], ...] = ()
-    unknown: tuple[tuple[str, str], ...] = ()
-    others: tuple[Entry, ...] = ()
+    unknown: tuple[tuple[str, str], ...] = ()  # student and reason of those who do not match the roster
+    others: tuple[Entry, ...] = ()  # who has no submission at all, in entries without exercise and source
 
     @property
     def names(self) -> dict[str, str]:

@@ -52,15 +52,6 @@ class GradingLoop:
         *,
         require_isolation: bool = False,
     ) -> None:
-        """Prepare.
-
-        Args:
-            records: where results are kept.
-            watcher: told how it goes.
-            stops: how often somebody has asked to stop: once, and what is under way is finished; twice, given up.
-            hidden: folders that no submission may see.
-            require_isolation: no submission runs where it is not fully isolated.
-        """
         self._records = records
         self._watcher = watcher
         self._stops = stops
@@ -70,12 +61,7 @@ class GradingLoop:
         self.done: list[Record] = []
 
     def run(self, groups: Sequence[list[Handed]], executor: Executor) -> None:
-        """Grade each group once; those in one are identical. What has its result stands in `done`.
-
-        Raises:
-            OSError: a result could not be written, as on a full disk; those before it are safe.
-            GradingError: the executor can no longer be reached.
-        """
+        """Grade each group once; those in one are identical. What has its result stands in `done`."""
         waiting = iter(groups)
         under_way: dict[Future[Report], list[Handed]] = {}
         stopping = False

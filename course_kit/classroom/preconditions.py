@@ -19,11 +19,7 @@ _NAMED = 3  # things that are there where there is no submission
 
 
 def require_submissions(found: Intake, sources: Sequence[Path], exercises: Sequence[Exercise]) -> None:
-    """See that there is anything to grade.
-
-    Raises:
-        GradingError: there is not.
-    """
+    """See that there is anything to grade."""
     if found.entries:
         return
     seen = [*found.dropped, *found.left][:_NAMED]
@@ -37,11 +33,7 @@ def require_submissions(found: Intake, sources: Sequence[Path], exercises: Seque
 
 
 def require_folders_apart(sources: Sequence[Path], out: Path) -> None:
-    """See that results are not taken for submissions, and that nothing handed in is written over.
-
-    Raises:
-        GradingError: one of the folders lies in the other, or they are the same.
-    """
+    """See that results are not taken for submissions, and that nothing handed in is written over."""
     for given in sources:
         try:
             source, results = given.resolve(), out.resolve()

@@ -35,60 +35,37 @@ _DEVICES = frozenset(
 
 @dataclass(frozen=True)
 class Entry:
-    """A submission as it was handed in.
+    """A submission as it was handed in."""
 
-    Attributes:
-        student: who, as the learning platform names them: a login, a number; with Moodle the full name.
-        exercise: the exercise's id.
-        source: path in the folder or archive that was handed over, with forward slashes.
-        name: the person's name where the layout tells it.
-        late: whether the platform marked it as late.
-        platform: what else the layout or the roster tells: `canvas_user`, `canvas_submission`, `moodle_participant`,
-            `login`, `sid`, `email`, `group`, `submitted_at`.
-        why: why this file was chosen.
-        others: what else of theirs might have been, and why it was not.
-        worry: why somebody should look at the choice; empty when there is no doubt.
-    """
-
-    student: str
-    exercise: str
-    source: str
-    name: str = ""
-    late: bool = False
+    student: str  # who, as the learning platform names them: a login, a number; with Moodle the full name
+    exercise: str  # the exercise's id
+    source: str  # path in the folder or archive that was handed over, with forward slashes
+    name: str = ""  # the person's name where the layout tells it
+    late: bool = False  # whether the platform marked it as late
+    # what else the layout or the roster tells: `canvas_user`, `canvas_submission`, `moodle_participant`, `login`,
+    # `sid`, `email`, `group`, `submitted_at`
     platform: dict[str, str] = field(default_factory=dict)
-    why: str = ""
-    others: list[str] = field(default_factory=list)
-    worry: str = ""
+    why: str = ""  # why this file was chosen
+    others: list[str] = field(default_factory=list)  # what else of theirs might have been, and why it was not
+    worry: str = ""  # why somebody should look at the choice; empty when there is no doubt
 
 
 @dataclass(frozen=True)
 class Record:
-    """The result of one submission, and what the instructor has made of it; only the result is stored.
+    """The result of one submission, and what the instructor has made of it; only the result is stored."""
 
-    Attributes:
-        entry: what was handed in.
-        digest: SHA-256 of the submission's bytes, hexadecimal; empty where they could not be read.
-        size: of the submission's program, in bytes; of its file where it has none that can be read.
-        seed: what the checks drew from.
-        report: the report as `Report.to_mapping` gives it.
-        title: the exercise's title.
-        isolation: what kept the submission apart from the machine, in one line.
-        wall_s: how long the grading took, in seconds.
-        same_as: the student whose identical submission was graded in its place; empty when this one was graded.
-        versions: of what graded it: `kit`, `exercise` and `grader`; empty in records of earlier kits.
-        adjustment: lateness, penalty, override and comment; a gradebook adds it.
-    """
-
-    entry: Entry
-    digest: str
-    size: int
-    seed: int | None
-    report: dict[str, Any]
-    title: str = ""
-    isolation: str = ""
-    wall_s: float = 0.0
-    same_as: str = ""
+    entry: Entry  # what was handed in
+    digest: str  # SHA-256 of the submission's bytes, hexadecimal; empty where they could not be read
+    size: int  # of the submission's program, in bytes; of its file where it has none that can be read
+    seed: int | None  # what the checks drew from
+    report: dict[str, Any]  # the report as `Report.to_mapping` gives it
+    title: str = ""  # the exercise's title
+    isolation: str = ""  # what kept the submission apart from the machine, in one line
+    wall_s: float = 0.0  # how long the grading took, in seconds
+    same_as: str = ""  # the student whose identical submission was graded in its place; empty when this one was graded
+    # of what graded it: `kit`, `exercise` and `grader`; empty in records of earlier kits
     versions: dict[str, str] = field(default_factory=dict)
+    # lateness, penalty, override and comment; a gradebook adds it
     adjustment: Adjustment = field(default_factory=Adjustment)
 
     @property
@@ -146,11 +123,7 @@ class Record:
 
     @classmethod
     def from_json(cls, text: str) -> Record:
-        """The inverse of `to_json`.
-
-        Raises:
-            ValueError: the text is no record, or one of another format.
-        """
+        """The inverse of `to_json`."""
         try:
             values = json.loads(text)
             if values.pop("format_version") != FORMAT_VERSION:
@@ -172,13 +145,7 @@ class Records:
         return self.folder / safe_name(entry.student) / f"{entry.exercise}{suffix}"
 
     def keep(self, record: Record, page: str | None = None) -> None:
-        """Write a record and its report page; the page first, so that a record that is there is complete.
-
-        A grade that stood there is kept under `superseded`.
-
-        Raises:
-            OSError: the disk is full, or the folder cannot be written.
-        """
+        """Write a record and its report page; the page first, so that a record that is there is complete."""
         if page is not None:
             before = self.find(record.entry)
             if before is not None and before.status != "error":
@@ -191,22 +158,13 @@ class Records:
         return _read(self.path(entry))
 
     def without(self, entries: Iterable[Entry], exercises: Collection[str]) -> list[Path]:
-        """Where results stand that belong to none of these submissions.
-
-        Args:
-            entries: the submissions there are.
-            exercises: ids; results of others are left alone.
-        """
+        """Where results stand that belong to none of these submissions."""
         here = {self.path(entry) for entry in entries}
         found = sorted(self.folder.glob("*/*.json"))
         return [path for path in found if path not in here and path.stem in exercises]
 
     def supersede(self, path: Path) -> Record | None:
-        """Move a result, and its page, to `superseded`; returns it if it can be read.
-
-        Raises:
-            OSError: it could not be moved.
-        """
+        """Move a result, and its page, to `superseded`; returns it if it can be read."""
         record = _read(path)
         self._copy_superseded(path)
         path.unlink(missing_ok=True)  # first: whatever comes between, a page without a record counts for nothing

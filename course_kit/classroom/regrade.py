@@ -41,24 +41,14 @@ HEADER = ("student", "name", "exercise", "was", "is", "checks that changed", "re
 
 @dataclass(frozen=True)
 class Selection:
-    """What to grade again: results that fit each of these; an empty one fits all.
+    """What to grade again: results that fit each of these; an empty one fits all."""
 
-    Attributes:
-        exercises: ids.
-        checks: ids; results that have one of them, however it came out.
-        students: identifiers, or names.
-    """
-
-    exercises: Sequence[str] = ()
-    checks: Sequence[str] = ()
-    students: Sequence[str] = ()
+    exercises: Sequence[str] = ()  # ids
+    checks: Sequence[str] = ()  # ids; results that have one of them, however it came out
+    students: Sequence[str] = ()  # identifiers, or names
 
     def of(self, records: Sequence[Record]) -> list[Record]:
-        """Those that fit.
-
-        Raises:
-            GradingError: there is no such exercise, check or student.
-        """
+        """Those that fit."""
         chosen = [record for record in records if record.entry.source]  # a score for nothing handed in stays
         for what, wanted, names in (
             ("exercise", self.exercises, _exercise),
@@ -136,17 +126,6 @@ class Regrade:
     """One regrade of a class run's results."""
 
     def __init__(self, run: ClassRun, out: Path, selection: Selection, watcher: Watcher) -> None:
-        """See what is to be graded again.
-
-        Args:
-            run: the class run, with the inbox as it is.
-            out: its folder of results.
-            selection: what to grade again.
-            watcher: told how it goes.
-
-        Raises:
-            GradingError: there is no such result.
-        """
         self._run = run
         self._out = out
         self._watcher = watcher
@@ -162,17 +141,7 @@ class Regrade:
     def grade(
         self, start: Callable[[], Executor], stops: Callable[[], int], hidden: tuple[str, ...]
     ) -> list[GradeChange]:
-        """Grade; what differs is returned and written into the table, and nothing else is written yet.
-
-        Args:
-            start: makes the executor; called only when there is something to do.
-            stops: how often somebody has asked to stop.
-            hidden: folders that no submission may see.
-
-        Raises:
-            OSError: a result could not be written.
-            GradingError: the executor can no longer be reached.
-        """
+        """Grade; what differs is returned and written into the table, and nothing else is written yet."""
         loop = GradingLoop(self._staging, self._watcher, stops, hidden)
         groups = self._take_stock(stops)
         if groups:
@@ -194,11 +163,7 @@ class Regrade:
         return [record for record in self._new if record.status == "error"]
 
     def write(self) -> Gradebook:
-        """Let the new results take the place of the old ones, which go to `superseded`.
-
-        Raises:
-            OSError: one could not be written; the same command goes on.
-        """
+        """Let the new results take the place of the old ones, which go to `superseded`."""
         before = {_key(record): record for record in self._chosen}
         for record in self._new:
             if record.status == "error":

@@ -40,31 +40,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Plan:
-    """What to grade.
+    """What to grade."""
 
-    Attributes:
-        source: a folder or a zip.
-        more: further ones of the same class.
-        roster: who is in the class.
-        out: the folder for all results.
-        exercises: what was set.
-        seed: what all checks draw from; drawn once for the run when None.
-        seeds: a seed for each student, where each is to be asked other questions.
-        layout: a layout's name, or "auto".
-        resume: go on where an earlier run into the same folder has ended.
-        require_isolation: no submission runs where it is not fully isolated.
-    """
-
-    source: Path
-    out: Path
-    exercises: tuple[Exercise, ...]
-    seed: int | None = None
-    seeds: Seeds | None = None
-    layout: str = "auto"
-    resume: bool = False
-    more: tuple[Path, ...] = ()
-    roster: Roster | None = None
-    require_isolation: bool = False
+    source: Path  # a folder or a zip
+    out: Path  # the folder for all results
+    exercises: tuple[Exercise, ...]  # what was set
+    seed: int | None = None  # what all checks draw from; drawn once for the run when None
+    seeds: Seeds | None = None  # a seed for each student, where each is to be asked other questions
+    layout: str = "auto"  # a layout's name, or "auto"
+    resume: bool = False  # go on where an earlier run into the same folder has ended
+    more: tuple[Path, ...] = ()  # further ones of the same class
+    roster: Roster | None = None  # who is in the class
+    require_isolation: bool = False  # no submission runs where it is not fully isolated
 
     @property
     def sources(self) -> tuple[Path, ...]:
@@ -76,19 +63,6 @@ class ClassRun:
     """One run over a class."""
 
     def __init__(self, plan: Plan, watcher: Watcher, stops: Callable[[], int] = lambda: 0) -> None:
-        """Look at the output folder and find the submissions.
-
-        Args:
-            plan: what to grade.
-            watcher: told how it goes.
-            stops: how often somebody has asked to stop: once, and what is under way is finished; twice, given up.
-
-        Raises:
-            GradingError: there is nothing to grade, one of the folders lies in the other, or the output folder holds
-                results and `resume` was not asked, or results of an exercise that is not in the plan; the instructor's
-                files or seeds have mistakes.
-            OSError: the output folder cannot be written.
-        """
         self._plan = plan
         self._watcher = watcher
         self._stops = stops
@@ -114,15 +88,7 @@ class ClassRun:
         self.gone: list[str] = []
 
     def grade(self, start: Callable[[], Executor]) -> Gradebook:
-        """Grade what has no result yet, or has changed.
-
-        Args:
-            start: makes the executor; called only when there is something to do.
-
-        Raises:
-            OSError: a result could not be written, as on a full disk; those before it are safe.
-            GradingError: the executor can no longer be reached; the same.
-        """
+        """Grade what has no result yet, or has changed."""
         self._take_away_what_is_gone()
         # It gets ready while the submissions are read.
         executor = start() if any(self._records.find(entry) is None for entry in self.intake.entries) else None
@@ -186,10 +152,7 @@ class ClassRun:
             self.gone.append(f"{whose}, {path.stem}")
 
     def _take_stock(self) -> list[list[Handed]]:
-        """Read all submissions; returns those without a result, identical ones together.
-
-        What may last comes first: its patience passes beside the work on the others, not after it.
-        """
+        """Read all submissions; returns those without a result, identical ones together."""
         groups: dict[tuple[str, str, int], list[Handed]] = {}
         try:
             with self.readings:
@@ -247,11 +210,7 @@ def hidden_folders(plan: Plan) -> tuple[str, ...]:
 
 
 def plan_of(out: Path) -> Plan:
-    """The plan of the run that has written into a folder, to go on with; see `run_note`.
-
-    Raises:
-        GradingError: there was none, or its exercises are not here any more.
-    """
+    """The plan of the run that has written into a folder, to go on with; see `run_note`."""
     try:
         noted = run_note.read(out)
         source, *more = (Path(one) for one in noted["sources"])

@@ -24,12 +24,7 @@ _LONGEST = 1000  # bytes
 
 @contextmanager
 def hold(folder: Path) -> Iterator[None]:
-    """Have a folder of results for this process alone; makes the folder.
-
-    Raises:
-        GradingError: another run has it, or the file system has no locks.
-        OSError: the folder cannot be written.
-    """
+    """Have a folder of results for this process alone; makes the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     # Closed when another program is started: nobody who outlives this process holds the lock.
     descriptor = os.open(folder / FILE, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)

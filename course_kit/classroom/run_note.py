@@ -20,15 +20,7 @@ FORMAT_VERSION = 1
 
 
 def write(plan: Plan, seed: int) -> None:
-    """Note a run.
-
-    Args:
-        plan: what it grades.
-        seed: what its checks draw from.
-
-    Raises:
-        OSError: it cannot be written.
-    """
+    """Note a run."""
     listed = plan.roster.path if plan.roster else None
     added = [one for one in plan.exercises if exercise_folders.is_added(one.folder)]
     noted = {
@@ -61,11 +53,7 @@ def seed_of(out: Path) -> int | None:
 
 
 def exercise_of(out: Path, exercise_id: str) -> Exercise:
-    """An exercise of the run that has written into a folder: as it is known now, else where the run has found it.
-
-    Raises:
-        GradingError: it is neither here nor there, or has a mistake.
-    """
+    """An exercise of the run that has written into a folder: as it is known now, else where the run has found it."""
     folders = read(out).get("exercise_folders")
     noted = folders.get(exercise_id) if isinstance(folders, dict) else None
     if noted is None or exercise_id in exercise_folders.find().folders:

@@ -14,14 +14,7 @@ if TYPE_CHECKING:
 
 
 def gradebook(out: Path) -> Gradebook:
-    """The results in a folder, without what was handed in.
-
-    Args:
-        out: the folder that a class run wrote.
-
-    Raises:
-        GradingError: there are no results in it, or they are of an exercise that is not known here.
-    """
+    """The results in a folder, without what was handed in."""
     records = tuple(sorted(Records(out), key=lambda one: (one.entry.student, one.entry.exercise)))
     if not records:
         raise GradingError(f"{out} holds no results of a class. Name the folder that --out named.")

@@ -25,26 +25,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Handed:
-    """A submission that has been read.
+    """A submission that has been read."""
 
-    Attributes:
-        entry: who handed it in, and where it lies.
-        exercise: what it is for.
-        seed: what its checks draw from.
-        digest: SHA-256 of kind and bytes; empty when it could not be read.
-        size: of its program in bytes, not of a notebook's outputs.
-        text: its text; None when there is none, and `problem` says why.
-        problem: why it cannot be graded.
-        status: of the report of one that cannot be graded: "unreadable", or "error" where that is not its own fault.
-    """
-
-    entry: Entry
-    exercise: Exercise
-    seed: int
-    digest: str = ""
-    size: int = 0
-    text: Submission | None = None
-    problem: str = ""
+    entry: Entry  # who handed it in, and where it lies
+    exercise: Exercise  # what it is for
+    seed: int  # what its checks draw from
+    digest: str = ""  # SHA-256 of kind and bytes; empty when it could not be read
+    size: int = 0  # of its program in bytes, not of a notebook's outputs
+    text: Submission | None = None  # its text; None when there is none, and `problem` says why
+    problem: str = ""  # why it cannot be graded
+    # of the report of one that cannot be graded: "unreadable", or "error" where that is not its own fault
     status: str = "unreadable"
 
     @property
@@ -59,12 +49,7 @@ class Handed:
         return Urgency.LOOPS if facts.loops else Urgency.WAITS if facts.waits else Urgency.NONE
 
     def task(self, hidden: tuple[str, ...], *, require_isolation: bool) -> Task | None:
-        """What an executor is asked to do; None when there is nothing to run.
-
-        Args:
-            hidden: the folders that it must hide.
-            require_isolation: run it only where it is fully isolated.
-        """
+        """What an executor is asked to do; None when there is nothing to run."""
         if self.text is None:
             return None
         shown = self.entry.source
@@ -108,19 +93,7 @@ class Handed:
 def read(  # noqa: PLR0913 - what a submission is read for
     entry: Entry, root: Path, exercise: Exercise, seed: int, reader: Readings, *, known: Record | None = None
 ) -> Handed:
-    """Read a submission; never fails, as there is a report for whatever was handed in.
-
-    Args:
-        entry: the submission.
-        root: the folder its source is relative to.
-        exercise: its exercise.
-        seed: what its checks will draw from.
-        reader: who reads it.
-        known: the result of an earlier run; what it is of is not read again.
-
-    Raises:
-        ReadingStoppedError: somebody has asked to stop.
-    """
+    """Read a submission; never fails, as there is a report for whatever was handed in."""
     path = root / entry.source
     try:
         with Copy(path) as copy:

@@ -42,11 +42,7 @@ def get_ready() -> None:
 
 
 def write_all(book: Gradebook, out: Path) -> Path:
-    """Write every export into a class run's output folder; returns the class page.
-
-    Raises:
-        OSError: a file could not be written.
-    """
+    """Write every export into a class run's output folder; returns the class page."""
     made = dict(files(book))
     note_of_files = FilesWritten(out)
     note_of_files.begin(made)

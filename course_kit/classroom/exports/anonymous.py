@@ -31,17 +31,7 @@ _FIELDS = ("id", "title", "status", "points", "max_points", "sent", "expected", 
 
 
 def write(book: Gradebook, target: Path, chance: random.Random | None = None) -> Path:
-    """Write a page for each submission and a table of scores, all by pseudonym. No list tells who is who.
-
-    Args:
-        book: the class.
-        target: a folder that is not there yet, or is empty.
-        chance: what draws the order; the system's own when None.
-
-    Raises:
-        GradingError: something lies in the folder.
-        OSError: it cannot be written.
-    """
+    """Write a page for each submission and a table of scores, all by pseudonym. No list tells who is who."""
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise GradingError(f"{target} is there already. Name a new folder.")
     students = list(by_student(book).items())

@@ -20,10 +20,7 @@ _NOT_PASSED = ("crashed", "unreadable", "not passed")  # outcomes, what an instr
 
 
 class StudentLabel(NamedTuple):
-    """What to call a student: by name, and by identifier, too, where two have the same name.
-
-    The two stay apart, as a name may run from right to left.
-    """
+    """What to call a student: by name, and by identifier, too, where two have the same name."""
 
     name: str
     identifier: str = ""
@@ -43,21 +40,13 @@ class ListedStudent:
 
 @dataclass(frozen=True)
 class AttentionGroup:
-    """People who need the same kind of attention.
+    """People who need the same kind of attention."""
 
-    Attributes:
-        id: of the group on the page.
-        title: what they have in common.
-        people: who they are.
-        advice: what to do about it; empty where that is plain.
-        urgent: whether it is unfolded from the beginning.
-    """
-
-    id: str
-    title: str
-    people: Sequence[ListedStudent]
-    advice: str = ""
-    urgent: bool = False
+    id: str  # of the group on the page
+    title: str  # what they have in common
+    people: Sequence[ListedStudent]  # who they are
+    advice: str = ""  # what to do about it; empty where that is plain
+    urgent: bool = False  # whether it is unfolded from the beginning
 
 
 def labels(book: Gradebook) -> dict[str, StudentLabel]:
@@ -73,13 +62,7 @@ def labels(book: Gradebook) -> dict[str, StudentLabel]:
 
 
 def groups(book: Gradebook, called: Mapping[str, StudentLabel], told: Callable[[Record], str]) -> list[AttentionGroup]:
-    """Everybody to look at, the most urgent first; without groups nobody is in.
-
-    Args:
-        book: the class.
-        called: what each student is called, see `labels`.
-        told: why a submission has no grade.
-    """
+    """Everybody to look at, the most urgent first; without groups nobody is in."""
     titles = {exercise.id: exercise.title for exercise in book.exercises}
     found = [
         AttentionGroup(

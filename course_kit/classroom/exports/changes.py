@@ -28,32 +28,18 @@ Result = tuple[str, str]
 
 @dataclass(frozen=True)
 class ResultChange:
-    """One submission's result that is not what it was.
+    """One submission's result that is not what it was."""
 
-    Attributes:
-        student: whose.
-        exercise: the exercise's id.
-        kind: NEW, GONE or CHANGED.
-        before: the result of before, in words; empty where there was none.
-        now: the result of now; empty where there is none any more.
-        new_file: whether the file that was handed in is another one.
-    """
-
-    student: str
-    exercise: str
-    kind: str
-    before: str = ""
-    now: str = ""
-    new_file: bool = False
+    student: str  # whose
+    exercise: str  # the exercise's id
+    kind: str  # NEW, GONE or CHANGED
+    before: str = ""  # the result of before, in words; empty where there was none
+    now: str = ""  # the result of now; empty where there is none any more
+    new_file: bool = False  # whether the file that was handed in is another one
 
 
 def since_last_run(book: Gradebook, out: Path) -> list[ResultChange]:
-    """Compare with what `remember` has left; nothing where there was no run before.
-
-    Args:
-        book: the results of now.
-        out: the folder of all results.
-    """
+    """Compare with what `remember` has left; nothing where there was no run before."""
     before = _read(out / FILE)
     if before is None:
         return []
@@ -63,11 +49,7 @@ def since_last_run(book: Gradebook, out: Path) -> list[ResultChange]:
 
 
 def remember(book: Gradebook, out: Path) -> None:
-    """Keep the results for the next run to compare with.
-
-    Raises:
-        OSError: the file could not be written.
-    """
+    """Keep the results for the next run to compare with."""
     rows = [[*key, *result] for key, result in sorted(_results(book).items())]
     text = json.dumps({"format_version": FORMAT_VERSION, "results": rows}, indent=0)
     write_atomically(out / FILE, text + "\n", durable=False)

@@ -23,11 +23,7 @@ _NEEDED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE_U
 
 
 def require_runner(variables: Mapping[str, str]) -> None:
-    """See that this runs in Classroom 50.
-
-    Raises:
-        GradingError: it does not.
-    """
+    """See that this runs in Classroom 50."""
     if missing := [name for name in _NEEDED if not variables.get(name)]:
         raise GradingError(
             f"Classroom 50's runner sets {', '.join(_NEEDED)}; here {', '.join(missing)} "
@@ -36,16 +32,7 @@ def require_runner(variables: Mapping[str, str]) -> None:
 
 
 def result(record: Record, variables: Mapping[str, str], now: datetime) -> dict[str, Any]:
-    """The result as the schema has it.
-
-    Args:
-        record: the result.
-        variables: the environment.
-        now: the time of day, in UTC.
-
-    Raises:
-        GradingError: this does not run in Classroom 50.
-    """
+    """The result as the schema has it."""
     require_runner(variables)
     tests = [_test(check) for check in record.report["checks"]] or [_could_not_be_read(record)]
     moment = f"{now:%Y-%m-%dT%H:%M:%SZ}"

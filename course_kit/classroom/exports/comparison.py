@@ -28,17 +28,13 @@ _TEMPLATES = Path(__file__).with_name("templates")
 
 @dataclass(frozen=True)
 class LinePair:
-    """Two lines beside each other, with their numbers; a number is 0 where one side has no line.
-
-    Attributes:
-        same: both lines are the same but for names, values, comments and layout.
-    """
+    """Two lines beside each other, with their numbers; a number is 0 where one side has no line."""
 
     first: int
     first_text: str
     second: int
     second_text: str
-    same: bool
+    same: bool  # both lines are the same but for names, values, comments and layout
 
 
 def link(place: int) -> str:
@@ -47,13 +43,7 @@ def link(place: int) -> str:
 
 
 def pages(texts: ProgramTexts, pairs: Sequence[Pair], called: Mapping[str, StudentLabel]) -> Iterator[tuple[str, str]]:
-    """Path and text of a page for each pair, as far as `MOST_PAIRS` and while the submissions are at hand.
-
-    Args:
-        texts: the class's programs.
-        pairs: those to compare, in the order in which the class page lists them.
-        called: what each student is called.
-    """
+    """Path and text of a page for each pair, as far as `MOST_PAIRS` and while the submissions are at hand."""
     if not texts.are_at_hand:
         return
     template = _TEMPLATES / "comparison.html"

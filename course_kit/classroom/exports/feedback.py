@@ -37,15 +37,7 @@ _LONGEST_NAME = 80  # characters
 
 
 def write_all(book: Gradebook, out: Path) -> None:
-    """Write the zips of each platform that something came from, and take away those that are out of date.
-
-    Args:
-        book: the class.
-        out: the folder of all results, in which the reports lie.
-
-    Raises:
-        OSError: a report could not be read, or a zip not be written.
-    """
+    """Write the zips of each platform that something came from, and take away those that are out of date."""
     packers: tuple[tuple[str, Packer], ...] = ((MOODLE, _for_moodle), (CANVAS, _for_canvas))
     for exercise in book.exercises:
         for name, pack in packers:

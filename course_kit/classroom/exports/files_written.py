@@ -24,19 +24,11 @@ class FilesWritten:
         self._before = _names(out)
 
     def begin(self, names: Iterable[str]) -> None:
-        """Note what is going to be written, beside what is there: a run may end before `end`.
-
-        Raises:
-            OSError: the list could not be written.
-        """
+        """Note what is going to be written, beside what is there: a run may end before `end`."""
         self._note(self._before | set(names))
 
     def end(self, names: Iterable[str]) -> None:
-        """Take away what was written once and is not among `names`.
-
-        Raises:
-            OSError: a file could not be removed.
-        """
+        """Take away what was written once and is not among `names`."""
         for name in self._before - set(names):
             (self._out / name).unlink(missing_ok=True)
             with suppress(OSError):  # one holds more

@@ -39,30 +39,18 @@ class Pair:
 
 @dataclass(frozen=True)
 class LookAlikes:
-    """What was found.
+    """What was found."""
 
-    Attributes:
-        identical: groups of two or more whose files are the same.
-        pairs: others that look alike, the most similar first; one stands for all that are the same as it.
-        compared: how many different programs were compared.
-        unread: how many could not be read or are too short.
-        left_out: titles of exercises in which alike answers are to be expected.
-    """
-
-    identical: tuple[tuple[Record, ...], ...]
+    identical: tuple[tuple[Record, ...], ...]  # groups of two or more whose files are the same
+    # others that look alike, the most similar first; one stands for all that are the same as it
     pairs: tuple[Pair, ...]
-    compared: int
-    unread: int
-    left_out: tuple[str, ...]
+    compared: int  # how many different programs were compared
+    unread: int  # how many could not be read or are too short
+    left_out: tuple[str, ...]  # titles of exercises in which alike answers are to be expected
 
 
 def find(book: Gradebook, texts: ProgramTexts | None = None) -> LookAlikes:
-    """Compare all submissions, each exercise's with one another.
-
-    Args:
-        book: the class.
-        texts: its programs, where somebody else needs them, too.
-    """
+    """Compare all submissions, each exercise's with one another."""
     if texts is None:
         with ProgramTexts(book) as opened:
             return find(book, opened)

@@ -18,11 +18,7 @@ if TYPE_CHECKING:
 
 
 def write(book: Gradebook, out: Path) -> None:
-    """Bring the notices on all report pages up to date; a page that says it already is not touched.
-
-    Raises:
-        OSError: one could not be written.
-    """
+    """Bring the notices on all report pages up to date; a page that says it already is not touched."""
     records = Records(out)
     for student, exercise in book.missing:  # who had a score all the same once, had a page for it
         entry = Entry(student, exercise, "")

@@ -79,13 +79,7 @@ def get_ready() -> None:
 
 
 def render(book: Gradebook, alike: lookalikes.LookAlikes | None = None, changes: Sequence[ResultChange] = ()) -> str:
-    """The page of a class run.
-
-    Args:
-        book: the class.
-        alike: its look-alikes where they have been looked for already.
-        changes: what is different from the last run.
-    """
+    """The page of a class run."""
     values = _values(book, alike, changes)
     contents = {name: fill_in(_TEMPLATES / f"{name}.html", **values).strip() for name in _SECTIONS}
     sections = [(name, title, contents[name]) for name, title in _SECTIONS.items() if contents[name]]

@@ -23,11 +23,6 @@ class ProgramTexts(Closing):
     """Reads them, while the submissions are at hand; for one thread."""
 
     def __init__(self, book: Gradebook) -> None:
-        """Get ready; nothing is read yet, and no process runs.
-
-        Args:
-            book: the class.
-        """
         self._root = book.root
         self._exercises = {one.id: one for one in book.exercises}
         self._readings = Readings() if book.readings is None else book.readings.remembered()

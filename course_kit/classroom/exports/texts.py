@@ -29,21 +29,13 @@ def number(value: float) -> str:
 
 
 class Identifier(str):
-    """A cell by which a platform finds a student: with an apostrophe in front it would find nobody.
-
-    A login such as `-jane` stays as it is. What could do more in a spreadsheet than look odd is no login of any
-    platform, and is treated like every text.
-    """
+    """A cell by which a platform finds a student: with an apostrophe in front it would find nobody."""
 
     __slots__ = ()
 
 
 def cell(value: str | float | None) -> str:
-    """A cell of a CSV file that no spreadsheet takes for a formula.
-
-    Numbers stay numbers, nothing is an empty cell; text that could be read as a formula gets an apostrophe in front,
-    which spreadsheets take as "this is text". Control characters and marks that turn the writing round are replaced.
-    """
+    """A cell of a CSV file that no spreadsheet takes for a formula."""
     if value is None:
         return ""
     if not isinstance(value, str):
@@ -55,12 +47,7 @@ def cell(value: str | float | None) -> str:
 
 
 def csv_text(rows: Iterable[Sequence[str | float | None]], *, mark: bool = False) -> str:
-    r"""Rows as CSV after RFC 4180: commas, quotes where they are needed, \r\n.
-
-    Args:
-        rows: the header and the rest.
-        mark: begin with a byte order mark, without which Excel takes UTF-8 for something else.
-    """
+    r"""Rows as CSV after RFC 4180: commas, quotes where they are needed, \r\n."""
     file = io.StringIO(newline="")
     csv.writer(file).writerows([cell(value) for value in row] for row in rows)
     return ("\ufeff" if mark else "") + file.getvalue()

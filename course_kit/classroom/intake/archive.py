@@ -50,18 +50,6 @@ class Archive:
     """A zip as a `Listing`: what is fetched lies below the workspace afterwards."""
 
     def __init__(self, path: Path, workspace: Path | None, names: int = NAMES) -> None:
-        """Read the names in a zip.
-
-        Args:
-            path: the zip.
-            workspace: where to unpack; emptied if an earlier run has unpacked there. None where only the names are
-                of interest.
-            names: bytes that the list of names may have.
-
-        Raises:
-            GradingError: it is no zip that can be read, it is too large, or the workspace holds something else.
-            OSError: the workspace cannot be made.
-        """
         self._path = path
         self._workspace = workspace
         self._had: dict[str, str] = {}  # what was unpacked already, and the problem if it could not be
@@ -107,12 +95,7 @@ class Archive:
         return sorted(items, key=lambda item: item.path)
 
     def fetch(self, items: Iterable[Item]) -> Mapping[str, str]:
-        """See `Listing`; small files come first, so that a large one takes no place from them.
-
-        Raises:
-            GradingError: all students together have more than an archive may hold.
-            OSError: the disk is full, or broken.
-        """
+        """See `Listing`; small files come first, so that a large one takes no place from them."""
         asked = [item for item in items if not item.problem]
         problems = {item.path: self._had[item.path] for item in asked if self._had.get(item.path)}
         wanted = sorted(
@@ -208,10 +191,7 @@ class Archive:
 
 
 def _separator(members: list[zipfile.ZipInfo]) -> str:
-    """What stands between folders: a backslash where no name has a slash, as some programs for Windows write it.
-
-    Elsewhere a backslash is a letter of a name.
-    """
+    """What stands between folders: a backslash where no name has a slash, as some programs for Windows write it."""
     return "/" if any("/" in member.filename for member in members) else "\\"
 
 
@@ -243,12 +223,7 @@ def _set_time(target: Path, member: zipfile.ZipInfo) -> None:
 
 
 def make_empty(workspace: Path) -> None:
-    """Make the folder, or empty the one of an earlier run; a file beside it marks it, as any name may be in it.
-
-    Raises:
-        GradingError: something else is in it.
-        OSError: it cannot be made.
-    """
+    """Make the folder, or empty the one of an earlier run; a file beside it marks it, as any name may be in it."""
     mark = workspace.with_name(f".{workspace.name}_is_unpacked")
     if not mark.exists() and workspace.exists() and any(workspace.iterdir()):
         raise GradingError(

@@ -29,25 +29,12 @@ class NamesReader(io.BufferedReader):
     """A zip's bytes, in whose list of names each name is what it says it is."""
 
     def __init__(self, path: Path, most: int) -> None:
-        """Open the file.
-
-        Args:
-            path: the zip.
-            most: bytes that its list of names may have; Python reads it at once, and makes an object of each name.
-
-        Raises:
-            OSError: it cannot be opened.
-        """
         super().__init__(io.FileIO(path))
         self._mends = True
         self._most = most
 
     def read(self, size: int | None = -1, /) -> bytes:
-        """As every file does it.
-
-        Raises:
-            zipfile.BadZipFile: the list of names is too long.
-        """
+        """As every file does it."""
         if self._mends and size is not None and size > self._most:
             raise zipfile.BadZipFile(f"it lists too many files (their names take more than {self._most >> 20} MB)")
         data = super().read(size)

@@ -26,32 +26,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Arrangement:
-    """Where the students are.
+    """Where the students are."""
 
-    Attributes:
-        layout: one of `layouts.LAYOUTS`.
-        units: what each has control of; one student may have several.
-        left: path and reason of what lies beside them.
-        metadata: Gradescope's file that says whose each entry is.
-    """
-
-    layout: str
-    units: tuple[Unit, ...]
-    left: tuple[tuple[str, str], ...]
-    metadata: Item | None = None
+    layout: str  # one of `layouts.LAYOUTS`
+    units: tuple[Unit, ...]  # what each has control of; one student may have several
+    left: tuple[tuple[str, str], ...]  # path and reason of what lies beside them
+    metadata: Item | None = None  # Gradescope's file that says whose each entry is
 
 
 def arrange(download: Download, layout: str) -> Arrangement:
-    """Find the students' entries.
-
-    Args:
-        download: the folder or archive.
-        layout: one of `layouts.LAYOUTS`, or AUTO to recognise it.
-
-    Raises:
-        GradingError: there is no such layout, the folder cannot be read, or nobody can tell students from folders
-            around them.
-    """
+    """Find the students' entries."""
     if layout not in (AUTO, *layouts.LAYOUTS):
         raise GradingError(f"There is no layout '{layout}'. Choose one of: {AUTO}, {', '.join(layouts.LAYOUTS)}.")
     left: Left = []

@@ -45,48 +45,27 @@ class File:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A file that may be the submission for an exercise.
+    """A file that may be the submission for an exercise."""
 
-    Attributes:
-        file: the file.
-        sureness: how sure it is that it is for this exercise: NAMED, CALLED_ALIKE, BY_CONTENT or ONLY_ONE.
-        changed: when it was written, in seconds.
-        glance: what it looks like.
-        is_starter: whether its program is one that the course gave out.
-    """
-
-    file: File
-    sureness: int
-    changed: float
-    glance: Glance
-    is_starter: bool
+    file: File  # the file
+    sureness: int  # how sure it is that it is for this exercise: NAMED, CALLED_ALIKE, BY_CONTENT or ONLY_ONE
+    changed: float  # when it was written, in seconds
+    glance: Glance  # what it looks like
+    is_starter: bool  # whether its program is one that the course gave out
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What was chosen.
+    """What was chosen."""
 
-    Attributes:
-        best: the file.
-        why: the reason, in words.
-        others: of each other candidate why it was not chosen, by path.
-        worry: why somebody should look at it; empty when there is no doubt.
-    """
-
-    best: Candidate
-    why: str
-    others: dict[str, str]
-    worry: str
+    best: Candidate  # the file
+    why: str  # the reason, in words
+    others: dict[str, str]  # of each other candidate why it was not chosen, by path
+    worry: str  # why somebody should look at it; empty when there is no doubt
 
 
 def choose(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[File]) -> Choice:
-    """Choose one.
-
-    Args:
-        candidates: at least one.
-        exercise: what for.
-        files: all files of the student.
-    """
+    """Choose one."""
     ranks = {one.file.path: _rank(one, candidates) for one in candidates}
     best, *others = sorted(candidates, key=lambda one: ranks[one.file.path], reverse=True)
     reasons = {one.file.path: _lost(one, best, _first_difference(ranks, best, one)) for one in others}

@@ -43,13 +43,6 @@ class Chooser:
     """Chooses, and keeps what was found."""
 
     def __init__(self, opened: Opened, exercises: Sequence[Exercise], reader: Readings) -> None:
-        """Get ready.
-
-        Args:
-            opened: what was handed in.
-            exercises: which exercises were set.
-            reader: who looks into files.
-        """
         self._root = opened.root
         self._reader = reader
         self._listing = opened.listing

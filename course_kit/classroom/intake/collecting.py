@@ -28,31 +28,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Intake:
-    """What was handed in.
+    """What was handed in."""
 
-    Attributes:
-        root: the folder the entries' sources are relative to.
-        layout: the name of the layout that was recognised.
-        entries: the submissions, by student and exercise.
-        left: path and reason of every file that is none.
-        missing: student and exercise of whoever handed in something else only.
-        odd: student and reason of those whose entry does not fit the layout; they are graded like everybody.
-        dropped: student and reason of those who handed in something and have no submission at all, or have one that
-            cannot be had.
-        others: who has no submission at all, in entries without exercise and source: those who handed in something
-            else only, and those on the roster who handed in nothing.
-        roster: how the roster fits, when there is one.
-    """
-
-    root: Path
-    layout: str
-    entries: tuple[Entry, ...]
-    left: tuple[tuple[str, str], ...]
-    missing: tuple[tuple[str, str], ...]
+    root: Path  # the folder the entries' sources are relative to
+    layout: str  # the name of the layout that was recognised
+    entries: tuple[Entry, ...]  # the submissions, by student and exercise
+    left: tuple[tuple[str, str], ...]  # path and reason of every file that is none
+    missing: tuple[tuple[str, str], ...]  # student and exercise of whoever handed in something else only
+    # student and reason of those whose entry does not fit the layout; they are graded like everybody
     odd: tuple[tuple[str, str], ...] = ()
+    # student and reason of those who handed in something and have no submission at all, or have one that cannot be had
     dropped: tuple[tuple[str, str], ...] = ()
+    # who has no submission at all, in entries without exercise and source: those who handed in something else only, and
+    # those on the roster who handed in nothing
     others: tuple[Entry, ...] = ()
-    roster: Fit | None = None
+    roster: Fit | None = None  # how the roster fits, when there is one
 
 
 def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
@@ -63,24 +53,7 @@ def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
     readings: Readings | None = None,
     roster: Roster | None = None,
 ) -> Intake:
-    """Find the submissions.
-
-    For each student and exercise one file is taken: named like the starter or its notebook, else with the exercise's
-    id in its name, else one that holds its class, variable or `%%submission` line; with a single exercise also a
-    student's only program. Of several `candidates.choose` says which, and why.
-
-    Args:
-        source: a folder or a zip, or several.
-        exercises: which exercises were set.
-        workspace: where a zip is unpacked.
-        layout: a name of `layouts.LAYOUTS`, or AUTO to recognise it.
-        readings: who looks into the files, and keeps what they hold; somebody who forgets it when None.
-        roster: who is in the class.
-
-    Raises:
-        GradingError: there is no such folder, zip or layout, it cannot be read, or there is nothing in it.
-        ReadingStoppedError: somebody has asked to stop.
-    """
+    """Find the submissions."""
     paths = [source] if isinstance(source, Path) else list(source)
     with ExitStack() as stack:
         opened = sources.open_all(paths, workspace, exercises, layout, stack)

@@ -22,16 +22,6 @@ class CopiedFolder(Folder):
     """A folder; what is fetched of it lies below the workspace afterwards, as with an archive."""
 
     def __init__(self, root: Path, workspace: Path) -> None:
-        """Take a folder.
-
-        Args:
-            root: the folder.
-            workspace: where to copy to; emptied if an earlier run has used it.
-
-        Raises:
-            GradingError: the workspace holds something else.
-            OSError: it cannot be made.
-        """
         super().__init__(root)
         self._source = root
         self._workspace = workspace

@@ -47,14 +47,7 @@ class _Submission:
 
 
 def read(path: Path) -> dict[str, _Submission]:
-    """Who has handed in each submission, by the name of its folder; a group has several.
-
-    Args:
-        path: the file.
-
-    Raises:
-        OSError: it cannot be read.
-    """
+    """Who has handed in each submission, by the name of its folder; a group has several."""
     found: dict[str, _Submission] = defaultdict(lambda: _Submission([]))
     here: _Submission | None = None
     indent = ""  # of a submission's own keys; whatever a program printed is further in

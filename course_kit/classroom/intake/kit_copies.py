@@ -19,11 +19,7 @@ _LESSON = re.compile(r"notebooks/\d\d_\w+\.ipynb")
 
 
 def parts(paths: Iterable[str]) -> set[str]:
-    """Those of a student's files that came with the course; the exercises' folder is where students work, and is not.
-
-    Args:
-        paths: all files of one student.
-    """
+    """Those of a student's files that came with the course; the folder of exercises is where students work."""
     all_paths = list(paths)
     packages = [path.removesuffix(_PACKAGE) for path in all_paths if f"/{path}".endswith(f"/{_PACKAGE}")]
     found: set[str] = set()

@@ -23,22 +23,13 @@ FILE = Path(__file__).with_name("known_starters.json")
 
 
 def read(path: Path = FILE) -> dict[str, frozenset[str]]:
-    """For each exercise the identities of its starters, see `course_kit.reader.fingerprints.identity`.
-
-    Args:
-        path: the list's file.
-    """
+    """For each exercise the identities of its starters, see `course_kit.reader.fingerprints.identity`."""
     table = json.loads(path.read_text(encoding="utf-8"))
     return {str(name): frozenset(map(str, identities)) for name, identities in table.items()}
 
 
 def of(task: Exercise, known: Mapping[str, frozenset[str]]) -> frozenset[str]:
-    """The identities of an exercise's starters.
-
-    Args:
-        task: the exercise; of one that is none of the course's own the starters of today are known, and no older ones.
-        known: what `read` gave.
-    """
+    """The identities of an exercise's starters."""
     if not exercise_folders.is_added(task.folder):
         return known.get(task.id, frozenset())
     return frozenset(_identities(task))

@@ -52,41 +52,24 @@ _ARCHIVES = (".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".7z", ".rar")
 
 @dataclass(frozen=True)
 class Unit:
-    """What one student has control of: a file or folder among those of the others.
+    """What one student has control of: a file or folder among those of the others."""
 
-    Attributes:
-        item: where.
-        student: their identifier, as it stands in the name.
-        name: their own name, where it can be told.
-        file: what they called it, of a file whose name the platform has lengthened.
-        late: marked as late by the platform.
-        attempt: how often it was uploaded again; of several under one name, the higher one is the newer one.
-        platform: identifiers for the way back, see `Entry.platform`.
-        has_assignments: whether the folders in it are one for each assignment.
-        odd: how it does not fit the layout; empty when it does.
-        download: the name of the download it is in, where there are several.
-        exercise: the id of the exercise that this download is of; empty where nothing says so.
-    """
-
-    item: Item
-    student: str
-    name: str = ""
-    file: str = ""
-    late: bool = False
+    item: Item  # where
+    student: str  # their identifier, as it stands in the name
+    name: str = ""  # their own name, where it can be told
+    file: str = ""  # what they called it, of a file whose name the platform has lengthened
+    late: bool = False  # marked as late by the platform
+    # how often it was uploaded again; of several under one name, the higher one is the newer one
     attempt: tuple[int, ...] = ()
-    platform: dict[str, str] = field(default_factory=dict)
-    has_assignments: bool = False
-    odd: str = ""
-    download: str = ""
-    exercise: str = ""
+    platform: dict[str, str] = field(default_factory=dict)  # identifiers for the way back, see `Entry.platform`
+    has_assignments: bool = False  # whether the folders in it are one for each assignment
+    odd: str = ""  # how it does not fit the layout; empty when it does
+    download: str = ""  # the name of the download it is in, where there are several
+    exercise: str = ""  # the id of the exercise that this download is of; empty where nothing says so
 
 
 def read_canvas(item: Item, _: str = "") -> Unit | None:
-    """An entry of Canvas's archive.
-
-    The first two numbers are Canvas's; what comes after them is the student's name for the file. Of several files of a
-    student the one with the higher number was uploaded later.
-    """
+    """An entry of Canvas's archive."""
     match = _CANVAS_ANONYMOUS.fullmatch(item.name) or _CANVAS.fullmatch(item.name) or _CANVAS_TYPED.fullmatch(item.name)
     if match is None:
         return None
@@ -106,11 +89,7 @@ def read_canvas(item: Item, _: str = "") -> Unit | None:
 
 
 def read_moodle(item: Item, _: str = "") -> Unit | None:
-    """An entry of Moodle's archive.
-
-    A folder's name ends with what Moodle has added; in a file's name the student's name for the file follows. Where
-    Moodle's addition seems to stand there twice, one of the two is a student's, and nobody can tell which.
-    """
+    """An entry of Moodle's archive."""
     found = list(_MOODLE.finditer(item.name))
     if not found or not found[0].start():
         return None
@@ -179,16 +158,7 @@ _READERS: dict[str, Callable[[Item, str], Unit | None]] = {
 
 
 def read(layout: str, item: Item, slug: str = "") -> Unit | None:
-    """Who an entry is from.
-
-    Args:
-        layout: one of `LAYOUTS`.
-        item: the entry.
-        slug: of GitHub's assignment.
-
-    Returns:
-        the unit; None where the entry's name does not follow the layout.
-    """
+    """Who an entry is from."""
     return _READERS[layout](item, slug)
 
 

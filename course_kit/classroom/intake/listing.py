@@ -32,17 +32,11 @@ Left = list[tuple[str, str]]
 
 @dataclass(frozen=True)
 class Item:
-    """A file or folder.
+    """A file or folder."""
 
-    Attributes:
-        path: from the root, with forward slashes.
-        kind: FOLDER, FILE, LINK or OTHER, which is a pipe, a device and the like.
-        problem: why it cannot be had; empty when nothing is known against it.
-    """
-
-    path: str
-    kind: str
-    problem: str = ""
+    path: str  # from the root, with forward slashes
+    kind: str  # FOLDER, FILE, LINK or OTHER, which is a pipe, a device and the like
+    problem: str = ""  # why it cannot be had; empty when nothing is known against it
 
     @property
     def name(self) -> str:
@@ -64,11 +58,7 @@ class Listing(Protocol):
     """A folder or an archive."""
 
     def children(self, folder: str, most: int | None = None) -> list[Item]:
-        """What lies in a folder, by name; `""` is the root. With `most` no more than so many, whichever they are.
-
-        Raises:
-            OSError: it cannot be looked into.
-        """
+        """What lies in a folder, by name; `""` is the root. With `most` no more than so many, whichever they are."""
 
     def fetch(self, items: Iterable[Item]) -> Mapping[str, str]:
         """Have one student's files ready below the root; returns path and problem of each that cannot be."""
@@ -112,26 +102,16 @@ def of_a_tool(item: Item) -> str:
 
 @dataclass(frozen=True)
 class Found:
-    """What is below one student's entry.
+    """What is below one student's entry."""
 
-    Attributes:
-        files: the files, those nearest to the top first.
-        tools: path and reason of what is nobody's work.
-        unseen: path and reason of what might have been a submission, and was not looked at.
-    """
-
-    files: tuple[Item, ...]
-    tools: tuple[tuple[str, str], ...] = ()
+    files: tuple[Item, ...]  # the files, those nearest to the top first
+    tools: tuple[tuple[str, str], ...] = ()  # path and reason of what is nobody's work
+    # path and reason of what might have been a submission, and was not looked at
     unseen: tuple[tuple[str, str], ...] = ()
 
 
 def look_through(listing: Listing, top: Item) -> Found:
-    """Find the files of one student, however many or deep they are, without following a link.
-
-    Args:
-        listing: where.
-        top: the student's file or folder.
-    """
+    """Find the files of one student, however many or deep they are, without following a link."""
     if top.kind != FOLDER:
         return Found((top,))
     files: list[Item] = []

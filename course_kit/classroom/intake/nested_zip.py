@@ -21,31 +21,16 @@ _ITS_NAMES_FAULT = (errno.ENAMETOOLONG, errno.EEXIST, errno.ENOTDIR, errno.EILSE
 
 @dataclass(frozen=True)
 class Contents:
-    """What was in a zip; as `listing.Found` has it.
+    """What was in a zip; as `listing.Found` has it."""
 
-    Attributes:
-        files: the files; programs among them can be read.
-        tools: path and reason of what is nobody's work.
-        unseen: path and reason of what might have been a submission, and cannot be had.
-        problem: why the zip cannot be opened.
-    """
-
-    files: tuple[Item, ...] = ()
-    tools: tuple[tuple[str, str], ...] = ()
-    unseen: tuple[tuple[str, str], ...] = ()
-    problem: str = ""
+    files: tuple[Item, ...] = ()  # the files; programs among them can be read
+    tools: tuple[tuple[str, str], ...] = ()  # path and reason of what is nobody's work
+    unseen: tuple[tuple[str, str], ...] = ()  # path and reason of what might have been a submission, and cannot be had
+    problem: str = ""  # why the zip cannot be opened
 
 
 def unpack(root: Path, item: Item) -> Contents:
-    """Open a student's zip beside itself.
-
-    Args:
-        root: the folder that the zip's path is relative to.
-        item: the zip.
-
-    Raises:
-        OSError: the disk is full, or broken.
-    """
+    """Open a student's zip beside itself."""
     folder = f"{item.path}{CONTENTS}"
     try:
         with Archive(root / item.path, root / folder, NAMES_OF_ONE) as archive:

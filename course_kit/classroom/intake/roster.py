@@ -30,15 +30,10 @@ _PLATFORM = {  # see `Entry.platform`
 
 @dataclass(frozen=True)
 class Person:
-    """Somebody of the class.
+    """Somebody of the class."""
 
-    Attributes:
-        name: as people write it, first name first.
-        values: what the list says, by the kinds of `roster_columns`.
-    """
-
-    name: str
-    values: dict[str, str] = field(default_factory=dict)
+    name: str  # as people write it, first name first
+    values: dict[str, str] = field(default_factory=dict)  # what the list says, by the kinds of `roster_columns`
 
     def student(self, layout: str) -> str:
         """What they are called where they have handed in nothing."""
@@ -54,30 +49,17 @@ class Person:
 
 @dataclass(frozen=True)
 class Roster:
-    """A class list.
+    """A class list."""
 
-    Attributes:
-        called: the file's name.
-        people: who is in the class.
-        read_as: each column's header and what it was taken for; those that were not used are left out.
-        path: the file.
-    """
-
-    called: str
-    people: tuple[Person, ...]
+    called: str  # the file's name
+    people: tuple[Person, ...]  # who is in the class
+    # each column's header and what it was taken for; those that were not used are left out
     read_as: tuple[tuple[str, str], ...]
-    path: Path | None = None
+    path: Path | None = None  # the file
 
 
 def read(path: Path) -> Roster:
-    """Read a class list: of Canvas, Moodle, nbgrader, or any CSV with names or identifiers.
-
-    Args:
-        path: the file.
-
-    Raises:
-        GradingError: it cannot be read, or nobody can tell whom it lists.
-    """
+    """Read a class list: of Canvas, Moodle, nbgrader, or any CSV with names or identifiers."""
     rows = [row for row in _rows(path) if any(cell.strip() for cell in row)]
     if not rows:
         raise GradingError(f"{path} is empty. --roster has to name a list of students, as CSV.")

@@ -63,12 +63,7 @@ def plain(text: str) -> str:
 
 
 def guess(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """What each column holds, empty where nothing that matters here.
-
-    Args:
-        header: the first row.
-        rows: the others.
-    """
+    """What each column holds, empty where nothing that matters here."""
     words = [plain(one) for one in header]
     kinds = [_by_word(word) for word in words]
     canvas = words[:1] == ["student"] and any(word.startswith("sis ") or word == "section" for word in words)
@@ -89,10 +84,7 @@ def guess(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _with_identifier(kinds: list[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """The same with a login or number where the header is of no language known here, told by its cells.
-
-    Those are one word each, everybody has one, and no two have the same.
-    """
+    """The same with a login or number where the header is of no language known here, told by its cells."""
     for place, kind in enumerate(kinds):
         cells = [row[place].strip() if place < len(row) else "" for row in rows]
         if kind or len(cells) < 2 or len(set(cells)) < len(cells):  # noqa: PLR2004 - of one nothing can be told

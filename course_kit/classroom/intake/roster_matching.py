@@ -26,19 +26,12 @@ _OF_STUDENT = (columns.LOGIN, columns.EMAIL, columns.NUMBER, columns.GITHUB)
 
 @dataclass(frozen=True)
 class Fit:
-    """How a class list fits what was handed in.
+    """How a class list fits what was handed in."""
 
-    Attributes:
-        roster: the list.
-        matched: how many students were found on it.
-        absent: everybody on it who has handed in nothing, in entries without exercise and source.
-        unknown: student and reason of those who were not found on it.
-    """
-
-    roster: Roster
-    matched: int
-    absent: tuple[Entry, ...]
-    unknown: tuple[tuple[str, str], ...]
+    roster: Roster  # the list
+    matched: int  # how many students were found on it
+    absent: tuple[Entry, ...]  # everybody on it who has handed in nothing, in entries without exercise and source
+    unknown: tuple[tuple[str, str], ...]  # student and reason of those who were not found on it
 
 
 class Matcher:
@@ -94,15 +87,7 @@ class Matcher:
 def match(
     roster: Roster, entries: Sequence[Entry], layout: str, empty: Container[str] = (), *, assignments: int = 1
 ) -> tuple[tuple[Entry, ...], Fit]:
-    """Give entries the names and identifiers of a class list; the entry of a group becomes one of each member.
-
-    Args:
-        roster: the list.
-        entries: what was handed in, and an entry for each student who handed in something else only.
-        layout: the layout's name.
-        empty: students of whom there is an entry, and nothing was handed in all the same, such as an empty folder.
-        assignments: how many were set; of one, Moodle's numbers of participants hold for whoever is absent, too.
-    """
+    """Give entries the names and identifiers of a class list; the entry of a group becomes one of each member."""
     matcher = Matcher(roster)
     found: list[Entry] = []
     people: dict[int, set[str]] = defaultdict(set)

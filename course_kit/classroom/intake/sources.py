@@ -25,44 +25,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Opened:
-    """What was handed in, and whose each entry is.
+    """What was handed in, and whose each entry is."""
 
-    Attributes:
-        root: the folder below which each file lies once it is fetched.
-        listing: everything.
-        is_copy: whether the root is a folder of ours, in which more may be unpacked.
-        layout: the name of the layout; several, with commas, where downloads have different ones.
-        units: what each student has control of.
-        left: path and reason of what lies beside them.
-        lost: of these what may be somebody's only file.
-    """
-
-    root: Path
-    listing: Listing
-    is_copy: bool
-    layout: str
-    units: tuple[Unit, ...]
-    left: tuple[tuple[str, str], ...]
-    lost: tuple[tuple[str, str], ...]
+    root: Path  # the folder below which each file lies once it is fetched
+    listing: Listing  # everything
+    is_copy: bool  # whether the root is a folder of ours, in which more may be unpacked
+    layout: str  # the name of the layout; several, with commas, where downloads have different ones
+    units: tuple[Unit, ...]  # what each student has control of
+    left: tuple[tuple[str, str], ...]  # path and reason of what lies beside them
+    lost: tuple[tuple[str, str], ...]  # of these what may be somebody's only file
 
 
 def open_all(
     paths: Sequence[Path], workspace: Path, exercises: Sequence[Exercise], layout: str, stack: ExitStack
 ) -> Opened:
-    """Open what was handed over and find the students' entries.
-
-    Args:
-        paths: folders and zips, one at least.
-        workspace: where zips are unpacked.
-        exercises: which exercises were set.
-        layout: a name of `layouts.LAYOUTS`, or AUTO to recognise it.
-        stack: closes what has to be closed.
-
-    Raises:
-        GradingError: there is no such folder, zip or layout, it cannot be read, or nobody can tell students from
-            folders around them.
-        OSError: the workspace cannot be made.
-    """
+    """Open what was handed over and find the students' entries."""
     paths = [one for path in paths for one in _downloads(path, exercises, layout)]
     if len(paths) > 1:
         return _several(paths, workspace, exercises, layout, stack)
@@ -151,10 +128,7 @@ def _arranged(path: Path, download: Download, layout: str) -> Arrangement:
 
 
 def _downloads(path: Path, exercises: Sequence[Exercise], layout: str) -> list[Path]:
-    """The zips in a folder, if they are downloads of one assignment each; else the path itself.
-
-    Zips that are students' work do not look like a platform's downloads, and are not named after exercises.
-    """
+    """The zips in a folder, if they are downloads of one assignment each; else the path itself."""
     if layout not in (AUTO, *recognition.TITLES) or not _is_folder(path):
         return [path]
     try:

@@ -26,14 +26,7 @@ Key = tuple[str, str]
 
 
 def by_name(units: Iterable[Unit], exercises: Sequence[str]) -> dict[str, list[Unit]]:
-    """Each student's entries, by a name that is printable and nobody else's.
-
-    What does not fit the layout never belongs to a student whose entry does.
-
-    Args:
-        units: all entries.
-        exercises: ids, which are taken off the end of a file's name.
-    """
+    """Each student's entries, by a name that is printable and nobody else's."""
     own: dict[Key, list[Unit]] = defaultdict(list)
     for unit in _without_doubtful([_without_exercise(unit, exercises) for unit in units]):
         own[_key(unit)].append(unit)
@@ -42,17 +35,7 @@ def by_name(units: Iterable[Unit], exercises: Sequence[str]) -> dict[str, list[U
 
 
 def across_downloads(units: Sequence[Unit], layout: str, exercises: int) -> list[Unit]:
-    """Entries of several downloads of one class, so that what is one student's has one identifier.
-
-    Moodle's number of a participant is another one in each assignment, so over several assignments the full name joins.
-    Where one name has two numbers in an assignment (anonymous submissions, two students of one name) it joins nothing.
-    Downloads of one assignment, such as an earlier and a later one, agree about the numbers, which then stay.
-
-    Args:
-        units: the entries.
-        layout: of the downloads.
-        exercises: how many were set.
-    """
+    """Entries of several downloads of one class, so that what is one student's has one identifier."""
     numbers: dict[str, dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
     for unit in units:
         if not unit.odd:

@@ -24,27 +24,16 @@ _BETWEEN = "  "
 
 @dataclass(frozen=True)
 class IntakeRow:
-    """One file, or the lack of one; without a student it is a file that nobody's submission is.
+    """One file, or the lack of one; without a student it is a file that nobody's submission is."""
 
-    Attributes:
-        student: who.
-        name: their own name, where it is known.
-        exercise: for which exercise.
-        file: what was chosen; empty when there is nothing.
-        why: why it was chosen, or why nothing was.
-        also: what else was there.
-        late: whether the platform marked it as late.
-        worry: why somebody should look at it.
-    """
-
-    student: str = ""
-    name: str = ""
-    exercise: str = ""
-    file: str = ""
-    why: str = ""
-    also: str = ""
-    late: bool = False
-    worry: str = ""
+    student: str = ""  # who
+    name: str = ""  # their own name, where it is known
+    exercise: str = ""  # for which exercise
+    file: str = ""  # what was chosen; empty when there is nothing
+    why: str = ""  # why it was chosen, or why nothing was
+    also: str = ""  # what else was there
+    late: bool = False  # whether the platform marked it as late
+    worry: str = ""  # why somebody should look at it
 
 
 def rows(found: Intake) -> list[IntakeRow]:
@@ -76,11 +65,7 @@ def rows(found: Intake) -> list[IntakeRow]:
 
 
 def write(found: Intake, out: Path) -> Path:
-    """Write the table as CSV into a run's output folder.
-
-    Raises:
-        OSError: it cannot be written.
-    """
+    """Write the table as CSV into a run's output folder."""
     body = [
         (row.student, row.name, row.exercise, row.file, row.why, row.also, "yes" if row.late else "", row.worry)
         for row in rows(found)

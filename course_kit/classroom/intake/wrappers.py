@@ -32,35 +32,16 @@ _AGAIN = re.compile(r"[ _-]?\(?\d{1,3}\)?\Z")  # `week3 (1)`, a second download
 
 @dataclass(frozen=True)
 class Download:
-    """A folder or an archive, and what is known of it.
+    """A folder or an archive, and what is known of it."""
 
-    Attributes:
-        listing: what is in it.
-        called: the name of the folder, or of the archive without its ending.
-        packed: whether it is an archive.
-        starters: the file names of starters and notebooks.
-    """
-
-    listing: Listing
-    called: str
-    packed: bool = False
-    starters: frozenset[str] = field(default_factory=frozenset)
+    listing: Listing  # what is in it
+    called: str  # the name of the folder, or of the archive without its ending
+    packed: bool = False  # whether it is an archive
+    starters: frozenset[str] = field(default_factory=frozenset)  # the file names of starters and notebooks
 
 
 def enter(download: Download, layout: str) -> tuple[str, str]:
-    """Go into the folders around the students.
-
-    Args:
-        download: where.
-        layout: one of `layouts.LAYOUTS`, or AUTO.
-
-    Returns:
-        the path and the name of the innermost folder.
-
-    Raises:
-        GradingError: nobody can tell students from folders around them.
-        OSError: it cannot be looked into.
-    """
+    """Go into the folders around the students."""
     listing, called, folder = download.listing, download.called, ""
     for _ in range(_DEEPEST):
         items = entries(listing, folder)
@@ -90,11 +71,7 @@ def _submitted(items: list[Item], layout: str) -> Item | None:
 
 
 def _is_around(download: Download, folder: str, called: str, lone: Item) -> bool:
-    """Whether a lone folder was put around the students, and is not a student's.
-
-    Gradescope, a Mac and a browser each do that to an archive. A student could name files like students, so there has
-    to be a sign which none of them gives: that the folder has the archive's name, or what a Mac adds to an archive.
-    """
+    """Whether a lone folder was put around the students, and is not a student's."""
     within = inside(download.listing, lone)
     if looks_like("gradescope", within) and any(item.name == METADATA for item in within):
         return download.packed or bool(_EXPORT.fullmatch(lone.name))
@@ -144,10 +121,7 @@ def _require_students(download: Download, lone: Item | None, called: str) -> Non
 
 
 def _require_a_top(listing: Listing, items: list[Item], called: str) -> None:
-    """See that students and folders around them cannot be mistaken for one another.
-
-    Whoever is alone in a folder could name files in it like Moodle names other students'.
-    """
+    """See that students and folders around them cannot be mistaken for one another."""
     for layout, title in TITLES.items():
         if looks_like(layout, items):
             return

@@ -18,31 +18,18 @@ _DAY_S, _HOUR_S, _MINUTE_S = 86_400, 3_600, 60
 
 @dataclass(frozen=True)
 class Adjustment:
-    """What is added to one result.
+    """What is added to one result."""
 
-    Attributes:
-        pass_mark: the points from which it is passed; None where nothing is adjusted.
-        submitted: when it was handed in, with its time zone; None where nobody knows.
-        due: when it was due, with its time zone and any extension; None without a due date.
-        extended: whether that is the student's own date.
-        late: whether it counts as late.
-        late_s: how long after `due` it was handed in, in seconds; 0 where the time is not known.
-        penalty: points taken for that.
-        override: the score that the instructor has set; None when the checks' one counts.
-        comment: the instructor's, for the student.
-        warning: what the instructor should look at, such as a time that is not known; empty when all is clear.
-    """
-
-    pass_mark: float | None = None
-    submitted: datetime | None = None
-    due: datetime | None = None
-    extended: bool = False
-    late: bool = False
-    late_s: float = 0.0
-    penalty: float = 0.0
-    override: float | None = None
-    comment: str = ""
-    warning: str = ""
+    pass_mark: float | None = None  # the points from which it is passed; None where nothing is adjusted
+    submitted: datetime | None = None  # when it was handed in, with its time zone; None where nobody knows
+    due: datetime | None = None  # when it was due, with its time zone and any extension; None without a due date
+    extended: bool = False  # whether that is the student's own date
+    late: bool = False  # whether it counts as late
+    late_s: float = 0.0  # how long after `due` it was handed in, in seconds; 0 where the time is not known
+    penalty: float = 0.0  # points taken for that
+    override: float | None = None  # the score that the instructor has set; None when the checks' one counts
+    comment: str = ""  # the instructor's, for the student
+    warning: str = ""  # what the instructor should look at, such as a time that is not known; empty when all is clear
 
     def score(self, graded: float) -> float:
         """The score that counts, where the checks gave `graded`."""
@@ -50,12 +37,7 @@ class Adjustment:
 
 
 def sentences(adjustment: Adjustment, graded: float | None) -> Iterator[str]:
-    """What a student is told of it, a sentence each.
-
-    Args:
-        adjustment: what was added.
-        graded: the points of the checks; None where they gave none.
-    """
+    """What a student is told of it, a sentence each."""
     if adjustment.late:
         yield _lateness(adjustment)
     if adjustment.penalty and adjustment.override is None:

@@ -38,35 +38,20 @@ _NUMBERS = {"grace_minutes": 0.0, "penalty_percent_per_day": 0.0, "penalty_at_mo
 
 @dataclass(frozen=True)
 class Deadlines:
-    """When what was due, and what it costs to be late.
+    """When what was due, and what it costs to be late."""
 
-    Attributes:
-        due: by exercise; those that are not in it have no due date.
-        zone: what dates without an offset are meant in, and what students are told in; None when none is named.
-        grace_s: so many seconds late is not late.
-        percent_per_day: of full marks, for each day begun after the due date.
-        at_most_percent: of full marks; no penalty is higher.
-        extensions: other due dates, by student and exercise, with the line in the file.
-        mistakes: what is wrong with the extensions; None where there are none.
-    """
-
-    due: Mapping[str, datetime] = field(default_factory=dict)
+    due: Mapping[str, datetime] = field(default_factory=dict)  # by exercise; those that are not in it have no due date
+    # what dates without an offset are meant in, and what students are told in; None when none is named
     zone: tzinfo | None = None
-    grace_s: float = 0.0
-    percent_per_day: float = 0.0
-    at_most_percent: float = float(_ALL)
+    grace_s: float = 0.0  # so many seconds late is not late
+    percent_per_day: float = 0.0  # of full marks, for each day begun after the due date
+    at_most_percent: float = float(_ALL)  # of full marks; no penalty is higher
+    # other due dates, by student and exercise, with the line in the file
     extensions: Mapping[tuple[str, str], tuple[datetime, int]] = field(default_factory=dict)
-    mistakes: Mistakes | None = None
+    mistakes: Mistakes | None = None  # what is wrong with the extensions; None where there are none
 
     def judge(self, student: str, exercise: Exercise, submitted: datetime | None, *, marked: bool) -> Adjustment:
-        """Whether a submission is late, and what that costs.
-
-        Args:
-            student: whose it is.
-            exercise: for which exercise.
-            submitted: when it was handed in, with its zone; None when nobody knows.
-            marked: whether the learning platform has marked it as late.
-        """
+        """Whether a submission is late, and what that costs."""
         own = self.extensions.get((student, exercise.id))
         due = own[0] if own else self.due.get(exercise.id)
         known = Adjustment(pass_mark=exercise.pass_mark, submitted=submitted, due=due, extended=own is not None)
@@ -109,16 +94,7 @@ class Deadlines:
 
 
 def read(folder: Path, exercises: Sequence[Exercise]) -> Deadlines:
-    """Read the two files, as far as they are there.
-
-    Args:
-        folder: where they lie.
-        exercises: those that were set.
-
-    Raises:
-        GradingError: one of them cannot be read, or the settings have a mistake. What is wrong with a line of the
-            extensions is among the mistakes.
-    """
+    """Read the two files, as far as they are there."""
     settings = folder / FILE
     found = _rules(settings, exercises) if settings.exists() else Deadlines()
     path = folder / EXTENSIONS
@@ -187,16 +163,7 @@ def _zone(name: Any) -> tzinfo:
 
 
 def to_moment(value: Any, zone: tzinfo | None, what: str) -> datetime:
-    """A date and time with its zone.
-
-    Args:
-        value: a datetime, or text of one after ISO 8601.
-        zone: what one without an offset is meant in.
-        what: for the sentence about a mistake.
-
-    Raises:
-        ValueError: it is none, or its zone is not known.
-    """
+    """A date and time with its zone."""
     try:
         moment = value if isinstance(value, datetime) else datetime.fromisoformat(_iso(str(value)))
     except ValueError:

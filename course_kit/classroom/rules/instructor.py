@@ -33,20 +33,13 @@ class Instructions:
     overrides: Overrides
 
     def of(self, people: People) -> Instructions:
-        """Those by the students of a class, whom the files may call by any of their names.
-
-        Raises:
-            GradingError: a line is about somebody else, or has another mistake; all of both files are named.
-        """
+        """Those by the students of a class, whom the files may call by any of their names."""
         found = Instructions(self.deadlines.of(people), self.overrides.of(people))
         require_none(one for one in (found.deadlines.mistakes, found.overrides.mistakes) if one is not None)
         return found
 
     def apply(self, book: Gradebook) -> Gradebook:
-        """The gradebook with lateness, penalties, overrides and comments.
-
-        Whoever handed in nothing, and has a score or a comment all the same, has a record then.
-        """
+        """The gradebook with lateness, penalties, overrides and comments."""
         exercises = {one.id: one for one in book.exercises}
         stand_ins, missing = self._without_submission(book, exercises)
         records = [self.adjusted(record, book.exercises, book.root) for record in book.records]
@@ -54,13 +47,7 @@ class Instructions:
         return replace(book, records=tuple(everybody), missing=tuple(missing))
 
     def adjusted(self, record: Record, exercises: Sequence[Exercise], root: Path | None) -> Record:
-        """A result with its lateness, penalty, override and comment.
-
-        Args:
-            record: the result.
-            exercises: those that were set.
-            root: the folder of what was handed in; None where it is not at hand.
-        """
+        """A result with its lateness, penalty, override and comment."""
         entry = record.entry
         exercise = next(one for one in exercises if one.id == entry.exercise)
         moment = submitted(root, entry, self.deadlines.zone) if root else None
@@ -91,11 +78,7 @@ class Instructions:
 
 
 def read(folder: Path, exercises: Sequence[Exercise]) -> Instructions:
-    """Read the instructor's files in the folder of the results.
-
-    Raises:
-        GradingError: one of them has mistakes.
-    """
+    """Read the instructor's files in the folder of the results."""
     return Instructions(deadlines.read(folder, exercises), overrides.read(folder / overrides.FILE, exercises))
 
 

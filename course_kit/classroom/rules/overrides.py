@@ -22,33 +22,19 @@ FILE = "overrides.csv"
 
 @dataclass(frozen=True)
 class Override:
-    """One line of the file.
+    """One line of the file."""
 
-    Attributes:
-        line: its number.
-        student: whom it is about.
-        exercise: the exercise's id.
-        score: the points instead of those of the checks; None when only a comment is given.
-        comment: for the student.
-    """
-
-    line: int
-    student: str
-    exercise: str
-    score: float | None
-    comment: str
+    line: int  # its number
+    student: str  # whom it is about
+    exercise: str  # the exercise's id
+    score: float | None  # the points instead of those of the checks; None when only a comment is given
+    comment: str  # for the student
 
 
 class Overrides:
     """All lines of the file."""
 
     def __init__(self, mistakes: Mistakes, found: Sequence[Override] = ()) -> None:
-        """Take the lines.
-
-        Args:
-            mistakes: what is wrong with the file.
-            found: the lines with which nothing is.
-        """
         self.mistakes = mistakes
         self._found = {(one.student, one.exercise): one for one in found}
 
@@ -65,15 +51,7 @@ class Overrides:
 
 
 def read(path: Path, exercises: Sequence[Exercise]) -> Overrides:
-    """Read the file.
-
-    Args:
-        path: the file, with the columns student, exercise, score and comment; where there is none nothing is set.
-        exercises: those that were set.
-
-    Raises:
-        GradingError: it cannot be read. What is wrong with a line is among the mistakes.
-    """
+    """Read the file."""
     mistakes = Mistakes(path)
     if not path.exists():
         return Overrides(mistakes)

@@ -24,11 +24,7 @@ _IDENTIFIERS = ("login", "email", "sid", "github", "canvas_user", "moodle_partic
 
 
 class People:
-    """Everybody of a class.
-
-    Args:
-        entries: what was handed in, and one for each student who handed in nothing.
-    """
+    """Everybody of a class."""
 
     def __init__(self, entries: Iterable[Entry]) -> None:
         self.students: set[str] = set()
@@ -48,13 +44,7 @@ class People:
     def by_student(
         self, lines: Iterable[tuple[int, str, str, Said]], mistakes: Mistakes, twice: str
     ) -> dict[tuple[str, str], tuple[Said, int]]:
-        """What the lines of a file say, with their numbers, by student and exercise.
-
-        Args:
-            lines: of each its number, whom it calls, the exercise and what it says.
-            mistakes: where to note lines about nobody, about several, or about somebody who has one already.
-            twice: the sentence about the last kind, with {called}, {student}, {exercise} and {line}.
-        """
+        """What the lines of a file say, with their numbers, by student and exercise."""
         found: dict[tuple[str, str], tuple[Said, int]] = {}
         for line, called, exercise, said in lines:
             try:
@@ -69,11 +59,7 @@ class People:
         return found
 
     def _students(self, called: str) -> list[str]:
-        """The student who is called so, as the reports call them, or all of a group.
-
-        Raises:
-            ValueError: nobody is, or several are; a sentence for the instructor.
-        """
+        """The student who is called so, as the reports call them, or all of a group."""
         if called in self.students:
             return [called]
         found = sorted(self._called.get(called.casefold(), ()))

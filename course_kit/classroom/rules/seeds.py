@@ -34,15 +34,7 @@ class Seeds:
         return self.found[entry.student][0] if entry.student in self.found else None
 
     def of_class(self, entries: Iterable[Entry], people: People) -> Seeds:
-        """The seeds by the students of a class, whom the file may call by any of their names.
-
-        Args:
-            entries: what was handed in; whoever did so needs a seed.
-            people: everybody.
-
-        Raises:
-            GradingError: somebody has no seed or two, or a line is about nobody of the class; all are named.
-        """
+        """The seeds by the students of a class, whom the file may call by any of their names."""
         mistakes = Mistakes(self.path)
         lines = ((line, called, "", seed) for called, (seed, line) in self.found.items())
         by_student = people.by_student(lines, mistakes, "{called} stands in line {line} already, by another name")
@@ -54,11 +46,7 @@ class Seeds:
 
 
 def read(path: Path) -> Seeds:
-    """Read the file: the columns student and seed.
-
-    Raises:
-        GradingError: it cannot be read, or has mistakes; all of them are named with their lines.
-    """
+    """Read the file: the columns student and seed."""
     mistakes = Mistakes(path)
     found: dict[str, tuple[int, int]] = {}
     for row in read_rows(path, COLUMNS, headless=True):
@@ -76,12 +64,7 @@ def read(path: Path) -> Seeds:
 
 
 def draw(students: Iterable[str], before: Seeds | None = None) -> dict[str, int]:
-    """A seed for each student, no two the same; whoever has one already keeps it.
-
-    Args:
-        students: everybody, without doubles.
-        before: seeds that were handed out.
-    """
+    """A seed for each student, no two the same; whoever has one already keeps it."""
     drawn = {student: seed for student, (seed, _) in before.found.items()} if before else {}
     taken = set(drawn.values())
     for student in students:
@@ -94,11 +77,7 @@ def draw(students: Iterable[str], before: Seeds | None = None) -> dict[str, int]
 
 
 def students_of(path: Path, layout: str = "") -> list[str]:
-    """The students of a class list, called as a class run with this layout calls them.
-
-    Raises:
-        GradingError: it cannot be read, lists nobody, or two of one name and nothing else to tell them apart.
-    """
+    """The students of a class list, called as a class run with this layout calls them."""
     students = [person.student(layout) for person in roster.read(path).people]
     if doubles := sorted(student for student, count in Counter(students).items() if count > 1):
         raise GradingError(f"{path} lists these more than once, and they cannot be told apart: {', '.join(doubles)}.")

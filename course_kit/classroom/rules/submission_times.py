@@ -39,13 +39,7 @@ _MOST_BYTES = 1 << 20  # of a file of git's that is read
 
 
 def submitted(root: Path, entry: Entry, zone: tzinfo | None = None) -> datetime | None:
-    """When an entry was handed in, with its zone; None where nothing tells.
-
-    Args:
-        root: the folder that the entry's source is relative to.
-        entry: the submission.
-        zone: the class's, which gives abbreviations such as CET their meaning.
-    """
+    """When an entry was handed in, with its zone; None where nothing tells."""
     told = entry.platform.get(SUBMITTED_AT, "")
     if told and (moment := read_stamp(told, zone)):
         return moment
@@ -56,20 +50,13 @@ def submitted(root: Path, entry: Entry, zone: tzinfo | None = None) -> datetime 
 
 
 def _assignment_folders(entry: Entry, source: PurePosixPath) -> Iterator[PurePosixPath]:
-    """Where nbgrader writes its stamp, if that is who collected.
-
-    What is in the folder of an assignment is the student's, so a folder of this name in there comes last: nbgrader
-    writes over a stamp that was handed in, but only at its own place.
-    """
+    """Where nbgrader writes its stamp, if that is who collected."""
     assignment = entry.platform.get(ASSIGNMENT)
     return (folder for folder in reversed(source.parents) if assignment and one_line(folder.name) == assignment)
 
 
 def read_stamp(text: str, zone: tzinfo | None = None) -> datetime | None:
-    """What nbgrader has noted: `2026-11-20 22:59:00.000000 UTC`; None where its zone is not known.
-
-    Without a zone it is UTC, as nbgrader takes it.
-    """
+    """What nbgrader has noted: `2026-11-20 22:59:00.000000 UTC`; None where its zone is not known."""
     match = _STAMP.fullmatch(text.strip())
     if match is None:
         return None
@@ -93,11 +80,7 @@ def _in_zone(moment: datetime, name: str, zone: tzinfo | None) -> datetime | Non
 
 
 def _committed(root: Path, source: PurePosixPath) -> datetime | None:
-    """When the last commit in a clone changed the file.
-
-    The clone is a stranger's. So git never works in it, where its configuration could name programs to run: it reads
-    the clone's objects from an empty repository of ours.
-    """
+    """When the last commit in a clone changed the file."""
     for depth in range(len(source.parts) - 1, 0, -1):
         clone = root.joinpath(*source.parts[:depth])
         if (clone / ".git").is_dir() and not (clone / ".git").is_symlink():

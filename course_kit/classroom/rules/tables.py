@@ -46,11 +46,7 @@ class Mistakes:
         self.found.append((sys.maxsize, what))
 
     def require_none(self) -> None:
-        """Tell what was found.
-
-        Raises:
-            GradingError: there was something.
-        """
+        """Tell what was found."""
         require_none([self])
 
     def __str__(self) -> str:
@@ -61,11 +57,7 @@ class Mistakes:
 
 
 def require_none(files: Iterable[Mistakes]) -> None:
-    """Tell what is wrong with some files, all of it at once.
-
-    Raises:
-        GradingError: something is.
-    """
+    """Tell what is wrong with some files, all of it at once."""
     if wrong := [one for one in files if one.found]:
         raise GradingError("\n".join(map(str, wrong)))
 
@@ -73,17 +65,7 @@ def require_none(files: Iterable[Mistakes]) -> None:
 def read_rows(
     path: Path, required: Sequence[str], optional: Sequence[str] = (), *, headless: bool = False
 ) -> list[TableRow]:
-    """Read a table; empty lines are left out.
-
-    Args:
-        path: a CSV file in UTF-8, with commas, semicolons or tabs between the cells.
-        required: columns that have to be there.
-        optional: columns that may be there; others are left alone.
-        headless: a first line that ends with a number is no header; the columns are then the required ones.
-
-    Raises:
-        GradingError: it cannot be read, or a column is missing.
-    """
+    """Read a table; empty lines are left out."""
     text = _text(path)
     first = text.partition("\n")[0]
     delimiter = max(_DELIMITERS, key=first.count)
@@ -124,10 +106,7 @@ def _text(path: Path) -> str:
 
 
 def to_number(text: str) -> float | None:
-    """A number as people write it, `7.5` or `7,5`; None when it is none.
-
-    A number with both, or without end, is none.
-    """
+    """A number as people write it, `7.5` or `7,5`; None when it is none."""
     plain = text.replace(",", ".") if text.count(",") == 1 and "." not in text else text
     if not plain.replace(".", "", 1).lstrip("+-").isdecimal():
         return None

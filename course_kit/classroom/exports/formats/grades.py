@@ -18,10 +18,7 @@ FILE = "grades.csv"
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
-    """The one table; a score is empty where the grader failed or nothing was handed in, and the status says which.
-
-    Whoever the grader failed for has no total either: without that score it would be too low.
-    """
+    """The one table; a score is empty where the grader failed or nothing was handed in, and the status says which."""
     yield FILE, csv_text(_rows(book), mark=True)
 
 

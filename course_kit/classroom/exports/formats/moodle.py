@@ -33,10 +33,7 @@ _NUMBER = "moodle_participant"
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
-    """A worksheet for each exercise; none where nothing came from Moodle, which knows its participants alone.
-
-    Nobody is in it for whom the grader itself failed: a row would write over the comment that Moodle has.
-    """
+    """A worksheet for each exercise; none where nothing came from Moodle, which knows its participants alone."""
     for exercise in book.exercises:
         records = [record for record in book.graded(exercise.id) if record.entry.platform.get(_NUMBER)]
         if records:

@@ -33,10 +33,7 @@ HEADER = (
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
-    """The one table: as nbgrader does it, a row for each assignment and student, and 0 for what is missing.
-
-    What the grader itself failed for has no row, as that is no 0.
-    """
+    """The one table: as nbgrader does it, a row for each assignment and student, and 0 for what is missing."""
     yield FILE, csv_text(_rows(book))
 
 
