@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +15,7 @@ from course_kit.dev import browser
 from tests.attack_table import AttackTable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from course_kit.lab.runtime.core import Lab
 
@@ -29,6 +30,11 @@ _WITHOUT_BROWSER = (
 )
 _WITHOUT_ANSWERS = "This is the student edition: the tests that need the solutions are left out."
 REPOSITORY = Path(__file__).resolve().parent.parent
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """`--freeze`, for a change of tests/frozen that is meant: git then shows what it is."""
+    parser.addoption("--freeze", action="store_true", help="write what lies in tests/frozen anew")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -60,6 +66,21 @@ def _missing() -> Iterator[tuple[str, str]]:
         yield "browser", _WITHOUT_BROWSER
     if not (REPOSITORY / "solutions").is_dir():
         yield "answers", _WITHOUT_ANSWERS
+
+
+@pytest.fixture
+def frozen(pytestconfig: pytest.Config) -> Callable[[str, str], None]:
+    """Compares a text with a file of tests/frozen; with `--freeze` it writes that file."""
+
+    def compare(name: str, found: str) -> None:
+        path = REPOSITORY / "tests" / "frozen" / name
+        if pytestconfig.getoption("freeze"):
+            path.write_text(found, encoding="utf-8")
+        kept = path.read_text(encoding="utf-8") if path.is_file() else ""
+        changed = list(difflib.unified_diff(kept.splitlines(), found.splitlines(), "frozen", "now", n=0, lineterm=""))
+        assert not changed, "\n".join([*changed, f"Where that is meant: ./course test tests/frozen --freeze ({name})"])
+
+    return compare
 
 
 @pytest.fixture

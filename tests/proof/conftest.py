@@ -1,44 +1,38 @@
-"""Each exercise is proven once in a test run: `course-kit dev check` is what does it."""
+"""Every submission is graded once in a test run: `course-kit dev check` is what does it."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import cache
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from course_kit import environment
 from course_kit.authoring import check, corpus
+from course_kit.grading import Report, exercise_folders
 
 ROOT = environment.checkout() or Path()
 EXERCISES = corpus.all_exercises(ROOT)
+DRILLS = sorted(exercise_folders.drills(ROOT / "exercises"))
 
 
+@dataclass
 class Proofs:
-    """What `dev check` finds of all exercises in one run, so that no worker waits for the last of an exercise."""
+    """What `dev check` finds of all exercises and drills, with one seed."""
 
-    @cache  # noqa: B019 - it lives as long as the test run
-    def _of_all(self) -> check.ProofOutcome:
-        return check.check(ROOT, EXERCISES)
+    outcome: check.ProofOutcome
 
-    @cache  # noqa: B019 - as above
-    def of(self, exercise: str) -> check.ProofOutcome:
-        found = self._of_all()
-        (run,) = found.runs
-        reports = {one: report for one, report in run.reports.items() if one.exercise == exercise}
-        return replace(
-            found,
-            sets=tuple(one for one in found.sets if one.task.id == exercise),
-            runs=(replace(run, reports=reports),),
-            faults=tuple(one for one in found.faults if one.exercise == exercise),
-        )
+    @property
+    def reports(self) -> dict[corpus.ProofSubmission, Report]:
+        return self.outcome.runs[0].reports
 
-    def report(self, exercise: str, kind: str, name: str) -> check.Report:
-        reports = self.of(exercise).runs[0].reports
-        return next(report for one, report in reports.items() if (one.kind, one.name) == (kind, name))
+    def of(self, exercise: str, kind: str) -> dict[str, Report]:
+        """The reports of one kind of submission, by their names."""
+        return {
+            one.name: report for one, report in self.reports.items() if (one.exercise, one.kind) == (exercise, kind)
+        }
 
 
-@pytest.fixture(scope="session")
-def proofs() -> Proofs:
-    return Proofs()
+@pytest.fixture(scope="session", params=[1, pytest.param(2, marks=pytest.mark.weekly)], ids="seed {}".format)
+def proofs(request: pytest.FixtureRequest) -> Proofs:
+    return Proofs(check.check(ROOT, [*EXERCISES, *DRILLS], seed=request.param))

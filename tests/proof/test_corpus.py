@@ -1,4 +1,6 @@
-"""All that `course-kit dev check` wants holds of every exercise; and the messages name the facts."""
+"""All that `course-kit dev check` wants holds of every exercise and drill, each verdict is the frozen one, and the
+messages name the facts.
+"""
 
 from __future__ import annotations
 
@@ -6,33 +8,24 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import grading
 from course_kit.authoring import corpus, rules, sentences
 from course_kit.grading import exercise as course
 from course_kit.grading.diagnosis.catalogue import catalogue
-from tests.proof.conftest import EXERCISES, ROOT
+from tests.proof.conftest import DRILLS, EXERCISES, ROOT
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.authoring.corpus import ProofSubmission
+    from course_kit.grading import Report
     from tests.proof.conftest import Proofs
 
 SENTENCES = ROOT / "artifacts" / "sentences.md"
-pytestmark = pytest.mark.timeout(1200)  # the first test grades all submissions of all exercises
+pytestmark = [pytest.mark.answers, pytest.mark.timeout(1200)]  # the first test grades all submissions
 OF_PATTERNS = ("start.syntax", "start.import", "start.crash", "start.exit", "limit.", "quiz.")
 NOT_OF_SERVICES = ("action.", "parameter.", "topic.", "quiz.", "name.action")
 OF_ACTIONS = ("start.", "limit.", "action.", "name.action", "name.node", "type.", "field.", "validation.overzealous")
 OF_PARAMETERS = ("start.", "limit.", "parameter.", "topic.")
-STARTERS = {  # the check that fails first, its diagnosis, and what its hint says
-    "temperature_service": ("answers", None, "empty response to fill in"),
-    "move_robot": ("succeeds", "action.no_terminal", "Begin with the drive alone"),
-    "robot_parameters": ("declared", "parameter.undeclared", "declare_parameter(name, default)"),
-    "pattern_choice": (None, "quiz.missing", "Begin with the easiest"),
-}
-ONLY = {  # broken submissions of exercise 2 that fail one check alone
-    "name.action": "offered",
-    "name.node": "node_name",
-    "action.accepts_impossible": "not_a_number",
-    "action.no_feedback": "feedback",
-}
 FACTS = [
     ("temperature_service", "start.syntax", "line 36: def main()"),
     ("temperature_service", "start.import", "The nearest name is course_interfaces"),
@@ -85,14 +78,43 @@ FACTS = [
     ("pattern_choice", "quiz.malformed", "Without quotes, Python takes"),
     ("pattern_choice", "quiz.unknown", "did you mean"),
 ]
+SYMPTOMS = {  # the words in which an untouched drill is told the cause
+    "empty_dashboard": "Best effort publisher and reliable subscription",
+    "deaf_to_cancel": "did not answer the request to cancel before the goal was over",
+    "stuck_call": "self.adder.call(request)",
+    "stubborn_limit": "what comes out is the same as before",
+    "long_queue": "the last of 8 clients that ask together waits",
+    "dark_lamp": "/brightness with type std_msgs/msg/Float32, expected std_msgs/msg/Float64",
+    "two_at_once": "accepted a second goal while the first was running",
+    "good_but_aborted": "returned without saying how the goal ended",
+}
+LONGEST_GRADER = 60  # lines, in TOML and in Python together
 
 
-@pytest.mark.parametrize("exercise", EXERCISES)
-def test_everything_holds(exercise: str, proofs: Proofs) -> None:
-    assert [str(fault) for fault in proofs.of(exercise).faults] == []
-    for one, report in proofs.of(exercise).runs[0].reports.items():
+def shown(one: ProofSubmission, report: Report) -> str:
+    """A verdict in one line: what has not passed, by name."""
+    passed = sum(check.status == "passed" for check in report.checks)
+    others = [
+        f"{check.id} {check.status}{f' ({check.diagnosis})' * bool(check.diagnosis)}"
+        for check in report.checks
+        if check.status != "passed"
+    ]
+    head = f"{one.exercise} {one.kind} {one.name}: {report.status}, {report.score:g} points, {passed} passed"
+    return "; ".join([head, *others])
+
+
+def test_each_submission_gets_the_verdict_that_is_frozen(proofs: Proofs, frozen: Callable[..., None]) -> None:
+    """The same with each seed."""
+    frozen("verdicts.txt", "".join(sorted(f"{shown(*each)}\n" for each in proofs.reports.items())))
+
+
+def test_everything_holds(proofs: Proofs) -> None:
+    assert [str(fault) for fault in proofs.outcome.faults] == []
+    for one, report in proofs.reports.items():
         if one.kind in ("solution", "variant"):
-            assert report.score == course.load(exercise).points
+            assert report.score == course.load(one.exercise).points
+        elif one.exercise in DRILLS:
+            assert report.passed == (one.kind == "slip" and not one.failed), one.name
 
 
 def names(exercise: str) -> set[str]:
@@ -111,43 +133,50 @@ def test_every_code_that_an_exercise_can_give_has_a_broken_submission_there() ->
     assert names("pattern_choice") == {code for code in codes if code.startswith(OF_PATTERNS)}
 
 
-@pytest.mark.parametrize("exercise", EXERCISES)
-def test_starter_fails_with_a_useful_first_hint(exercise: str, proofs: Proofs) -> None:
-    report = proofs.report(exercise, "starter", f"{exercise}.py")
-    first = next(check for check in report.checks if check.status == "failed")
-    check_id, code, said = STARTERS[exercise]
-    assert grading.exit_code(report) == 1
-    assert (first.id, first.diagnosis) == (check_id or first.id, code)
-    assert said in str(first.hint)
-
-
-def test_starter_of_exercise_3_is_told_what_is_missing(proofs: Proofs) -> None:
-    report = proofs.report("robot_parameters", "starter", "robot_parameters.py")
-    first = next(check for check in report.checks if check.status == "failed")
-    assert "robot_name, max_velocity, wheel_diameter, enabled" in first.message
-
-
 @pytest.mark.parametrize(("exercise", "code", "fact"), FACTS)
 def test_message_names_the_fact(exercise: str, code: str, fact: str, proofs: Proofs) -> None:
-    failed = [check for check in proofs.report(exercise, "broken", code).checks if check.status == "failed"]
+    failed = [check for check in proofs.of(exercise, "broken")[code].checks if check.status == "failed"]
     assert fact.lower() in " ".join(check.message for check in failed).lower()
 
 
-@pytest.mark.parametrize(("code", "check_id"), ONLY.items())
-def test_broken_move_fails_where_it_is_broken(code: str, check_id: str, proofs: Proofs) -> None:
-    report = proofs.report("move_robot", "broken", code)
-    assert [check.id for check in report.checks if check.status == "failed"] == [check_id]
+def test_each_drill_names_the_cause_of_its_symptom(proofs: Proofs) -> None:
+    for drill, said in SYMPTOMS.items():
+        for report in proofs.of(drill, "starter").values():
+            [failed] = [one for one in report.checks if one.status == "failed"]
+            assert said in failed.message
 
 
 def test_each_sentence_of_a_task_is_turned_red_by_a_submission(proofs: Proofs) -> None:
     """And the table of that is written: sentence, checks, submissions."""
-    tables = []
-    for exercise in EXERCISES:
-        found = proofs.of(exercise)
-        sets, reports = found.sets[0], found.runs[0].reports
-        assert list(sentences.unproven(sets, reports)) == []
-        tables.append(sentences.table(sets.task, sentences.proven(sets, reports)))
+    sets = proofs.outcome.sets
+    assert [text for one in sets for text in sentences.unproven(one, proofs.reports)] == []
+    tables = [sentences.table(one.task, sentences.proven(one, proofs.reports)) for one in sets]
     SENTENCES.parent.mkdir(exist_ok=True)
     SENTENCES.write_text("\n\n".join(["# Each sentence of a task, and what turns it red", *tables]) + "\n")
     rows = [line for line in SENTENCES.read_text().splitlines() if line.startswith("| **")]
-    assert len(rows) == sum(len(proofs.of(exercise).sets[0].task.sentences) for exercise in EXERCISES)
+    assert len(rows) == sum(len(one.task.sentences) for one in sets)
+
+
+def test_there_are_eight() -> None:
+    assert sorted(SYMPTOMS) == DRILLS
+    tasks = [course.load(drill, ROOT / "exercises") for drill in DRILLS]
+    assert sorted(task.order for task in tasks) == list(range(1, 9))
+    assert all(task.practice and task.symptom and task.pass_mark == task.points for task in tasks)
+
+
+def test_drills_have_other_repairs_other_wrong_repairs_and_short_graders() -> None:
+    for drill in DRILLS:
+        slips = corpus.load(drill, ROOT).of("slip")
+        assert len([one for one in slips if not one.failed]) >= 2
+        assert len([one for one in slips if one.failed]) >= 5
+        assert 0 < grader_lines(drill) <= LONGEST_GRADER
+
+
+def grader_lines(drill: str) -> int:
+    folder = course.load(drill, ROOT / "exercises").folder
+    counted, inside = 0, False
+    for line in (folder / "exercise.toml").read_text().splitlines():
+        inside = line in ("[[checks]]", "[[endpoints]]") if line.startswith("[") else inside
+        counted += inside and bool(line.strip())
+    python = [line for path in folder.glob("*.py") if path.stem != drill for line in path.read_text().splitlines()]
+    return counted + len(python)
