@@ -122,8 +122,9 @@ def grade_task(task: Task, worker: Worker | None = None) -> Report:
     """Grade a submission that has been read."""
     job = exercise_job.of_submission(task.exercise, task.text, task.seed)
     job = replace(job, hidden=(*job.hidden, *task.hidden), first_failure=task.first_failure)
+    shown = f"{task.shown} ({task.text.note})" if task.text.note else task.shown
     with Worker() if worker is None else nullcontext(worker) as used:
-        return _grade(task.exercise, job, task.shown, used, task.require_isolation)
+        return _grade(task.exercise, job, shown, used, task.require_isolation)
 
 
 def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:

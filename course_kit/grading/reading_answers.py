@@ -75,6 +75,7 @@ def submission(copy: Copy, told: Record) -> Submission:
         fault=SyntaxFault(*fault) if fault else None,
         facts=_facts(facts) if facts else Facts(),
         literal=told["literal"],
+        twice=str(told["twice"]),
     )
 
 

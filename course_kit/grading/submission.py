@@ -89,6 +89,7 @@ class Submission:
         facts: what its text gives away.
         literal: what it sets the exercise's variable to, where its text tells that, in the words of
             `course_kit.reader.literals`; None where only running it can tell.
+        twice: a class that several cells define; empty where none does.
     """
 
     name: str
@@ -98,6 +99,12 @@ class Submission:
     fault: SyntaxFault | None = None
     facts: Facts = Facts()
     literal: Record | None = None
+    twice: str = ""
+
+    @property
+    def note(self) -> str:
+        """What to say of a notebook with several answers."""
+        return f"several cells define {self.twice}: the last one counts" if self.twice else ""
 
     def where(self, line: int) -> str:
         """`line 12`, for notebooks `cell 3, line 2`."""

@@ -31,7 +31,7 @@ class SubmissionCell:
     when: datetime = field(default_factory=lambda: datetime.now().astimezone())
 
     def __str__(self) -> str:
-        return f"In[{self.number}], run at {self.when:%H:%M:%S}"
+        return f"In[{self.number}], run at {self.when:%H:%M:%S}" if self.number else "a cell that was not run"
 
 
 class SubmissionCells:
@@ -39,6 +39,7 @@ class SubmissionCells:
 
     def __init__(self) -> None:
         self._cells: dict[str, dict[str, SubmissionCell]] = {}
+        self._gone: dict[str, datetime] = {}  # when a cell was deleted, or lost its mark
         self._unmarked: dict[str, int] = {}  # in which cell without the magic a class was last defined
 
     def keep(self, exercise: str, cell_id: str | None, source: str, number: int = 0) -> None:
@@ -56,6 +57,7 @@ class SubmissionCells:
             if cell_id is not None and not (marked and marked[1] == exercise):
                 gone.add(cell_id)  # its mark was removed, or names another exercise
             self._cells[exercise] = {one: cell for one, cell in cells.items() if one not in gone}
+            self._gone.update(dict.fromkeys(gone, datetime.now().astimezone()))
 
     def after(self, source: str, number: int) -> None:
         """Any cell was run."""
@@ -63,7 +65,7 @@ class SubmissionCells:
             self._unmarked.update(dict.fromkeys(_CLASS.findall(source), number))
 
     def of(self, exercise: str) -> list[SubmissionCell]:
-        """The cells that make up the submission."""
+        """The cells that make up the submission: those that were run and, as for a class, those that were saved."""
         saved = _Saved.now()
         order = {cell_id: place for place, cell_id in enumerate(saved.sources)}
         cells = {
@@ -71,13 +73,28 @@ class SubmissionCells:
             for cell_id, cell in self._cells.get(exercise, {}).items()
             if cell_id in saved.sources or not saved.is_newer_than(cell)
         }
+        if cells:
+            cells = {**self._not_run(exercise, saved), **cells}
         return [cells[cell_id] for cell_id in sorted(cells, key=lambda cell_id: order.get(cell_id, len(order)))]
+
+    def _not_run(self, exercise: str, saved: _Saved) -> dict[str, SubmissionCell]:
+        return {
+            cell_id: SubmissionCell(source)
+            for cell_id, source in saved.sources.items()
+            if (marked := _MARK.match(source)) and marked[1] == exercise
+            if cell_id not in self._gone or saved.when > self._gone[cell_id]
+        }
 
     def warnings(self, exercise: str) -> list[str]:
         """What the notebook shows and is not graded, a sentence each."""
         graded = self.of(exercise)
         saved = _Saved.now()
         said = []
+        if any(not cell.number for cell in graded):
+            said.append(
+                f"A cell that begins with %%submission {exercise} was not run since the kernel started. It was graded, "
+                "too, as it would be in a class. Delete it if it does not belong to your answer."
+            )
         for cell_id, cell in self._cells.get(exercise, {}).items():
             now = saved.sources.get(cell_id)
             if cell in graded and now is not None and saved.is_newer_than(cell) and now.strip() != cell.source.strip():
@@ -107,7 +124,8 @@ class _Saved:
         path = Path(os.environ.get("JPY_SESSION_NAME", ""))
         try:
             when = datetime.fromtimestamp(path.stat().st_mtime).astimezone()
-            return cls({cell.get("id", ""): cell.source for cell in nbformat.read(path, as_version=4).cells}, when)
+            cells = nbformat.read(path, as_version=4).cells
+            return cls({cell.get("id", ""): cell.source for cell in cells if cell.cell_type == "code"}, when)
         except Exception:  # noqa: BLE001 - no such file, not saved yet, half written: the order of running will do
             return cls({}, datetime.min.replace(tzinfo=timezone.utc))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import resource
 from bisect import bisect_left
+from itertools import accumulate
 
 from course_kit.reader.limits import MEMORY_MB
 
@@ -61,6 +62,40 @@ def facts(tree: ast.Module) -> dict[str, object]:
         elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             spans.append((node.lineno, node.end_lineno or node.lineno))
     return {**told, "functions": _functions(spans, sorted(calls), sorted(looks)), "future": _first_future(tree)}
+
+
+def starts(source: str) -> list[tuple[int, int]]:
+    """Where a program starts itself: the slices of lines of `if __name__ == "__main__":` and of a bare `main()`."""
+    try:
+        _, tree = parse(source)
+    except TooMuchError:
+        return []  # whoever reads it as a program says so
+    return [(one.lineno - 1, one.end_lineno or one.lineno) for one in (tree.body if tree else ()) if _is_start(one)]
+
+
+def _is_start(statement: ast.stmt) -> bool:
+    if isinstance(statement, ast.If):
+        test = statement.test
+        sides = [test.left, *test.comparators] if isinstance(test, ast.Compare) else []
+        return any(isinstance(side, ast.Name) and side.id == "__name__" for side in sides)
+    called = statement.value if isinstance(statement, ast.Expr) else None
+    return isinstance(called, ast.Call) and isinstance(called.func, ast.Name) and called.func.id == "main"
+
+
+def defined_twice(tree: ast.Module, sizes: Sequence[int]) -> str:
+    """A class, else `main`, that more than one cell of a notebook defines; empty where there is none.
+
+    Args:
+        tree: the program that was joined from cells.
+        sizes: how many lines each cell gave.
+    """
+    ends = list(accumulate(sizes))
+    cells: dict[str, set[int]] = {}
+    for one in tree.body:
+        if isinstance(one, ast.ClassDef) or (isinstance(one, ast.FunctionDef) and one.name == "main"):
+            cells.setdefault(one.name, set()).add(bisect_left(ends, one.lineno))
+    found = [_cut(name) for name, where in cells.items() if len(where) > 1]
+    return min(found, key=lambda name: name == "main", default="")
 
 
 def _first_future(tree: ast.Module) -> int:

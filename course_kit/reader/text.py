@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 
-from course_kit.reader import exported, literals, python
+from course_kit.reader import coding, exported, literals, python
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -58,6 +58,7 @@ def of_program(name: str, source: str, places: list[tuple[int, int]], wish: Wish
         "places": places,
         "fault": fault,
         "facts": python.facts(tree) if tree else None,
+        "twice": python.defined_twice(tree, [lines for _, lines in places]) if tree else "",
         "literal": literals.written_out(tree, wish["variable"]) if tree and wish["variable"] else None,
     }
 
@@ -69,7 +70,7 @@ def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[i
     if kind(name) == NOTEBOOK:
         source, places = _joined(name, _code_cells(name, text), exercise)
     else:
-        source = _plain_lines(text)
+        source = coding.as_utf8(_plain_lines(text))
         if not source.strip():
             raise UnreadableTextError(f"{name} is empty.")
         if cells := exported.cells(source):
@@ -81,7 +82,11 @@ def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[i
 
 def _decoded(name: str, file: BinaryIO) -> str:
     try:
+        if kind(name) == PROGRAM:
+            return coding.decode(file.read())
         return file.read().decode("utf-8-sig")
+    except coding.CodingError as problem:
+        raise UnreadableTextError(f"{name} {problem}") from None
     except UnicodeDecodeError as problem:
         raise UnreadableTextError(
             f"{name} is not UTF-8 text (byte {problem.start + 1}). Save it with the encoding UTF-8."
@@ -89,12 +94,13 @@ def _decoded(name: str, file: BinaryIO) -> str:
 
 
 def _joined(name: str, cells: Iterable[tuple[int, str]], exercise: str) -> tuple[str, list[tuple[int, int]]]:
-    lines: list[str] = []
+    parts: list[list[str]] = []
     places: list[tuple[int, int]] = []
     others: set[str] = set()
     for number, cell in cells:
         rest = _plain_lines(cell).split("\n")
         first = _first_statement(rest)
+        rest = _dedented(rest, rest[first])
         if not (match := _MAGIC.match(rest.pop(first))):
             continue
         if match["exercise"] != exercise:
@@ -102,9 +108,10 @@ def _joined(name: str, cells: Iterable[tuple[int, str]], exercise: str) -> tuple
             continue
         if first < len(rest) and _AS_A_PROGRAM.match(rest[first]):
             rest[first] = ""  # empty, so that the lines below keep their numbers
-        lines += rest
+        parts.append(rest)
         places.append((number, len(rest)))
-    source = "\n".join(lines) + "\n"
+    lines = [line for part in _started_once(parts) for line in part]
+    source = coding.as_utf8("\n".join(lines) + "\n")
     if not source.strip():
         raise UnreadableTextError(
             f"{name} has no code cell that begins with the line '%%submission {exercise}'.{_found(others)}"
@@ -124,6 +131,26 @@ def _joined(name: str, cells: Iterable[tuple[int, str]], exercise: str) -> tuple
 def _first_statement(lines: list[str]) -> int:
     """The place of the first line that is neither blank nor a comment; of the first one where there is none."""
     return next((place for place, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), 0)
+
+
+def _dedented(lines: list[str], like: str) -> list[str]:
+    """The lines without the indentation of one of them, which IPython takes away, too."""
+    indentation = like[: len(like) - len(like.lstrip(" \t"))]
+    return [line.removeprefix(indentation) for line in lines]
+
+
+def _started_once(parts: list[list[str]]) -> list[list[str]]:
+    """Cells as a notebook runs them: all of them, and what starts a program, such as its `main`, at the end."""
+    if len(parts) < 2:  # noqa: PLR2004 - several
+        return parts
+    last: list[str] = []
+    for part in parts:
+        starts = python.starts("\n".join(part))
+        if starts:
+            last = [line for begin, end in starts for line in part[begin:end]]
+        for begin, end in starts:
+            part[begin:end] = [""] * (end - begin)
+    return [*parts, last]
 
 
 def _found(others: set[str]) -> str:

@@ -28,6 +28,11 @@ def notebook(*cells: object) -> str:
         ("a.py", b"", "is empty"),
         ("a.py", b" \r\n\t\n", "is empty"),
         ("a.py", b"x = '\xff'", "not UTF-8 text (byte 6)"),
+        ("a.py", b"# coding: utf8mb4\nx = 1", "names the encoding utf8mb4, which Python does not know"),
+        ("a.py", b"# coding: rot13\nx = 1", "names the encoding rot13, which Python does not know"),
+        ("a.py", b"\n# coding: ascii\nx = '\xe4'", "names the encoding ascii and is not written in it (byte 23)"),
+        ("a.py", b"\xef\xbb\xbf# coding: latin-1\nx = 1", "begins as UTF-8 does and names the encoding latin-1"),
+        ("a.py", b"x = 1\n# coding: latin-1\nx = '\xff'", "not UTF-8 text (byte 30)"),
         ("a.py", b"x = 1\0", "null bytes"),
         ("a.py", b"#" * (LARGEST + 1), "larger than 1024 kB"),
         ("a.txt", b"x = 1", "neither a .py nor an .ipynb"),
@@ -99,6 +104,48 @@ def test_line_ends_and_byte_order_mark(end: bytes, tmp_path: Path) -> None:
     path = tmp_path / "a.py"
     path.write_bytes(b"\xef\xbb\xbf" + end.join([b"x = 1", b"y = '\xc3\xa4'", b""]))
     assert read(path, EXERCISE).source == "x = 1\ny = 'ä'\n"
+
+
+@pytest.mark.parametrize("above", ["", "#!/usr/bin/env python3\n", "\n"])
+def test_a_coding_line_is_read_as_python_reads_it(above: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.py"
+    path.write_bytes(f"{above}# -*- coding: latin-1 -*-\ny = 'ä'\n".encode("latin-1"))
+    assert read(path, EXERCISE).source == f"{above}# -*- coding: utf-8 -*-\ny = 'ä'\n"
+
+
+PROGRAM = """class Node{number}:
+    pass
+
+def main():
+    print({number})
+
+if __name__ == "__main__":
+    main()"""
+
+
+def test_of_two_whole_programs_in_two_cells_the_last_one_starts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "a.ipynb"
+    mark = f"%%submission {EXERCISE}\n"
+    path.write_text(notebook(mark + PROGRAM.format(number=1), mark + PROGRAM.format(number=2), f"{mark}last = 3"))
+    found = read(path, EXERCISE)
+    assert found.note == "several cells define main: the last one counts"
+    assert found.where(found.source[: found.source.index("class Node2")].count("\n") + 1) == "cell 2, line 2"
+    names: dict[str, object] = {"__name__": "__main__"}
+    exec(found.source, names)  # noqa: S102 - it is ours
+    assert capsys.readouterr().out == "2\n"
+    assert names["last"] == 3
+    path.write_text(notebook(f"{mark}class A: pass\ndef main(): pass", f"{mark}class A: x = 1\ndef main(): pass"))
+    assert read(path, EXERCISE).note == "several cells define A: the last one counts"
+    path.write_text(notebook(mark + PROGRAM.format(number=1)))
+    assert (read(path, EXERCISE).note, read(path, EXERCISE).source) == ("", PROGRAM.format(number=1) + "\n")
+
+
+def test_a_cell_that_is_indented_as_a_whole_is_read_as_ipython_reads_it(tmp_path: Path) -> None:
+    path = tmp_path / "a.ipynb"
+    path.write_text(notebook(f"  %%submission {EXERCISE}\n  x = 1\n  if x:\n      y = 2\n"))
+    assert read(path, EXERCISE).source == "x = 1\nif x:\n    y = 2\n\n"
 
 
 def test_notebook_cells_are_joined_in_order_and_lines_are_found_again(tmp_path: Path) -> None:

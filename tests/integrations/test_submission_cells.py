@@ -81,6 +81,21 @@ def test_a_deleted_cell_does_not_count_whether_the_notebook_was_saved_or_not(ker
     assert grade(kernel)[0].count("In[") == 1
 
 
+def test_a_marked_cell_that_was_not_run_is_graded_as_in_a_class_and_told(kernel: Kernel) -> None:
+    save(kernel, old=CELL, one=CELL, note="%%submission temperature_service")
+    kernel.run(CELL, cellId="one")
+    said, warned = grade(kernel)
+    assert said.startswith("Graded: a cell that was not run; In[")
+    assert "It was graded, too, as it would be in a class." in warned
+    kernel.run("answers = {}", cellId="old")  # has lost its mark, and the file does not show it yet
+    assert "as it would be in a class" in grade(kernel)[1]
+    (kernel.cwd / "notebook.ipynb").touch()
+    os.utime(kernel.cwd / "notebook.ipynb", (1, 1))
+    kernel.run(CELL, cellId="one")
+    kernel.run("answers = {}", cellId="old")
+    assert grade(kernel)[1] == ""
+
+
 def test_a_cell_that_has_lost_its_mark_does_not_count(kernel: Kernel) -> None:
     kernel.run(CELL, cellId="one")
     kernel.run("answers = {}", cellId="one")

@@ -240,3 +240,7 @@ def test_what_cannot_be_a_script() -> None:
         lab.script("a", "", mode="fast")
     with pytest.raises(lab.LabError, match="Nothing is being recorded"):
         lab.diagram()
+
+
+def test_a_coding_line_in_a_cell_does_not_spoil_its_letters(kernel: Kernel) -> None:
+    assert kernel.run('%%ros_script greet\n# -*- coding: latin-1 -*-\nprint("grüße")').stdout == "grüße\n"

@@ -22,6 +22,7 @@ from course_kit.lab.scripts.script import Script, checked_name
 from course_kit.process.child import Child
 from course_kit.process.output import LineReader
 from course_kit.process.signals import Ladder
+from course_kit.reader.coding import as_utf8
 
 if TYPE_CHECKING:
     from course_kit.lab.notebook.output import Output
@@ -114,7 +115,7 @@ class Scripts:
         folder = environment.run_dir() / "scripts"
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"{name}.py"
-        path.write_text(source, encoding="utf-8")
+        path.write_text(as_utf8(source), encoding="utf-8")
         command = [sys.executable, "-m", runner, name, str(os.getpid()), str(self._reports_end)]
         process = Child(
             [*command, str(path), *arguments],
