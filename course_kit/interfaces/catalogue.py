@@ -38,23 +38,12 @@ def installed_types(package: str) -> set[str]:
 
 
 def installed_text(package: str, kind: str, name: str) -> str | None:
-    """The definition of an installed interface, None when there is no such.
-
-    Args:
-        package: its package.
-        kind: `msg`, `srv` or `action`.
-        name: its name.
-    """
+    """The definition of an installed interface, None when there is no such."""
     return first_text(prefixes(), "share", package, kind, f"{name}.{kind}")
 
 
 def idl_file(package: str, name: str) -> str | None:
-    """The file of a message that is written in IDL; None when there is no such.
-
-    Args:
-        package: its package.
-        name: its name.
-    """
+    """The file of a message that is written in IDL; None when there is no such."""
     shares = (os.path.join(prefix, "share") for prefix in prefixes())  # noqa: PTH118
     files = (os.path.join(place, package, "msg", f"{name}.idl") for place in (*folders(), *shares))  # noqa: PTH118
     return next((file for file in files if os.path.isfile(file)), None)  # noqa: PTH113

@@ -18,22 +18,14 @@ _FIELD = re.compile(r"\s*[A-Za-z][\w/]*(?:<=\d+)?(?:\[[^\]]*\])?\s+(?P<name>[a-z
 
 
 def split_comment(line: str) -> tuple[str, str]:
-    """A line of a definition as its code and its comment, without the # before it.
-
-    Args:
-        line: of a .msg, .srv or .action file.
-    """
+    """A line of a definition as its code and its comment, without the # before it."""
     code = _CODE.match(line)
     end = code.end() if code else len(line)
     return line[:end].rstrip(), line[end:].lstrip("#").strip()
 
 
 def comments_of(message_type: type[Message]) -> dict[str, str]:
-    """The comments that stand in the lines of a message's fields, by the field; empty where its text is not known.
-
-    Args:
-        message_type: the class of a message, or of a part of a service or an action.
-    """
+    """The comments that stand in the lines of a message's fields, by the field; empty where its text is not known."""
     package, kind = [*message_type.__module__.split("."), ""][:2]
     name, _, part = message_type.__name__.rpartition("_")
     parts = _PARTS.get(kind, ())

@@ -51,12 +51,7 @@ class Constant:
 
 @dataclass(frozen=True)
 class MessageDefinition:
-    """A message, or one of the parts of a service or an action.
-
-    Attributes:
-        name: full name, such as my_interfaces/srv/PersonInfo_Request.
-        module: the Python module rosidl puts its class in, such as "_person_info".
-    """
+    """A message, or one of the parts of a service or an action."""
 
     name: TypeName
     module: str
@@ -87,10 +82,7 @@ class ServiceDefinition:
 
 @dataclass(frozen=True)
 class ActionDefinition:
-    """An action: goal, result and feedback, and the two services and the message rosidl derives from them.
-
-    See "Actions" among the ROS 2 design articles.
-    """
+    """An action: goal, result and feedback, and the two services and the message rosidl derives from them."""
 
     name: TypeName
     module: str

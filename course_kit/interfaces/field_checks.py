@@ -21,11 +21,7 @@ Check = Callable[[object], None]
 
 
 def checks_by_default() -> bool:
-    """Whether a new message checks what is assigned to its fields.
-
-    The course switches that on for everyone; a value the user has set wins. It is on for live types from the start:
-    a program may import its interfaces before rclpy, which is when the course's settings are made.
-    """
+    """Whether a new message checks what is assigned to its fields."""
     return os.environ.get("ROS_PYTHON_CHECK_FIELDS", "1") == "1"
 
 
@@ -35,10 +31,7 @@ def largest_float(primitive: Primitive) -> float:
 
 
 def field_check(field: MessageField) -> Check:
-    """Make the function that accepts or refuses a value for a field.
-
-    The function raises AssertionError, as the assertions in compiled message classes do.
-    """
+    """Make the function that accepts or refuses a value for a field."""
     if field.type.container:
         return _container_check(field)
     if field.nested is not None:
@@ -136,10 +129,7 @@ def _one_by_one(value: bytes | bytearray) -> str:
 
 
 def _elements_check(kind: FieldType, value_type: type) -> Callable[[Any], bool]:
-    """Make the function that tells whether all elements, one at least, are of the type and in its range.
-
-    It looks at an image's every pixel: nothing is done for each element but what Python does in C.
-    """
+    """Make the function that tells whether all elements, one at least, are of the type and in its range."""
 
     def of_type(values: Any) -> bool:
         return all(issubclass(one, value_type) for one in set(map(type, values)))

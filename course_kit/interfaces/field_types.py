@@ -59,14 +59,7 @@ STRINGS = ("string", "wstring")
 
 
 class FieldType(NamedTuple):
-    """Type of one field.
-
-    Attributes:
-        base: "int32" and the like (IDL's names), "string", "wstring", or "package/folder/Name".
-        container: "" for a single value, "array" of a fixed size, "sequence" of any size.
-        size: elements of an array, most elements of a sequence (0: no bound).
-        string_bound: most characters of a string (0: no bound).
-    """
+    """Type of one field."""
 
     base: str
     container: str = ""

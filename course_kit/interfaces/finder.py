@@ -25,10 +25,7 @@ _PACKAGE, _KIND, _MODULE = 1, 2, 3  # parts of the name: my_interfaces . srv . _
 
 
 class LiveFinder:
-    """Finds the packages of live interfaces; a meta path finder and loader (see "The import system").
-
-    It also holds the one library of live types of this process.
-    """
+    """Finds the packages of live interfaces; a meta path finder and loader (see "The import system")."""
 
     def __init__(self) -> None:
         self._library: Library | None = None
@@ -37,11 +34,7 @@ class LiveFinder:
 
     @property
     def library(self) -> Library:
-        """The live types of this process.
-
-        Raises:
-            ImportError: ROS 2 is not installed.
-        """
+        """The live types of this process."""
         with self._lock:
             if self._library is None:
                 self._library = _new_library()
@@ -50,13 +43,7 @@ class LiveFinder:
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Find a package of live interfaces, its msg, srv or action, or the module of one of them.
-
-        Args:
-            fullname: of the module.
-            path: where its package lies; not used.
-            target: not used.
-        """
+        """Find a package of live interfaces, its msg, srv or action, or the module of one of them."""
         del path, target
         thread = get_ident()
         if thread in self._searching:  # looking for folders imports modules; those that do not exist come by here

@@ -39,13 +39,7 @@ OTHER_NAMES = {
 
 
 def nearest(name: str, candidates: Iterable[str], alike: float = 0.6) -> str | None:
-    """The candidate that is written most like a name, None if none is; slips rarely change the first letter.
-
-    Args:
-        name: what was written.
-        candidates: all there are.
-        alike: the ratio of difflib that a candidate must have.
-    """
+    """The candidate that is written most like a name, None if none is; slips rarely change the first letter."""
     lowered = {candidate.lower(): candidate for candidate in candidates}
     found = difflib.get_close_matches(name.lower(), lowered, n=3, cutoff=alike)
     alike_at_first = [one for one in found if one[:1] == name[:1].lower()]
@@ -67,13 +61,7 @@ def snake_case(name: str) -> str:
 
 
 def for_unknown_type(text: str, name: str, primitives: Iterable[str]) -> str:
-    """What was expected instead of an unknown type.
-
-    Args:
-        text: the line.
-        name: the type's name in it.
-        primitives: the types that need no package.
-    """
+    """What was expected instead of an unknown type."""
     if name in primitives:
         return f"Expected the type first and the name second: {name} {text.rstrip(':;,')}"
     if text in OTHER_NAMES:

@@ -74,11 +74,7 @@ def text_of(type_name: str) -> str:
 
 
 def full_name(type_name: str) -> str:
-    """The full name of an existing interface given by its full or two-part name.
-
-    Raises:
-        InterfaceNotFoundError: there is none, or there are several.
-    """
+    """The full name of an existing interface given by its full or two-part name."""
     parts = type_name.strip().split("/")
     if len(parts) not in (_PARTS_SHORT, _PARTS_FULL) or not all(parts):
         reason = f"{type_name!r} is not an interface name: expected package/srv/Name, such as std_srvs/srv/SetBool."

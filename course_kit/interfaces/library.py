@@ -20,14 +20,7 @@ if TYPE_CHECKING:
 
 
 class Built:
-    """The classes one definition has led to.
-
-    Attributes:
-        text: the definition's text.
-        module: name of the Python module the classes belong to, within its package: "_person_info".
-        classes: by the names they have in that module; the interface itself has its own name.
-        nested: full names of the messages of other definitions in it.
-    """
+    """The classes one definition has led to."""
 
     def __init__(self, text: str, definition: Definition, nested: dict[str, type]) -> None:
         self.text, self.module, self.nested = text, definition.module, nested
@@ -40,11 +33,7 @@ class Built:
 
 
 class Library:
-    """Makes and keeps live types.
-
-    Args:
-        find_text: gives the text of a live interface, or None.
-    """
+    """Makes and keeps live types."""
 
     def __init__(self, find_text: Callable[[TypeName], str | None]) -> None:
         self._find_text = find_text
@@ -53,11 +42,7 @@ class Library:
         self._lock = threading.RLock()
 
     def get(self, name: TypeName) -> Built | None:
-        """The live type of that name, made if need be; None if there is no text for it.
-
-        Raises:
-            InterfaceDefinitionError: its text, or that of a message in it, is not valid.
-        """
+        """The live type of that name, made if need be; None if there is no text for it."""
         with self._lock:
             if name in self._being_built:
                 raise InterfaceDefinitionError(str(name), 0, "", "A message cannot contain itself, directly or not.")
@@ -69,10 +54,7 @@ class Library:
             return self._built[name]
 
     def define(self, name: TypeName, text: str) -> Built:
-        """Make a type from a text given now; the types that contain it are made anew when next wanted.
-
-        Classes made before go on working for whoever holds them.
-        """
+        """Make a type from a text given now; the types that contain it are made anew when next wanted."""
         with self._lock:
             known = self._built.get(name)
             if known is not None and known.text == text:

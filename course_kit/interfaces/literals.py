@@ -21,13 +21,7 @@ class LiteralError(ValueError):
 
 
 def parse_value(kind: FieldType, text: str) -> Any:
-    """Read a value of a basic type, or a list of them for an array.
-
-    A value of type byte or octet is given as an int, as rosidl_adapter does.
-
-    Raises:
-        LiteralError: the text is not such a value.
-    """
+    """Read a value of a basic type, or a list of them for an array."""
     if not kind.container:
         return _single(kind, text)
     if not (text.startswith("[") and text.endswith("]")):
@@ -101,10 +95,7 @@ def _bounded(kind: FieldType, text: str) -> str:
 
 
 def _decoded(text: str) -> str:
-    r"""The text that `\t`, `\x41` and the like stand for, as it comes out of the two steps of rosidl.
-
-    rosidl_adapter decodes Python's escapes when it writes IDL, and rosidl_parser those of IDL when it reads that.
-    """
+    r"""The text that `\t`, `\x41` and the like stand for, as it comes out of the two steps of rosidl."""
     idl = _python_decoded(text)
     return re.sub(r'\\(["\\])', r"\1", _IDL_ESCAPE.sub(lambda part: _python_decoded(part[0]), idl))
 

@@ -22,14 +22,7 @@ class LiveType(NamedTuple):
 
 @dataclass
 class LiveRecord:
-    """One live class.
-
-    Attributes:
-        source: encoding and text of its definition; ("implicit", "") for a part of a service or an action.
-        fields: those of a message, none for a service or an action.
-        cls: the class itself.
-        native: the record the native helper has of a message, once there is one.
-    """
+    """One live class."""
 
     source: tuple[str, str]
     fields: tuple[MessageField, ...] = ()

@@ -27,13 +27,7 @@ _CAPSULES = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DEST
 def make_message_class(
     definition: MessageDefinition, nested: Mapping[str, type[Message]], text: str | None = None
 ) -> type[Message]:
-    """Make the class of a message, or of a part of a service or an action.
-
-    Args:
-        definition: what the message holds.
-        nested: the classes of the messages it contains, by full name.
-        text: the definition's text when it is a .msg file of its own.
-    """
+    """Make the class of a message, or of a part of a service or an action."""
     fields = tuple(
         MessageField(field.name, field.type, nested.get(field.type.base), default_text(field.default))
         for field in definition.fields

@@ -30,12 +30,7 @@ MessageClass = type[Message]
 
 
 class MessageField(NamedTuple):
-    """One field of a class.
-
-    Attributes:
-        nested: the class of its values when they are messages, else None.
-        default: its default value as type descriptions spell it, "" for none.
-    """
+    """One field of a class."""
 
     name: str
     type: FieldType
@@ -44,11 +39,7 @@ class MessageField(NamedTuple):
 
 
 def message_fields(cls: type[Message]) -> tuple[MessageField, ...]:
-    """The fields of a message class, in order.
-
-    A live class knows the classes of its nested messages itself: it goes on using those it was made with, even
-    after one of them is defined anew.
-    """
+    """The fields of a message class, in order."""
     live = record_of(cls)
     if live is not None:
         return live.fields
@@ -60,14 +51,7 @@ def message_fields(cls: type[Message]) -> tuple[MessageField, ...]:
 
 
 def message_class(full_name: str) -> type[Message]:
-    """Import a message class by its full name, such as "geometry_msgs/msg/Point".
-
-    The parts of an action are not all exported by its package, but they are by the action's own module.
-
-    Raises:
-        ImportError: there is no such package.
-        AttributeError: the package has no such message.
-    """
+    """Import a message class by its full name, such as "geometry_msgs/msg/Point"."""
     package, folder, name = full_name.split("/")
     module = importlib.import_module(f"{package}.{folder}")
     if not hasattr(module, name) and "_" in name:

@@ -13,13 +13,7 @@ if TYPE_CHECKING:
 
 
 def make_metaclass(definition: Definition, what: str, attributes: Mapping[str, object]) -> type:
-    """Make the metaclass of a message, a service or an action.
-
-    Args:
-        definition: what its class is made of.
-        what: "message", "service" or "action".
-        attributes: what it has besides, such as constants.
-    """
+    """Make the metaclass of a message, a service or an action."""
     name = definition.name.name
     return type(
         f"Metaclass_{name}",
@@ -36,11 +30,7 @@ def make_metaclass(definition: Definition, what: str, attributes: Mapping[str, o
 
 
 def _refuse_fields(cls: type, name: str, value: object) -> None:
-    """Refuse `Fibonacci.Feedback.sequence = [0]`, which would take the field away from all messages of the type.
-
-    Raises:
-        TypeError: it is a field.
-    """
+    """Refuse `Fibonacci.Feedback.sequence = [0]`, which would take the field away from all messages of the type."""
     if isinstance(vars(cls).get(name), property):
         kind = cls.__name__.replace("_", ".")
         raise TypeError(f"{kind} is the type, not a message: make one with {kind}(), then set its {name}.")

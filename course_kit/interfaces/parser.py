@@ -50,11 +50,7 @@ _TAKEN_NAMES = {"check_fields", "get_fields_and_field_types"}
 
 
 def parse_type_name(text: str) -> TypeName:
-    """Read a full interface name such as "my_interfaces/srv/PersonInfo".
-
-    Raises:
-        InterfaceDefinitionError: it is not one.
-    """
+    """Read a full interface name such as "my_interfaces/srv/PersonInfo"."""
     parts = text.split("/")
     example = "expected package/folder/Name with the folder msg, srv or action, such as my_interfaces/srv/PersonInfo."
     if len(parts) != 3 or parts[1] not in PARTS:  # noqa: PLR2004
@@ -71,15 +67,7 @@ def parse_type_name(text: str) -> TypeName:
 
 
 def parse(type_name: str, text: str) -> Definition:
-    """Read the definition of an interface.
-
-    Args:
-        type_name: full name; its folder says what the text is.
-        text: content of the .msg, .srv or .action file.
-
-    Raises:
-        InterfaceDefinitionError: the name or the text is not valid.
-    """
+    """Read the definition of an interface."""
     name = parse_type_name(type_name)
     sections = _split(name, text)
     module = module_name(name.name)

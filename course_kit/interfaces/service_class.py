@@ -15,28 +15,13 @@ if TYPE_CHECKING:
 def make_service_class(
     definition: ServiceDefinition, request: type, response: type, event: type, text: str | None = None
 ) -> type:
-    """Make the class of a service out of those of its parts.
-
-    Args:
-        definition: the service's definition.
-        request: the class of requests.
-        response: that of responses.
-        event: that of events.
-        text: of the definition.
-    """
+    """Make the class of a service out of those of its parts."""
     parts = {"Request": request, "Response": response, "Event": event}
     return _bundle(definition, "service", parts, text)
 
 
 def make_action_class(definition: ActionDefinition, parts: dict[str, type], text: str) -> type:
-    """Make the class of an action.
-
-    Args:
-        definition: the action.
-        parts: its classes under their names in the action: Goal, Result, Feedback, SendGoalService,
-            GetResultService and FeedbackMessage. What all actions share (cancelling, status) is added.
-        text: the definition's text.
-    """
+    """Make the class of an action."""
     internal = {name: parts[name] for name in ("SendGoalService", "GetResultService", "FeedbackMessage")}
     internal["CancelGoalService"] = importlib.import_module("action_msgs.srv").CancelGoal
     internal["GoalStatusMessage"] = importlib.import_module("action_msgs.msg").GoalStatusArray

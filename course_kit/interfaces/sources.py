@@ -37,11 +37,7 @@ def path_with(*first: str) -> str:
 
 
 def saved_folder() -> str | None:
-    """Where definitions are saved for other processes of this checkout, None where nothing can be written.
-
-    That is `environment.run_dir()`. But every module that is missing is sought here, in every Python, and importing
-    `environment` takes 10 ms; so before it is there, the course's folder is taken at its word if it can be written.
-    """
+    """Where definitions are saved for other processes of this checkout, None where nothing can be written."""
     loaded = sys.modules.get("course_kit.environment")
     if not hasattr(loaded, "run_dir") and _course_is_writable():
         return os.path.join(_ROOT, ".course", "interfaces")  # noqa: PTH118
@@ -69,34 +65,17 @@ def has_package(package: str) -> bool:
 
 
 def has_kind(package: str, kind: str, folder: str | None = None) -> bool:
-    """Whether a package has messages, services or actions, in one folder or in any.
-
-    Args:
-        package: its name.
-        kind: `msg`, `srv` or `action`.
-        folder: where to look; everywhere when None.
-    """
+    """Whether a package has messages, services or actions, in one folder or in any."""
     return any(os.path.isdir(os.path.join(each, package, kind)) for each in ([folder] if folder else folders()))  # noqa: PTH112, PTH118
 
 
 def find_text(package: str, kind: str, name: str) -> str | None:
-    """The text of an interface, None if no folder has it.
-
-    Args:
-        package: its package.
-        kind: `msg`, `srv` or `action`.
-        name: its name.
-    """
+    """The text of an interface, None if no folder has it."""
     return first_text(folders(), package, kind, f"{name}.{kind}")
 
 
 def first_text(places: Iterable[str], *parts: str) -> str | None:
-    """What a file holds in the first of some folders that has it, None if none has.
-
-    Args:
-        places: the folders.
-        parts: the way from there to the file.
-    """
+    """What a file holds in the first of some folders that has it, None if none has."""
     for place in places:
         path = os.path.join(place, *parts)  # noqa: PTH118
         try:

@@ -32,11 +32,7 @@ def _helper() -> Helper:
 
 
 def add_support(cls: Any) -> None:
-    """Fill in what rclpy looks for on the metaclass of a live message, service or action, and of all its parts.
-
-    Raises:
-        NativeHelperError: the native helper cannot be used here.
-    """
+    """Fill in what rclpy looks for on the metaclass of a live message, service or action, and of all its parts."""
     with _making:
         if type(cls)._TYPE_SUPPORT is not None:
             return

@@ -16,11 +16,7 @@ if TYPE_CHECKING:
 
 
 class Action(LaunchEntity):
-    """Something a launch file does.
-
-    Args:
-        condition: it is only done if this holds then.
-    """
+    """Something a launch file does."""
 
     condition: Condition | None = None
     done_at_once: ClassVar[bool] = True  # else somebody says later when it is
@@ -38,14 +34,7 @@ class Action(LaunchEntity):
         return following
 
     def execute(self, context: LaunchContext) -> object:
-        """Do it.
-
-        Returns:
-            An action or actions to be done next, or None.
-
-        Raises:
-            NotImplementedError: the action has not said.
-        """
+        """Do it."""
         raise NotImplementedError(type(self).__name__)
 
     def sub_entities(self) -> Iterable[object]:
@@ -54,15 +43,7 @@ class Action(LaunchEntity):
 
 
 def execute_all(entities: object, context: LaunchContext) -> None:
-    """Run actions in order.
-
-    Args:
-        entities: an action, actions, or whole launch descriptions; None is none.
-        context: of the file they stand in.
-
-    Raises:
-        LaunchError: one of them is no action of the subset, or cannot be done.
-    """
+    """Run actions in order."""
     for entity in as_entities(entities):
         if isinstance(entity, LaunchDescription):
             execute_all(entity.entities, context)

@@ -20,15 +20,7 @@ _DEEPEST = 50  # files that include one another
 
 
 class DeclareLaunchArgument(Action):
-    """An argument of the launch file, given as name:=value.
-
-    Args:
-        name: its name.
-        default_value: used when it is not given; without one it must be.
-        description: what it is for, for --show-args.
-        choices: the values it may have.
-        condition: it is only declared if this holds then.
-    """
+    """An argument of the launch file, given as name:=value."""
 
     def __init__(
         self,
@@ -44,11 +36,7 @@ class DeclareLaunchArgument(Action):
         self.description = description or "no description given"
 
     def execute(self, context: LaunchContext) -> None:
-        """Give the argument its default, unless it has a value.
-
-        Raises:
-            LaunchError: it has no value, or one that is not among its choices.
-        """
+        """Give the argument its default, unless it has a value."""
         values = context.launch_configurations
         context.declared.add(self.name)
         if self.name not in values:
@@ -60,13 +48,7 @@ class DeclareLaunchArgument(Action):
 
 
 class IncludeLaunchDescription(Action):
-    """Another launch file as a part of this one.
-
-    Args:
-        launch_description_source: the file, as a PythonLaunchDescriptionSource or as a path.
-        launch_arguments: pairs of names and values, such as `{"name": "value"}.items()`.
-        condition: it is only included if this holds then.
-    """
+    """Another launch file as a part of this one."""
 
     def __init__(
         self,
@@ -80,11 +62,7 @@ class IncludeLaunchDescription(Action):
         self._arguments = list(launch_arguments or [])
 
     def execute(self, context: LaunchContext) -> None:
-        """Run the other file's actions, with the arguments in force from here on.
-
-        Raises:
-            LaunchError: it includes itself.
-        """
+        """Run the other file's actions, with the arguments in force from here on."""
         for name, value in self._arguments:
             context.launch_configurations[as_text(name, context)] = as_text(value, context)
         if context.depth > _DEEPEST:
@@ -94,14 +72,7 @@ class IncludeLaunchDescription(Action):
 
 
 class TimerAction(Action):
-    """Actions that come later.
-
-    Args:
-        period: seconds from the moment the timer is reached.
-        actions: what is done then.
-        cancel_on_shutdown: taken for the file's sake; nothing is begun here once a launch ends.
-        condition: it is only started if this holds then.
-    """
+    """Actions that come later."""
 
     def __init__(
         self,
@@ -120,11 +91,7 @@ class TimerAction(Action):
         self._cancelled = True
 
     def execute(self, context: LaunchContext) -> None:
-        """Start the timer.
-
-        Raises:
-            LaunchError: its period is no number of seconds.
-        """
+        """Start the timer."""
         text = as_text(self._period, context)
         try:
             seconds = float(text)
@@ -138,12 +105,7 @@ class TimerAction(Action):
 
 
 class LogInfo(Action):
-    """A line on the screen.
-
-    Args:
-        msg: the text, also as substitutions.
-        condition: it is only written if this holds then.
-    """
+    """A line on the screen."""
 
     def __init__(self, *, msg: Text, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
@@ -155,14 +117,7 @@ class LogInfo(Action):
 
 
 class OpaqueFunction(Action):
-    """A Python function that is called when it is reached, when the values of launch arguments are known.
-
-    Args:
-        function: called with the context; it returns actions, or nothing.
-        args: what it gets behind the context.
-        kwargs: the same by name.
-        condition: it is only called if this holds then.
-    """
+    """A Python function that is called when it is reached, when the values of launch arguments are known."""
 
     def __init__(
         self,

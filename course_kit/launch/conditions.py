@@ -17,11 +17,7 @@ _WORDS = {"true": True, "1": True, "false": False, "0": False}
 
 
 class Condition(LaunchEntity):
-    """A condition.
-
-    Args:
-        predicate: says whether it holds.
-    """
+    """A condition."""
 
     def __init__(self, predicate: Callable[[LaunchContext], bool]) -> None:
         self._predicate = predicate
@@ -46,12 +42,7 @@ class UnlessCondition(Condition):
 
 
 class LaunchConfigurationEquals(Condition):
-    """Holds when a launch argument has a value.
-
-    Args:
-        launch_configuration_name: the argument.
-        expected_value: the value; None for one that has none.
-    """
+    """Holds when a launch argument has a value."""
 
     def __init__(self, launch_configuration_name: str, expected_value: Text | None) -> None:
         super().__init__(lambda context: _equals(launch_configuration_name, expected_value, context))
@@ -65,11 +56,7 @@ class LaunchConfigurationNotEquals(Condition):
 
 
 def truth(expression: Text, context: LaunchContext, place: str = "") -> bool:
-    """What "true", "false", "1" and "0" mean.
-
-    Raises:
-        LaunchError: it is none of these.
-    """
+    """What "true", "false", "1" and "0" mean."""
     text = as_text(expression, context).strip()
     if text.lower() not in _WORDS:
         raise LaunchError(f"A condition is true or false, and {text!r} is neither.", place)

@@ -17,20 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class LaunchContext:
-    """The values of launch arguments, and where the file stands.
-
-    Attributes:
-        launch_configurations: argument names to values, shared with included files as in the real launch.
-        file: the launch file being run.
-        environment: the variables that processes get.
-        namespace: what PushRosNamespace has made of it, in front of the namespaces of nodes.
-        parameters: of SetParameter, names to values, for each node.
-        remappings: of SetRemap, pairs of names, for each node.
-        depth: how many launch files include this one, each by the next.
-        declared: the names of the arguments that have been declared so far.
-        running: what runs the processes; None where a file is only read.
-        event: what is being handled; None outside of an event handler's actions.
-    """
+    """The values of launch arguments, and where the file stands."""
 
     launch_configurations: dict[str, str] = field(default_factory=dict)
     file: Path = Path("launch.py")
@@ -45,11 +32,7 @@ class LaunchContext:
 
     @property
     def service(self) -> LaunchService:
-        """What runs the processes.
-
-        Raises:
-            LaunchError: nothing runs, the file is only read.
-        """
+        """What runs the processes."""
         if self.running is None:
             raise LaunchError("This can only be done while a launch file runs.")
         return self.running
@@ -68,11 +51,7 @@ class LaunchContext:
         return replace(self, event=event)
 
     def scoped(self, *, forwarding: bool = True) -> LaunchContext:
-        """The context within a group: what is set there is forgotten behind it.
-
-        Args:
-            forwarding: whether the values of launch arguments go in.
-        """
+        """The context within a group: what is set there is forgotten behind it."""
         return replace(
             self,
             launch_configurations=dict(self.launch_configurations) if forwarding else {},

@@ -17,11 +17,7 @@ _LARGEST = 1 << 20  # bytes of a setup.py
 
 
 def installed(folder: Path) -> Iterator[tuple[PurePosixPath, Path]]:
-    """The files that are installed: where to, such as share/my_robot/launch, and where they lie.
-
-    Args:
-        folder: of the package's source.
-    """
+    """The files that are installed: where to, such as share/my_robot/launch, and where they lie."""
     try:
         with (folder / "setup.py").open("rb") as file:
             tree = ast.parse(file.read(_LARGEST))
@@ -36,12 +32,7 @@ def installed(folder: Path) -> Iterator[tuple[PurePosixPath, Path]]:
 
 
 class SetupReader:
-    """Finds what expressions of a setup.py mean; None for what it does not know.
-
-    Args:
-        folder: where the setup.py lies.
-        tree: what it says.
-    """
+    """Finds what expressions of a setup.py mean; None for what it does not know."""
 
     def __init__(self, folder: Path, tree: ast.Module) -> None:
         self._folder = folder

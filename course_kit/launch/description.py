@@ -21,11 +21,7 @@ _OTHER_KINDS = {".xml": "XML", ".launch": "XML, as ROS 1 has them,", ".yaml": "Y
 
 
 class LaunchDescription:
-    """The actions of a launch file, in order.
-
-    Args:
-        initial_entities: the actions.
-    """
+    """The actions of a launch file, in order."""
 
     def __init__(self, initial_entities: Iterable[object] | None = None) -> None:
         self.entities = list(initial_entities or [])
@@ -38,11 +34,7 @@ class LaunchDescription:
 
 
 class LaunchDescriptionSource(LaunchEntity):
-    """A launch file to include.
-
-    Args:
-        launch_file_path: its path, also as substitutions; relative to the including file's folder.
-    """
+    """A launch file to include."""
 
     def __init__(self, launch_file_path: Text | LaunchDescription) -> None:
         self._path = launch_file_path
@@ -59,11 +51,7 @@ class LaunchDescriptionSource(LaunchEntity):
         return context.file.parent / as_text(self._path, context)
 
     def description(self, path: Path) -> LaunchDescription:
-        """What it describes.
-
-        Raises:
-            LaunchError: see `load`.
-        """
+        """What it describes."""
         return self._path if isinstance(self._path, LaunchDescription) else load(path)
 
 
@@ -76,11 +64,7 @@ class AnyLaunchDescriptionSource(LaunchDescriptionSource):
 
 
 def load(path: Path) -> LaunchDescription:
-    """What a launch file describes.
-
-    Raises:
-        LaunchError: no launch file, or one with a mistake; the message names file and line.
-    """
+    """What a launch file describes."""
     if path.suffix in _OTHER_KINDS:
         raise LaunchError(
             f"{path.name} is a launch file in {_OTHER_KINDS[path.suffix]}. The course reads launch files in Python "

@@ -28,12 +28,7 @@ class EventDispatcher:
         return bool(self._handlers)
 
     def register(self, handler: EventHandler, context: LaunchContext) -> None:
-        """Have an event handled from now on.
-
-        Args:
-            handler: says which, and what is done then.
-            context: for what is done.
-        """
+        """Have an event handled from now on."""
         self._handlers.append((handler, context))
 
     def unregister(self, handler: EventHandler) -> None:
@@ -45,11 +40,7 @@ class EventDispatcher:
         self._events.append(event)
 
     def handled(self) -> Iterator[LaunchEvent]:
-        """Handle the events there are, and those that come of it; each, when its handlers are through.
-
-        Raises:
-            LaunchError: what is to be done cannot be done.
-        """
+        """Handle the events there are, and those that come of it; each, when its handlers are through."""
         while self._events:
             event = self._events.popleft()
             for handler, context in [entry for entry in self._handlers if entry[0].matches(event)]:

@@ -10,24 +10,14 @@ from course_kit.ros.names import did_you_mean
 
 
 class LaunchEntity:
-    """A part of a launch description.
-
-    Attributes:
-        place: where it was written, such as "robot.launch.py, line 9".
-        OUTSIDE: arguments of the real launch that the course kit has not.
-        REPLACED: arguments of old versions of ROS 2, and how they are called now.
-    """
+    """A part of a launch description."""
 
     OUTSIDE: ClassVar[frozenset[str]] = frozenset()
     REPLACED: ClassVar[dict[str, str]] = {}
     place: str
 
     def __new__(cls, *_: Any, **keywords: Any) -> Any:
-        """Note the place, and refuse arguments that there are not.
-
-        Raises:
-            LaunchError: one of them is misspelt, or not part of the subset.
-        """
+        """Note the place, and refuse arguments that there are not."""
         entity = super().__new__(cls)
         entity.place = calling_place()
         if cls.__module__.startswith(f"{__package__}."):  # a class of the launch file's own takes what it likes

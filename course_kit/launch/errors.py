@@ -14,12 +14,7 @@ _KIT = str(Path(__file__).parent)
 
 
 class LaunchError(Exception):
-    """A launch file cannot be run as it is.
-
-    Args:
-        message: what is wrong, and what to do.
-        place: where in the launch file, such as "robot.launch.py, line 9"; it is found later where it is not known.
-    """
+    """A launch file cannot be run as it is."""
 
     def __init__(self, message: str, place: str = "") -> None:
         super().__init__(message)

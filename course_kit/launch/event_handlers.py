@@ -28,13 +28,7 @@ Reaction = Union[object, Callable[[Any, Any], object]]  # noqa: UP007 - evaluate
 
 
 class EventHandler(LaunchEntity):
-    """Actions for an event.
-
-    Args:
-        matcher: says whether an event is meant.
-        entities: what is done then.
-        handle_once: whether only for the first such event.
-    """
+    """Actions for an event."""
 
     def __init__(self, *, matcher: Matcher, entities: Reaction = None, handle_once: bool = False) -> None:
         self._matcher, self.reaction, self.handle_once = matcher, entities, handle_once
@@ -71,53 +65,28 @@ class _OfAnAction(EventHandler):
 
 
 class OnExecutionComplete(_OfAnAction):
-    """Actions for when another action is done; one that starts a process is done when the process has ended.
-
-    Args:
-        on_completion: the actions, or a function of the event and the context that returns them.
-        target_action: the action; any if None.
-        handle_once: whether only for the first time.
-    """
+    """Actions for when another action is done; one that starts a process is done when the process has ended."""
 
     def __init__(self, *, on_completion: Reaction, target_action: object = None, handle_once: bool = False) -> None:
         super().__init__(ExecutionComplete, target_action, on_completion, handle_once=handle_once)
 
 
 class OnProcessStart(_OfAnAction):
-    """Actions for the start of a process.
-
-    Args:
-        on_start: the actions, or a function of the event and the context that returns them.
-        target_action: the Node or ExecuteProcess; any if None.
-        handle_once: whether only for the first time.
-    """
+    """Actions for the start of a process."""
 
     def __init__(self, *, on_start: Reaction, target_action: object = None, handle_once: bool = False) -> None:
         super().__init__(ProcessStarted, target_action, on_start, handle_once=handle_once)
 
 
 class OnProcessExit(_OfAnAction):
-    """Actions for the end of a process.
-
-    Args:
-        on_exit: the actions, or a function of the event and the context that returns them.
-        target_action: the Node or ExecuteProcess; any if None.
-        handle_once: whether only for the first time.
-    """
+    """Actions for the end of a process."""
 
     def __init__(self, *, on_exit: Reaction, target_action: object = None, handle_once: bool = False) -> None:
         super().__init__(ProcessExited, target_action, on_exit, handle_once=handle_once)
 
 
 class OnProcessIO(_OfAnAction):
-    """Functions for what a process writes.
-
-    Args:
-        target_action: the Node or ExecuteProcess; any if None.
-        on_stdout: called with the event of each line on stdout; may return actions.
-        on_stderr: the same for stderr.
-        on_stdin: taken for the file's sake; nothing is ever written to a process here.
-    """
+    """Functions for what a process writes."""
 
     def __init__(
         self,
@@ -137,34 +106,21 @@ class OnProcessIO(_OfAnAction):
 
 
 class OnShutdown(EventHandler):
-    """Actions for the end of the launch.
-
-    Args:
-        on_shutdown: the actions, or a function of the event and the context that returns them.
-    """
+    """Actions for the end of the launch."""
 
     def __init__(self, *, on_shutdown: Reaction) -> None:
         super().__init__(matcher=lambda event: isinstance(event, Shutdown), entities=on_shutdown)
 
 
 class RegisterEventHandler(Action):
-    """From here on, an event has consequences.
-
-    Args:
-        event_handler: such as OnProcessExit.
-        condition: it is only done if this holds then.
-    """
+    """From here on, an event has consequences."""
 
     def __init__(self, event_handler: EventHandler, *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
         self.event_handler = event_handler
 
     def execute(self, context: LaunchContext) -> None:
-        """Register it.
-
-        Raises:
-            LaunchError: it needs what processes write, where nobody reads that.
-        """
+        """Register it."""
         context.service.register(self.event_handler, context)
 
     def sub_entities(self) -> list[object]:
@@ -173,12 +129,7 @@ class RegisterEventHandler(Action):
 
 
 class UnregisterEventHandler(RegisterEventHandler):
-    """From here on, an event has no consequences any more.
-
-    Args:
-        event_handler: what was registered.
-        condition: it is only done if this holds then.
-    """
+    """From here on, an event has no consequences any more."""
 
     def execute(self, context: LaunchContext) -> None:
         """Forget it."""
@@ -186,12 +137,7 @@ class UnregisterEventHandler(RegisterEventHandler):
 
 
 class EmitEvent(Action):
-    """An event, such as Shutdown.
-
-    Args:
-        event: the event.
-        condition: it is only done if this holds then.
-    """
+    """An event, such as Shutdown."""
 
     def __init__(self, *, event: LaunchEvent, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
@@ -203,12 +149,7 @@ class EmitEvent(Action):
 
 
 class ShutdownAction(EmitEvent):
-    """`launch.actions.Shutdown`: the end of the launch, with all its processes.
-
-    Args:
-        reason: why.
-        condition: it is only done if this holds then.
-    """
+    """`launch.actions.Shutdown`: the end of the launch, with all its processes."""
 
     def __init__(self, *, reason: str = "reason not given", condition: Condition | None = None) -> None:
         super().__init__(event=Shutdown(reason), condition=condition)

@@ -20,12 +20,7 @@ class LaunchEvent:
 
 @dataclass
 class Shutdown(LaunchEvent):
-    """The launch ends, with all its processes.
-
-    Attributes:
-        reason: why.
-        due_to_sigint: whether it was a Ctrl-C.
-    """
+    """The launch ends, with all its processes."""
 
     reason: str = "reason not given"
     due_to_sigint: bool = False
@@ -33,27 +28,14 @@ class Shutdown(LaunchEvent):
 
 @dataclass
 class ExecutionComplete(LaunchEvent):
-    """An action is done; one that starts a process, when that has ended.
-
-    Attributes:
-        action: the action.
-    """
+    """An action is done; one that starts a process, when that has ended."""
 
     action: Action
 
 
 @dataclass
 class RunningProcessEvent(LaunchEvent):
-    """Something about a process.
-
-    Attributes:
-        action: the Node or ExecuteProcess that describes it.
-        process_name: such as "talker-1".
-        cmd: its command.
-        cwd: its folder; None for that of the launch.
-        env: its variables.
-        pid: its number.
-    """
+    """Something about a process."""
 
     action: Action
     process_name: str
@@ -70,24 +52,14 @@ class ProcessStarted(RunningProcessEvent):
 
 @dataclass
 class ProcessExited(RunningProcessEvent):
-    """A process has ended.
-
-    Attributes:
-        returncode: its exit code; the negative number of the signal that has ended it.
-    """
+    """A process has ended."""
 
     returncode: int = 0
 
 
 @dataclass
 class ProcessIO(RunningProcessEvent):
-    """A process has written a line.
-
-    Attributes:
-        text: the line, with its end.
-        from_stdout: whether it wrote to stdout.
-        from_stderr: whether it wrote to stderr.
-    """
+    """A process has written a line."""
 
     text: bytes = b""
     from_stdout: bool = False
@@ -96,23 +68,14 @@ class ProcessIO(RunningProcessEvent):
 
 @dataclass
 class ShutdownProcess(LaunchEvent):
-    """Those processes are to end.
-
-    Attributes:
-        process_matcher: says of an action whether its process is meant.
-    """
+    """Those processes are to end."""
 
     process_matcher: Matcher
 
 
 @dataclass
 class SignalProcess(LaunchEvent):
-    """Those processes are to get a signal.
-
-    Attributes:
-        signal_number: its number or its name.
-        process_matcher: says of an action whether its process is meant.
-    """
+    """Those processes are to get a signal."""
 
     signal_number: int | str
     process_matcher: Matcher

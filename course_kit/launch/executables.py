@@ -34,16 +34,7 @@ _NO_PROGRAMS = (".launch.py", "setup.py", "conftest.py")
 
 
 def find(package: str | None, executable: str, near: Sequence[Path] = ()) -> list[str]:
-    """The command that runs an executable; Python scripts run in this Python.
-
-    Args:
-        package: its package; None when `executable` is a path or a program on PATH.
-        executable: its name, with or without .py.
-        near: folders looked into first, such as the launch file's.
-
-    Raises:
-        ProgramError: no such package or executable, with the nearest right name.
-    """
+    """The command that runs an executable; Python scripts run in this Python."""
     if package is None:
         return _program(executable, near)
     folders = list(_folders(near))

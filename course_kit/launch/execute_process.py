@@ -29,28 +29,7 @@ _PYTHONS = ("python", "python3")
 
 
 class ExecuteProcess(Action):
-    """A program.
-
-    Args:
-        cmd: the program and its arguments, each also as substitutions.
-        name: what its lines begin with; the program's name if None.
-        cwd: the folder it runs in.
-        env: its variables, instead of those of the launch.
-        additional_env: variables it gets besides.
-        prefix: what is written before the command, such as "nice -n 5".
-        shell: whether a shell reads the command, as one text.
-        output: "screen", "both" or "full" for everything, "log" (the default) for stderr only, "own_log" for nothing on
-            the screen; or a dict with "stdout", "stderr" and "both".
-        on_exit: actions for when it has ended, or a function that returns them.
-        respawn: whether it is started again when it has ended.
-        respawn_delay: seconds until then.
-        respawn_max_retries: how often; any number of times if negative.
-        sigterm_timeout: seconds to end in after SIGINT, before SIGTERM comes.
-        sigkill_timeout: the same after SIGTERM, before SIGKILL comes.
-        emulate_tty: taken for the file's sake; output is never held back here.
-        log_cmd: whether the command is written out.
-        condition: it is only started if this holds then.
-    """
+    """A program."""
 
     done_at_once: ClassVar[bool] = False
     OUTSIDE: ClassVar[frozenset[str]] = frozenset({"cached_output", "output_format"})
@@ -86,11 +65,7 @@ class ExecuteProcess(Action):
         self._on_exit = on_exit
 
     def execute(self, context: LaunchContext) -> None:
-        """Start the process; a program that is missing ends nothing but its own part of the launch.
-
-        Raises:
-            LaunchError: it is described in a way that nobody can start.
-        """
+        """Start the process; a program that is missing ends nothing but its own part of the launch."""
         if self._on_exit is not None:
             context.service.register(OnProcessExit(target_action=self, on_exit=self._on_exit), context)
         temporary: list[Path] = []
@@ -104,12 +79,7 @@ class ExecuteProcess(Action):
             context.service.fail(error.at(self.place))
 
     def command(self, context: LaunchContext, temporary: list[Path]) -> list[str]:
-        """The words of the command.
-
-        Args:
-            context: of the launch.
-            temporary: takes the files that are made for it.
-        """
+        """The words of the command."""
         del temporary
         if self._shell:
             return [*_SHELL, " ".join(as_text(word, context) for word in self._cmd)]

@@ -25,22 +25,13 @@ _COMMAND_S = 60.0  # a launch file that asks a program waits for its answer
 
 
 class EnvironmentVariable(Substitution):
-    """The value of an environment variable.
-
-    Args:
-        name: of the variable.
-        default_value: used when it is not set.
-    """
+    """The value of an environment variable."""
 
     def __init__(self, name: Text, *, default_value: Text | None = None) -> None:
         self._name, self._default = name, default_value
 
     def perform(self, context: LaunchContext) -> str:
-        """The value.
-
-        Raises:
-            LaunchError: it is not set, and there is no default.
-        """
+        """The value."""
         name = as_text(self._name, context)
         if name in context.environment:
             return context.environment[name]
@@ -54,21 +45,13 @@ class EnvironmentVariable(Substitution):
 
 
 class FindExecutable(Substitution):
-    """The path of a program on PATH.
-
-    Args:
-        name: of the program.
-    """
+    """The path of a program on PATH."""
 
     def __init__(self, *, name: Text) -> None:
         self._name = name
 
     def perform(self, context: LaunchContext) -> str:
-        """The path.
-
-        Raises:
-            LaunchError: there is no such program.
-        """
+        """The path."""
         name = as_text(self._name, context)
         found = shutil.which(name, path=with_scripts_first(context.environment.get("PATH")))
         if found is None:
@@ -81,22 +64,13 @@ class FindExecutable(Substitution):
 
 
 class Command(Substitution):
-    """What a program prints.
-
-    Args:
-        command: the program and its arguments, in one text.
-        on_stderr: what it means that it prints to stderr: "fail", "ignore", "warn" or "capture".
-    """
+    """What a program prints."""
 
     def __init__(self, command: Text, *, on_stderr: Text = "fail") -> None:
         self._command, self._on_stderr = command, on_stderr
 
     def perform(self, context: LaunchContext) -> str:
-        """What it prints.
-
-        Raises:
-            LaunchError: there is no such program, it fails, or it does not end.
-        """
+        """What it prints."""
         command, on_stderr = as_text(self._command, context), as_text(self._on_stderr, context)
         try:
             done = subprocess.run(
@@ -129,22 +103,13 @@ class Command(Substitution):
 
 
 class PythonExpression(Substitution):
-    """The value of a Python expression.
-
-    Args:
-        expression: its text, also as substitutions.
-        python_modules: those whose names it uses; what is in `math` is known without "math.".
-    """
+    """The value of a Python expression."""
 
     def __init__(self, expression: Text, python_modules: Iterable[Text] = ("math",)) -> None:
         self._expression, self._modules = expression, python_modules
 
     def perform(self, context: LaunchContext) -> str:
-        """The value, as text.
-
-        Raises:
-            LaunchError: it cannot be computed.
-        """
+        """The value, as text."""
         expression = as_text(self._expression, context)
         modules = [self._modules] if isinstance(self._modules, str) else list(self._modules)
         names: dict[str, object] = {}
@@ -162,21 +127,13 @@ class PythonExpression(Substitution):
 
 
 class FileContent(Substitution):
-    """The text of a file.
-
-    Args:
-        path: of the file.
-    """
+    """The text of a file."""
 
     def __init__(self, path: Text) -> None:
         self._path = path
 
     def perform(self, context: LaunchContext) -> str:
-        """The text.
-
-        Raises:
-            LaunchError: it cannot be read.
-        """
+        """The text."""
         path = Path(as_text(self._path, context))
         try:
             return path.read_text(encoding="utf-8")
@@ -194,21 +151,13 @@ class LaunchLogDir(Substitution):
 
 
 class FindPackageShare(Substitution):
-    """The share folder of a package.
-
-    Args:
-        package: its name.
-    """
+    """The share folder of a package."""
 
     def __init__(self, package: Text) -> None:
         self._package = package
 
     def perform(self, context: LaunchContext) -> str:
-        """The folder.
-
-        Raises:
-            LaunchError: there is no such package.
-        """
+        """The folder."""
         name = as_text(self._package, context)
         return str(Path(FindPackagePrefix(name).perform(context), "share", name))
 
@@ -221,21 +170,12 @@ class FindPackagePrefix(FindPackageShare):
     """The folder that a package is installed in."""
 
     def perform(self, context: LaunchContext) -> str:
-        """The folder.
-
-        Raises:
-            LaunchError: there is no such package.
-        """
+        """The folder."""
         return prefix_of(as_text(self._package, context))
 
 
 class ExecutableInPackage(Substitution):
-    """The program of a package, as a path.
-
-    Args:
-        executable: its name.
-        package: its package.
-    """
+    """The program of a package, as a path."""
 
     def __init__(self, executable: Text, package: Text) -> None:
         self._executable, self._package = executable, package
@@ -245,18 +185,10 @@ class ExecutableInPackage(Substitution):
         return as_text(self._executable, context)
 
     def words(self, context: LaunchContext) -> list[str]:
-        """The words of its command.
-
-        Raises:
-            LaunchError: there is no such package, or no such program in it.
-        """
+        """The words of its command."""
         near = [context.file.parent]
         return find(as_text(self._package, context), as_text(self._executable, context), near)
 
     def perform(self, context: LaunchContext) -> str:
-        """The path, or the command where a program has none of its own.
-
-        Raises:
-            LaunchError: there is no such package, or no such program in it.
-        """
+        """The path, or the command where a program has none of its own."""
         return shlex.join(self.words(context))

@@ -22,16 +22,7 @@ class LaunchFinder:
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Find a module of the subset.
-
-        Args:
-            fullname: of the module.
-            path: where its package lies; not used.
-            target: not used.
-
-        Raises:
-            ModuleNotFoundError: a module of launch that is not in the subset; the message says so.
-        """
+        """Find a module of the subset."""
         del path, target
         root = fullname.partition(".")[0]
         if root not in _ROOTS:
@@ -66,11 +57,7 @@ def install() -> None:
 
 
 def come_before_folders() -> None:
-    """Have the finder asked first, unless a real package is there.
-
-    The folder `launch/` that every ROS package has would be taken for a namespace package when its parent is on
-    `sys.path`, before the last finder is asked.
-    """
+    """Have the finder asked first, unless a real package is there."""
     from importlib.machinery import PathFinder
 
     install()

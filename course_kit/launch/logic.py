@@ -61,13 +61,7 @@ class OrSubstitution(AndSubstitution):
 
 
 class IfElseSubstitution(Substitution):
-    """One of two texts.
-
-    Args:
-        condition: true or false.
-        if_value: the text if it is true.
-        else_value: the text if it is false.
-    """
+    """One of two texts."""
 
     def __init__(self, condition: Text, if_value: Text = "", else_value: Text = "") -> None:
         self._condition, self._values = condition, (else_value, if_value)

@@ -138,10 +138,7 @@ def outside(name: str) -> str:
 
 
 def contents_of(module: str) -> dict[str, str] | None:
-    """What a module holds; None when there is no such.
-
-    A class also lies in a module of its own, as in the real launch: `launch.actions.execute_process.ExecuteProcess`.
-    """
+    """What a module holds; None when there is no such."""
     if module in CONTENTS:
         return CONTENTS[module]
     parent, _, last = module.rpartition(".")

@@ -22,20 +22,7 @@ if TYPE_CHECKING:
 
 
 class Node(ExecuteProcess):
-    """A node, started as `ros2 run package executable` would.
-
-    Args:
-        executable: of the package, or the path of a program when there is no package.
-        package: see `course_kit.launch.executables.find`.
-        name: the node's name instead of the program's own.
-        namespace: the node's namespace.
-        exec_name: what its lines begin with; the program's name if None.
-        parameters: dicts of values, and paths of parameter files; later ones win.
-        remappings: pairs of names, old and new.
-        ros_arguments: arguments for ROS, such as "--log-level", "debug".
-        arguments: the program's own arguments.
-        process: what ExecuteProcess takes.
-    """
+    """A node, started as `ros2 run package executable` would."""
 
     OUTSIDE: ClassVar[frozenset[str]] = ExecuteProcess.OUTSIDE | {"cmd"}
     REPLACED: ClassVar[dict[str, str]] = {
@@ -67,15 +54,7 @@ class Node(ExecuteProcess):
         self._ros_arguments, self._arguments = list(ros_arguments or []), list(arguments or [])
 
     def command(self, context: LaunchContext, temporary: list[Path]) -> list[str]:
-        """The program, its arguments, and what ROS is told.
-
-        Args:
-            context: of the launch.
-            temporary: takes the files with parameters.
-
-        Raises:
-            LaunchError: the program is not found, or one of its parameters cannot be given.
-        """
+        """The program, its arguments, and what ROS is told."""
         package = None if self._package is None else as_text(self._package, context)
         command = find(package, as_text(self._executable, context), [context.file.parent])
         command += [as_text(argument, context) for argument in self._arguments]

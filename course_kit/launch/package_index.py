@@ -35,11 +35,7 @@ _NAME = re.compile(r"<name>\s*([A-Za-z0-9][\w-]*)\s*</name>")
 
 
 def make_known(near: Iterable[Path]) -> None:
-    """Have this process, and those it starts, find the packages there are.
-
-    Args:
-        near: folders in whose workspace packages are looked for, such as the launch file's.
-    """
+    """Have this process, and those it starts, find the packages there are."""
     known = [folder for folder in os.environ.get(VARIABLE, "").split(os.pathsep) if folder]
     if sys.prefix not in known:
         known.append(sys.prefix)
@@ -50,11 +46,7 @@ def make_known(near: Iterable[Path]) -> None:
 
 
 def prefix_of(package: str) -> str:
-    """The folder that a package is installed in.
-
-    Raises:
-        LaunchError: there is no such package.
-    """
+    """The folder that a package is installed in."""
     places = [Path(folder) for folder in os.environ.get(VARIABLE, sys.prefix).split(os.pathsep) if folder]
     for folder in places:
         if (folder / _INDEX / package).is_file():
@@ -73,12 +65,7 @@ def sources_near(near: Iterable[Path]) -> dict[str, Path]:
 
 
 def _descriptions(root: Path, levels: int) -> Iterator[Path]:
-    """The package.xml of each package, the upper ones first; as for colcon, no package lies within another one.
-
-    Args:
-        root: the folder to begin with.
-        levels: of folders looked into, that one included.
-    """
+    """The package.xml of each package, the upper ones first; as for colcon, no package lies within another one."""
     folders = [root]
     for _ in range(levels):
         below: list[Path] = []

@@ -20,22 +20,13 @@ _EXPECTED = "expected a bool, int, float, str or a list of one of these"
 
 
 class ParameterValue(LaunchEntity):
-    """A parameter's value with its type.
-
-    Args:
-        value: the value, also as substitutions.
-        value_type: bool, int, float, str or `List` of one of them; as YAML reads the text if None.
-    """
+    """A parameter's value with its type."""
 
     def __init__(self, value: object, *, value_type: Any = None) -> None:
         self.value, self.value_type = value, value_type
 
     def evaluate(self, context: LaunchContext) -> object:
-        """The value.
-
-        Raises:
-            LaunchError: it has another type.
-        """
+        """The value."""
         kind = self.value_type
         if kind is None:
             return value_of("", self.value, context)
@@ -53,41 +44,21 @@ class ParameterValue(LaunchEntity):
 
 
 class ParameterFile(LaunchEntity):
-    """A parameter file.
-
-    Args:
-        param_file: its path, also as substitutions.
-        allow_substs: whether $(var name) and the like in it are replaced, which the course kit does not do.
-    """
+    """A parameter file."""
 
     def __init__(self, param_file: Text, *, allow_substs: object = False) -> None:
         self.path, self.allow_substs = param_file, allow_substs
 
 
 class Parameter(LaunchEntity):
-    """A parameter by its name and value.
-
-    Args:
-        name: its name.
-        value: its value.
-        value_type: see ParameterValue.
-    """
+    """A parameter by its name and value."""
 
     def __init__(self, name: Text, value: object, *, value_type: Any = None) -> None:
         self.name, self.value = name, ParameterValue(value, value_type=value_type)
 
 
 def values_of(parameters: Mapping[Any, Any], context: LaunchContext, before: str = "") -> dict[str, object]:
-    """The values of a dict of parameters; those of a dict within it have dotted names.
-
-    Args:
-        parameters: names to values, both also as substitutions.
-        context: of the launch.
-        before: what the names begin with.
-
-    Raises:
-        LaunchError: one is not a value that a parameter can have.
-    """
+    """The values of a dict of parameters; those of a dict within it have dotted names."""
     found: dict[str, object] = {}
     for key, value in parameters.items():
         name = before + as_text(key, context)
@@ -99,16 +70,7 @@ def values_of(parameters: Mapping[Any, Any], context: LaunchContext, before: str
 
 
 def value_of(name: str, value: object, context: LaunchContext) -> object:
-    """One value; what substitutions bring is read as YAML, as typed on a command line.
-
-    Args:
-        name: of the parameter, for what may be said.
-        value: what the launch file gives.
-        context: of the launch.
-
-    Raises:
-        LaunchError: no parameter can have it.
-    """
+    """One value; what substitutions bring is read as YAML, as typed on a command line."""
     if isinstance(value, ParameterValue):
         return value.evaluate(context)
     if has_substitution(value) and _is_text(value):

@@ -16,21 +16,7 @@ PATIENCE_S = (5.0, 5.0, 5.0)  # after SIGINT, SIGTERM and SIGKILL; the real laun
 
 
 class LaunchedProcess:
-    """A process of a launch file.
-
-    Args:
-        description: what was asked for.
-        label: how its lines are marked, such as "parameter_node.py-1".
-        command: what to run, where that is not what was asked for.
-        environ: the same for its environment.
-        inherits: file descriptors it gets, and with them our own stdout and stderr, which it writes to directly.
-        restarts: how often it has been started again.
-
-    Attributes:
-        process: the process.
-        ladder: the signals it has got to end it.
-        streams: its pipes, with the lines that come through each, whether these are shown, and whether it is stdout.
-    """
+    """A process of a launch file."""
 
     def __init__(  # noqa: PLR0913 - a process is described by that much
         self,

@@ -23,21 +23,7 @@ OUTPUTS = {
 
 @dataclass
 class ProcessDescription:
-    """A process of a launch.
-
-    Attributes:
-        action: the Node or ExecuteProcess it comes from.
-        command: the program and its arguments.
-        label: what its lines begin with, before the number.
-        environ: its environment.
-        folder: its working directory; ours if None.
-        show: whether its stdout, and its stderr, are shown or only logged.
-        temporary: files that are removed when it has ended.
-        patience_s: seconds it has to end in after SIGINT, after SIGTERM, and after SIGKILL.
-        respawn: whether it is started again when it has ended.
-        respawn_delay_s: seconds until then.
-        respawn_max: how often; any number of times if negative.
-    """
+    """A process of a launch."""
 
     action: Action
     command: list[str]

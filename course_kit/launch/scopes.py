@@ -17,15 +17,7 @@ if TYPE_CHECKING:
 
 
 class GroupAction(Action):
-    """Actions with a scope of their own.
-
-    Args:
-        actions: the actions.
-        scoped: whether what is set in the group is forgotten behind it.
-        forwarding: whether the values of launch arguments go into it.
-        launch_configurations: values set for the group.
-        condition: it is only done if this holds then.
-    """
+    """Actions with a scope of their own."""
 
     def __init__(
         self,
@@ -53,13 +45,7 @@ class GroupAction(Action):
 
 
 class SetLaunchConfiguration(Action):
-    """A value for LaunchConfiguration.
-
-    Args:
-        name: as in LaunchConfiguration.
-        value: the value.
-        condition: it is only done if this holds then.
-    """
+    """A value for LaunchConfiguration."""
 
     def __init__(self, name: Text, value: Text, *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
@@ -71,12 +57,7 @@ class SetLaunchConfiguration(Action):
 
 
 class UnsetLaunchConfiguration(Action):
-    """Takes the value away.
-
-    Args:
-        name: as in LaunchConfiguration.
-        condition: it is only done if this holds then.
-    """
+    """Takes the value away."""
 
     def __init__(self, name: Text, *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
@@ -88,13 +69,7 @@ class UnsetLaunchConfiguration(Action):
 
 
 class SetEnvironmentVariable(Action):
-    """An environment variable for the processes after it.
-
-    Args:
-        name: of the variable.
-        value: its value.
-        condition: it is only done if this holds then.
-    """
+    """An environment variable for the processes after it."""
 
     def __init__(self, name: Text, value: Text, *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
@@ -106,12 +81,7 @@ class SetEnvironmentVariable(Action):
 
 
 class UnsetEnvironmentVariable(Action):
-    """Takes a variable away from the processes after it.
-
-    Args:
-        name: of the variable.
-        condition: it is only done if this holds then.
-    """
+    """Takes a variable away from the processes after it."""
 
     def __init__(self, name: Text, *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
@@ -123,15 +93,7 @@ class UnsetEnvironmentVariable(Action):
 
 
 class AppendEnvironmentVariable(Action):
-    """A value at the end of an environment variable, such as a path.
-
-    Args:
-        name: of the variable.
-        value: what is added.
-        prepend: whether at the beginning instead.
-        separator: what stands between; the one of PATH if None.
-        condition: it is only done if this holds then.
-    """
+    """A value at the end of an environment variable, such as a path."""
 
     def __init__(
         self,
@@ -156,12 +118,7 @@ class AppendEnvironmentVariable(Action):
 
 
 class PushROSNamespace(Action):
-    """A namespace for the nodes after it, within the one there is.
-
-    Args:
-        namespace: the namespace.
-        condition: it is only done if this holds then.
-    """
+    """A namespace for the nodes after it, within the one there is."""
 
     def __init__(self, namespace: Text, *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
@@ -173,13 +130,7 @@ class PushROSNamespace(Action):
 
 
 class SetParameter(Action):
-    """A parameter for all nodes after it.
-
-    Args:
-        name: its name.
-        value: its value.
-        condition: it is only done if this holds then.
-    """
+    """A parameter for all nodes after it."""
 
     def __init__(self, name: Text, value: object, *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
@@ -192,13 +143,7 @@ class SetParameter(Action):
 
 
 class SetRemap(Action):
-    """A remapping for all nodes after it.
-
-    Args:
-        src: the old name.
-        dst: the new one.
-        condition: it is only done if this holds then.
-    """
+    """A remapping for all nodes after it."""
 
     def __init__(self, src: Text, dst: Text, *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)

@@ -33,14 +33,7 @@ _ALWAYS_CHECK = 1.0  # seconds; a signal wakes the loop, this is for what no sig
 
 
 class LaunchService:
-    """One run of a launch file, in the main thread.
-
-    Args:
-        log: where everything is written down, also what is not shown.
-
-    Attributes:
-        stopping: whether the launch is about to end.
-    """
+    """One run of a launch file, in the main thread."""
 
     def __init__(self, log: IO[str]) -> None:
         self._log = log
@@ -54,14 +47,7 @@ class LaunchService:
         self.stopping = False
 
     def run(self, file: Path, arguments: dict[str, str]) -> int:
-        """Run until all processes have ended and no timer is left.
-
-        Returns:
-            The exit code: 0, whatever became of the processes, as with the real launch; 1 if one could not be started.
-
-        Raises:
-            LaunchError: the file cannot be run; everything it had started has ended.
-        """
+        """Run until all processes have ended and no timer is left."""
         package_index.make_known([file.parent])
         environ = environment.child_environment(PYTHONUNBUFFERED="1")
         context = LaunchContext(dict(arguments), file, environ, running=self)
@@ -86,11 +72,7 @@ class LaunchService:
     # What actions ask
 
     def start(self, description: ProcessDescription) -> None:
-        """Start a process; its temporary files are removed when it has ended.
-
-        Raises:
-            ProgramError: it cannot be started.
-        """
+        """Start a process; its temporary files are removed when it has ended."""
         self._temporary += description.temporary
         if not self.stopping:
             self._started += 1
@@ -101,15 +83,7 @@ class LaunchService:
         self._timers.append((time.monotonic() + seconds, function))
 
     def register(self, handler: EventHandler, context: LaunchContext) -> None:
-        """Have an event handled from now on.
-
-        Args:
-            handler: says which, and what is done then.
-            context: for what is done.
-
-        Raises:
-            LaunchError: it cannot be handled here.
-        """
+        """Have an event handled from now on."""
         self._dispatcher.register(handler, context)
 
     def unregister(self, handler: EventHandler) -> None:
@@ -137,16 +111,7 @@ class LaunchService:
             sys.stdout.flush()
 
     def make_child(self, description: ProcessDescription, label: str, restarts: int) -> LaunchedProcess:
-        """Start a process whose output comes through us.
-
-        Args:
-            description: what to start.
-            label: what its lines begin with.
-            restarts: how often it has been started again.
-
-        Raises:
-            OSError: it cannot be started.
-        """
+        """Start a process whose output comes through us."""
         return LaunchedProcess(description, label, restarts=restarts)
 
     # Processes

@@ -18,11 +18,7 @@ class Substitution(LaunchEntity):
     """Something that becomes text."""
 
     def perform(self, context: LaunchContext) -> str:
-        """The text.
-
-        Raises:
-            NotImplementedError: the substitution has not said.
-        """
+        """The text."""
         raise NotImplementedError(type(self).__name__)
 
     def describe(self) -> str:
@@ -50,22 +46,13 @@ class TextSubstitution(Substitution):
 
 
 class LocalSubstitution(Substitution):
-    """What an event handler knows of its event, such as LocalSubstitution("event.reason").
-
-    Args:
-        expression: "event", and names of attributes behind dots.
-        description: how it is described.
-    """
+    """What an event handler knows of its event, such as LocalSubstitution("event.reason")."""
 
     def __init__(self, expression: str, description: str | None = None) -> None:
         self._expression, self._description = expression, description
 
     def perform(self, context: LaunchContext) -> str:
-        """The value.
-
-        Raises:
-            LaunchError: there is no such value, or no event is being handled.
-        """
+        """The value."""
         first, *names = self._expression.split(".")
         if first != "event" or context.event is None:
             raise LaunchError(f"{self.describe()}: only an event handler's actions have one, and it is called 'event'.")
@@ -83,12 +70,7 @@ class LocalSubstitution(Substitution):
 
 
 class LaunchConfiguration(Substitution):
-    """The value of a launch argument.
-
-    Args:
-        variable_name: the argument's name.
-        default: used when no such argument has a value.
-    """
+    """The value of a launch argument."""
 
     def __init__(self, variable_name: Text, *, default: Text | None = None) -> None:
         self._name, self._default = variable_name, default
@@ -99,11 +81,7 @@ class LaunchConfiguration(Substitution):
         return self._name
 
     def perform(self, context: LaunchContext) -> str:
-        """The value; a LaunchError when there is none.
-
-        Raises:
-            LaunchError: it has no value.
-        """
+        """The value; a LaunchError when there is none."""
         name = as_text(self._name, context)
         if name in context.launch_configurations:
             return context.launch_configurations[name]
@@ -151,11 +129,7 @@ class ThisLaunchFile(Substitution):
 
 
 def as_text(value: object, context: LaunchContext) -> str:
-    """Text, a substitution, or a list of both, as text.
-
-    Raises:
-        LaunchError: a substitution has no value.
-    """
+    """Text, a substitution, or a list of both, as text."""
     if isinstance(value, Substitution):
         try:
             return value.perform(context)

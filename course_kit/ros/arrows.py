@@ -22,15 +22,7 @@ Kind = Literal[
 
 @dataclass(frozen=True)
 class Arrow:
-    """One thing that was sent; or, as a "failure", that never came; or, as a "note", a remark between the arrows.
-
-    Attributes:
-        sender: a node's name, or what the reader knows it by.
-        receiver: the other one; for a note the sender itself.
-        kind: what it is.
-        text: the values in words, or what went wrong.
-        channel: the service, topic or action, where the text does not name it.
-    """
+    """One thing that was sent; or, as a "failure", that never came; or, as a "note", a remark between the arrows."""
 
     sender: str
     receiver: str

@@ -21,11 +21,7 @@ _ENDING = "; everything else works."
 
 
 class Compatibility:
-    """What was found in this process.
-
-    Args:
-        missing: the names that are not there, by feature; features that lack nothing are left out.
-    """
+    """What was found in this process."""
 
     def __init__(self, missing: Mapping[Feature, tuple[str, ...]]) -> None:
         self._missing = dict(missing)

@@ -19,13 +19,7 @@ _TYPE = "rcl_interfaces.msg:Log.__class__."  # any class that rosidl has generat
 
 
 class Feature(NamedTuple):
-    """Something the kit does with names that a later version of ROS, IPython or nbval may not have.
-
-    Attributes:
-        lost: what a person notices where one is missing; the beginning of a sentence.
-        users: the modules of the kit, under `course_kit/`.
-        names: what it needs.
-    """
+    """Something the kit does with names that a later version of ROS, IPython or nbval may not have."""
 
     lost: str
     users: tuple[str, ...]

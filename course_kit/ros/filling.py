@@ -38,43 +38,19 @@ _KINDS = {bool: "a boolean", int: "an integer", float: "a float", str: "a string
 
 
 def make(message_type: type[Message], fields: Fields, owner: str) -> Message:
-    """Make a message with these fields; a dict stands for a message inside it.
-
-    Args:
-        message_type: the class, e.g. `Trigger.Request`.
-        fields: field names and values.
-        owner: how to call the message in errors, e.g. "a std_srvs/srv/Trigger request".
-
-    Raises:
-        BadFieldError: an unknown field, or a value of the wrong type or out of range.
-    """
+    """Make a message with these fields; a dict stands for a message inside it."""
     message = message_type(check_fields=True)  # whatever ROS_PYTHON_CHECK_FIELDS was when the type was imported
     _put(message, fields, owner, "", _as_given)
     return message
 
 
 def fill_from_yaml(message: Message, fields: Fields, owner: str) -> None:
-    """Set fields to what YAML makes of typed text: 1 is good for a float, '7' for an integer, "now" for a time.
-
-    Args:
-        message: the message; fields that are not named keep their defaults.
-        fields: field names and values.
-        owner: how to call the message in errors.
-
-    Raises:
-        BadFieldError: an unknown field, or a value that does not fit.
-    """
+    """Set fields to what YAML makes of typed text: 1 is good for a float, '7' for an integer, "now" for a time."""
     _put(message, fields, owner, "", _from_yaml)
 
 
 def unknown_field(field: object, known: Mapping[str, str], owner: str) -> str:
-    """What to say about a field that a message does not have.
-
-    Args:
-        field: its name.
-        known: the fields there are.
-        owner: the message or its type.
-    """
+    """What to say about a field that a message does not have."""
     if not known:
         return f"There is no field {field!r} in {owner}; it has none."
     near = nearest(str(field), known)

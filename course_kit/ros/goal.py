@@ -45,17 +45,7 @@ def status_name(status: int) -> str:
 
 
 class GoalClient(ActionClient):
-    """An action client that keeps track of its goals.
-
-    Args:
-        node: whose client it is.
-        action_type: the action's class.
-        action: its name.
-
-    Attributes:
-        action_name: its full name.
-        busy: the goals that have not ended, by their identifiers; they are kept although nobody else may hold them.
-    """
+    """An action client that keeps track of its goals."""
 
     def __init__(self, node: Node, action_type: ActionType, action: str) -> None:
         super().__init__(
@@ -159,25 +149,7 @@ class GoalClient(ActionClient):
 
 
 class GoalTracker:
-    """A goal on its way: what is known of it. Changed on the thread that spins the node, read anywhere.
-
-    Args:
-        client: sends it.
-        goal: the message.
-        call: calls one of the two functions below and tells of what it raises.
-
-    Attributes:
-        identifier: its own, 16 bytes; none before it is sent.
-        accepted: None until the server has answered.
-        status: the name of its state; "" until the server has answered.
-        feedback: the messages received so far.
-        ended: whether there will be no other result.
-        result: the result message; None until it has come, and for a goal that was rejected or lost.
-        on_feedback: called with each feedback message.
-        on_result: called when the goal has ended.
-        listeners: called after each change.
-        unwanted: whoever wanted it has been interrupted: it is not sent, or cancelled as soon as it is accepted.
-    """
+    """A goal on its way: what is known of it. Changed on the thread that spins the node, read anywhere."""
 
     def __init__(
         self, client: GoalClient, goal: Message, call: Callable[[Callable[[], object]], object] = lambda run: run()

@@ -17,14 +17,7 @@ if TYPE_CHECKING:
 
 
 class Role(NamedTuple):
-    """What a node does with a channel.
-
-    Attributes:
-        kind: "service", "action" or "topic".
-        verb: what the node does, such as "serves".
-        offers: whether others need the node for it: a server, or a publisher.
-        inward: whether what starts an exchange comes to the node: requests, goals, messages.
-    """
+    """What a node does with a channel."""
 
     kind: str
     verb: str
@@ -49,14 +42,7 @@ _FEEDBACK, _FEEDBACK_TYPE = "/_action/feedback", "_FeedbackMessage"
 
 
 class Use(NamedTuple):
-    """One node on one channel.
-
-    Attributes:
-        node: its full name.
-        role: what it does there.
-        channel: the full name of the service, action or topic.
-        types: the types it uses it with; one, unless something is wrong.
-    """
+    """One node on one channel."""
 
     node: str
     role: Role
@@ -65,12 +51,7 @@ class Use(NamedTuple):
 
 
 class Overview(NamedTuple):
-    """Nodes and what they do, in alphabetical order.
-
-    Attributes:
-        nodes: full names; two nodes of one name stand twice.
-        uses: services first, then actions, then topics.
-    """
+    """Nodes and what they do, in alphabetical order."""
 
     nodes: tuple[str, ...]
     uses: tuple[Use, ...]
@@ -106,13 +87,7 @@ class Overview(NamedTuple):
 
 
 def read(node: Node, *, plumbing: bool = False) -> Overview:
-    """The graph as a node sees it.
-
-    Args:
-        node: looks at the graph.
-        plumbing: include what ROS itself brings along: the services each node has for its parameters, /rosout and
-            the like, the parts of actions, and whatever has a hidden name.
-    """
+    """The graph as a node sees it."""
     shown = [name for name in nodes(node) if plumbing or not names.is_hidden(name)]
     uses = {use for name in set(shown) for use in uses_of(node, name) if plumbing or not _is_plumbing(use)}
     return Overview(tuple(shown), tuple(sorted(uses, key=_order)))
@@ -144,13 +119,7 @@ def nodes(node: Node) -> list[str]:
 
 
 def offered(node: Node, role: Role, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
-    """What has a server or a publisher on the graph, with its types.
-
-    Args:
-        node: looks at the graph.
-        role: which kind of it.
-        except_by: nodes of which it is left out.
-    """
+    """What has a server or a publisher on the graph, with its types."""
     found: dict[str, list[str]] = {}
     for name in set(nodes(node)) - except_by:
         for use in uses_of(node, name, role):
@@ -160,13 +129,7 @@ def offered(node: Node, role: Role, except_by: frozenset[str] = frozenset()) -> 
 
 
 def uses_of(node: Node, full_name: str, *roles: Role) -> Iterator[Use]:
-    """What a node does, as another node sees it; nothing more once it has gone.
-
-    Args:
-        node: looks at the graph.
-        full_name: of the node in question.
-        roles: the ones of interest; all of them without any.
-    """
+    """What a node does, as another node sees it; nothing more once it has gone."""
     from rclpy.impl.implementation_singleton import rclpy_implementation
 
     namespace, _, name = full_name.rpartition("/")

@@ -27,11 +27,7 @@ class ServiceType(Protocol):
 
 
 class ActionType(Protocol):
-    """The class of an action.
-
-    Attributes:
-        Impl: the services and messages it is made of.
-    """
+    """The class of an action."""
 
     Goal: type[Message]
     Result: type[Message]

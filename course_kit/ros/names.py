@@ -66,13 +66,7 @@ def is_of_ros(topic: str) -> bool:
 
 
 def nearest(wanted: str, names: Iterable[str], alike: float = _ALIKE) -> str | None:
-    """The name that was probably meant: the same last part in another namespace, or a spelling near it.
-
-    Args:
-        wanted: what was written instead.
-        names: all there are.
-        alike: how alike two spellings must be, from 0.0 to 1.0.
-    """
+    """The name that was probably meant: the same last part in another namespace, or a spelling near it."""
     from course_kit.interfaces.hints import nearest as nearest_spelling  # only when something is wrong
 
     if len(wanted) > _LONGEST:

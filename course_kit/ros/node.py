@@ -10,12 +10,7 @@ if TYPE_CHECKING:
 
 
 def quiet_node(name: str, context: Context) -> Node:
-    """A node with nothing on it: what nobody can call, nobody can call wrongly, and it costs nothing at each turn.
-
-    Args:
-        name: with a leading underscore, `ros2 node list` does not show it.
-        context: an initialised one.
-    """
+    """A node with nothing on it: what nobody can call, nobody can call wrongly, and it costs nothing at each turn."""
     from rclpy.node import Node
     from rclpy.parameter import Parameter
 

@@ -51,12 +51,7 @@ T = TypeVar("T")
 
 
 class Question(NamedTuple):
-    """A call that a verb wants made.
-
-    Attributes:
-        service: which of the node's parameter services, such as "get_parameters".
-        fields: the request's.
-    """
+    """A call that a verb wants made."""
 
     service: str
     fields: dict[str, Any]
@@ -142,11 +137,7 @@ def set_together(parameters: Sequence[Parameter]) -> Steps[SetParametersResult]:
 
 
 def to_messages(given: Mapping[str, object]) -> Steps[list[Parameter]]:
-    """The parameters with these values; the node is asked what an empty list is a list of.
-
-    Raises:
-        FieldError: no parameter can have such a value.
-    """
+    """The parameters with these values; the node is asked what an empty list is a list of."""
     kinds: dict[str, int] = {}
     for name in [name for name, value in given.items() if _is_empty_list(value)]:
         kinds.update(dict.fromkeys([name], *(yield Question("get_parameter_types", {"names": [name]})).types[:1]))
@@ -154,16 +145,7 @@ def to_messages(given: Mapping[str, object]) -> Steps[list[Parameter]]:
 
 
 def to_message(name: str, value: object, empty_list: int | None = None) -> Parameter:
-    """The rcl_interfaces/msg/Parameter for a value; None for "not set", which deletes a dynamic one.
-
-    Args:
-        name: of the parameter.
-        value: numbers and arrays of numpy are welcome.
-        empty_list: the type of an empty list; bytes when nobody knows, as in rclpy.
-
-    Raises:
-        FieldError: no parameter can have such a value.
-    """
+    """The rcl_interfaces/msg/Parameter for a value; None for "not set", which deletes a dynamic one."""
     from rcl_interfaces.msg import Parameter, ParameterValue
 
     if hasattr(value, "tolist"):  # numpy's, and array.array's, which is what arrays come back as
@@ -205,16 +187,7 @@ class Range(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Descriptor:
-    """What a node says about one of its parameters.
-
-    Attributes:
-        name: of the parameter.
-        type: such as "double"; see `TYPES`.
-        description: what it is for; may be empty.
-        range: limits of a number, None without any.
-        read_only: whether it cannot be changed after the start.
-        constraints: what else its author asks of values, in words; may be empty.
-    """
+    """What a node says about one of its parameters."""
 
     name: str
     type: str

@@ -12,14 +12,7 @@ if TYPE_CHECKING:
 
 
 def as_offered(depth: int = 10, keepers: Sequence[TopicEndpointInfo] = ()) -> QoSProfile:
-    """A profile for a subscription that connects with all publishers that are on the topic when it is made.
-
-    Args:
-        depth: messages that may wait.
-        keepers: rclpy's TopicEndpointInfo of each publisher, where what was published before is wanted, too. It comes
-            if all of them keep it. BEST_AVAILABLE does not do: it is TRANSIENT_LOCAL while there is no publisher, and
-            then never connects with one of the default profile.
-    """
+    """A profile for a subscription that connects with all publishers that are on the topic when it is made."""
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
     local = bool(keepers) and all(one.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for one in keepers)

@@ -30,17 +30,7 @@ _MARGIN = 30  # around a text between two lifelines
 
 
 class DiagramRow(NamedTuple):
-    """One step of the drawing.
-
-    Attributes:
-        kind: see `Arrow`.
-        lines: its text.
-        top: where its first line begins.
-        y: where its arrow is.
-        begin: where the arrow begins, from left to right.
-        end: where it ends.
-        middle: the middle of its text.
-    """
+    """One step of the drawing."""
 
     kind: str
     lines: list[str]
@@ -52,13 +42,7 @@ class DiagramRow(NamedTuple):
 
 
 def sequence_svg(steps: Sequence[tuple[Arrow, str]], names: dict[str, str], summary: str) -> str:
-    """The diagram as an `svg` element, which templates take as it is; empty without steps.
-
-    Args:
-        steps: what happened, in order, each with the text above its arrow, which may hold anything.
-        names: of whoever takes part, from left to right: as the steps have it, and as it is to be read.
-        summary: the drawing in a sentence.
-    """
+    """The diagram as an `svg` element, which templates take as it is; empty without steps."""
     if not steps:
         return ""
     box, places, width = _lifelines(list(names), max(len(name) for name in names.values()))

@@ -21,18 +21,7 @@ if TYPE_CHECKING:
 
 
 class ServiceClient:
-    """A client of one service.
-
-    Args:
-        node: whose client it is.
-        service_type: the service's class.
-        service: its name, which the node resolves.
-
-    Attributes:
-        name: the service's full name.
-        type: its class.
-        rclpy_client: what the node has.
-    """
+    """A client of one service."""
 
     def __init__(self, node: Node, service_type: ServiceType, service: str) -> None:
         self._node = node
@@ -49,11 +38,7 @@ class ServiceClient:
             return False
 
     def send(self, request: Message) -> SentRequest:
-        """Send a request.
-
-        Raises:
-            TypeError: it is not a request of this service.
-        """
+        """Send a request."""
         return SentRequest(self, request)
 
     def destroy(self) -> None:
@@ -62,12 +47,7 @@ class ServiceClient:
 
 
 class SentRequest:
-    """A request on its way; sent again, the first response to any of its sendings counts.
-
-    Args:
-        client: sends it.
-        request: the message.
-    """
+    """A request on its way; sent again, the first response to any of its sendings counts."""
 
     def __init__(self, client: ServiceClient, request: Message) -> None:
         self._client, self._request = client, request
@@ -88,11 +68,7 @@ class SentRequest:
         return any(future.done() for future in self._futures)
 
     def response(self) -> Message:
-        """The response; None as long as there is none.
-
-        Raises:
-            Exception: what the sending has ended with instead.
-        """
+        """The response; None as long as there is none."""
         done = next((future for future in self._futures if future.done()), None)
         if done is None:
             return None

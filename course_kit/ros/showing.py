@@ -23,16 +23,7 @@ _PARAMETER_VALUE = {"type", "bool_value", "string_array_value"}
 
 @dataclass(frozen=True)
 class Style:
-    """How a message is written in one line.
-
-    Attributes:
-        names: what stands between a field's name and its value.
-        between: what stands between two fields.
-        nested: the brackets around a message inside a message.
-        lists: the brackets around a list; "" for none, then an empty list is "none".
-        digits: behind the decimal point of a number; None for all there are.
-        quoted: whether texts stand in quotes.
-    """
+    """How a message is written in one line."""
 
     names: str = "="
     between: str = ", "
@@ -46,17 +37,7 @@ PYTHON = Style()
 
 
 def snapshot(value: object, elements: int = ELEMENTS, *, last: bool = False) -> Plain:
-    """Copy a message into numbers, strings, lists and dicts.
-
-    Args:
-        value: a message, or anything else that may stand in a field.
-        elements: how many of a sequence are kept.
-        last: whether the last ones of a sequence are kept, after "..."; otherwise the first ones.
-
-    Returns:
-        For a message a dict of its fields; for a sequence a list of at most so many elements, followed by "+N more"
-        when there are more; a shortened string for anything else.
-    """
+    """Copy a message into numbers, strings, lists and dicts."""
     return _Copy(elements, last=last).of(value, DEPTH)
 
 

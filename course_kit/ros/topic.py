@@ -37,18 +37,7 @@ class MessageInfo(TypedDict):
 
 
 class Inbox:
-    """What has come on a topic.
-
-    Args:
-        kept: so many messages are kept at most, the last ones; all of them with None.
-
-    Attributes:
-        count: how many messages have come.
-        messages: those that are kept, oldest first.
-        times: when each of these was received, in seconds of the system's clock; when it was sent only the publisher
-            could say.
-        on_message: called after each message, on the thread that spins the node.
-    """
+    """What has come on a topic."""
 
     def __init__(self, kept: int | None = None) -> None:
         self.count = 0
@@ -64,21 +53,12 @@ class Inbox:
             self.on_message()
 
     def keep(self, message: Message, received_s: float) -> None:
-        """Keep one message; for a subclass that wants only some, or something of each.
-
-        Args:
-            message: what has come.
-            received_s: when, in seconds of the system's clock.
-        """
+        """Keep one message; for a subclass that wants only some, or something of each."""
         self.messages.append(message)
         self.times.append(received_s)
 
     def after(self, moment: float) -> list[Message]:
-        """The messages that were received from a moment on, as far as they are kept.
-
-        Args:
-            moment: in seconds of the system's clock.
-        """
+        """The messages that were received from a moment on, as far as they are kept."""
         return [message for message, time in zip(self.messages, self.times, strict=True) if time >= moment]
 
     def since(self, count: int) -> list[Message]:
@@ -96,16 +76,7 @@ class Inbox:
         quiet: bool = False,
         raw: bool = False,
     ) -> Subscription:
-        """Take in what comes on a topic from now on.
-
-        Args:
-            node: whose subscription it is to be.
-            message_type: the messages' class.
-            topic: its name, which the node resolves.
-            qos: a profile, or the depth of the default one.
-            quiet: say nothing of publishers whose quality of service does not fit.
-            raw: take the bytes that came instead of messages.
-        """
+        """Take in what comes on a topic from now on."""
         events = NO_SUBSCRIPTION_EVENTS if quiet else None
         take: Callable[..., None] = self.take  # of two arguments, which rclpy allows and its types do not tell
         return node.create_subscription(message_type, topic, take, qos, event_callbacks=events, raw=raw)
@@ -116,13 +87,7 @@ _UNKNOWN, _NOT_YET_NAMED = "_NODE_NAME_UNKNOWN_", "a node that is just starting"
 
 @dataclass(frozen=True)
 class Endpoint:
-    """A publisher or a subscription on the graph.
-
-    Attributes:
-        node: the name of its node, without namespace.
-        type: the interface's name, `package/msg/Name`.
-        qos: its profile.
-    """
+    """A publisher or a subscription on the graph."""
 
     node: str
     type: str
@@ -145,10 +110,7 @@ def types_of(node: Node, topic: str) -> list[str]:
 
 
 def is_heard(node: Node, publisher: Publisher) -> bool:
-    """Whether a publisher is connected with all subscriptions that are on the graph.
-
-    One of another type or another quality of service never connects.
-    """
+    """Whether a publisher is connected with all subscriptions that are on the graph."""
     return publisher.get_subscription_count() >= node.count_subscribers(publisher.topic_name)
 
 

@@ -32,13 +32,7 @@ Items = list[tuple[str, str]]
 
 
 class CheckupResult(NamedTuple):
-    """One thing that was looked at.
-
-    Attributes:
-        category: of it: package, platform, network, topic or middleware.
-        errors: what is wrong.
-        warnings: what may be.
-    """
+    """One thing that was looked at."""
 
     category: str
     errors: list[str]
@@ -46,13 +40,7 @@ class CheckupResult(NamedTuple):
 
 
 class CheckupSection(NamedTuple):
-    """What was found.
-
-    Attributes:
-        category: as of a check.
-        title: of the section.
-        items: names and values, in order.
-    """
+    """What was found."""
 
     category: str
     title: str
@@ -60,23 +48,13 @@ class CheckupSection(NamedTuple):
 
 
 def checks(graph: Graph, *, with_packages: bool = True) -> list[CheckupResult]:
-    """Look at everything.
-
-    Args:
-        graph: what is on the graph.
-        with_packages: whether the packages are looked at, too.
-    """
+    """Look at everything."""
     found = [_platform_check(), _network_check(), _topic_check(graph), _qos_check(graph)]
     return [_package_check(), *found] if with_packages else found
 
 
 def reports(graph: Graph, *, with_packages: bool = True) -> list[CheckupSection]:
-    """Say what there is.
-
-    Args:
-        graph: what is on the graph.
-        with_packages: whether the versions of the packages are listed, too.
-    """
+    """Say what there is."""
     found = [
         CheckupSection("network", "NETWORK CONFIGURATION", _network_items()),
         CheckupSection("platform", "PLATFORM INFORMATION", _platform_items()),

@@ -32,11 +32,7 @@ def main() -> None:
 
 
 def leave(code: int) -> NoReturn:
-    """End this process at once: its node has left the graph by now, and Python would take longer to put itself away.
-
-    Args:
-        code: the exit code.
-    """
+    """End this process at once: its node has left the graph by now, and Python would take longer to put itself away."""
     try:
         sys.stdout.flush()
         sys.stderr.flush()
@@ -57,17 +53,7 @@ def run_program() -> int:
 def run(
     arguments: Sequence[str], context: Context | None = None, guests: set[Node] | None = None, *, visits: bool = False
 ) -> int:
-    """Run one command of the course kit's own.
-
-    Args:
-        arguments: without the leading `ros2`.
-        context: rclpy context of a kernel to run in; None for one of the command's own.
-        guests: see `session.Session`.
-        visits: see `session.Session`.
-
-    Returns:
-        The exit code.
-    """
+    """Run one command of the course kit's own."""
     if "_ARGCOMPLETE" in os.environ:
         from course_kit.ros2cli import completion
 

@@ -30,11 +30,7 @@ _SETTINGS = (
 
 
 class DaemonSocket:
-    """The place for one set of settings.
-
-    Attributes:
-        name: file name of the socket, from the domain and the settings.
-    """
+    """The place for one set of settings."""
 
     def __init__(self, folder: Path, name: str) -> None:
         self._folder = folder

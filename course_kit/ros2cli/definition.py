@@ -18,11 +18,7 @@ _FIELD = re.compile(r"\s*(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-
 
 
 def known(name: str) -> Any:
-    """The class of any interface, msg, srv or action.
-
-    Raises:
-        CommandError: there is none of this name.
-    """
+    """The class of any interface, msg, srv or action."""
     from course_kit import interfaces
 
     try:
@@ -43,16 +39,7 @@ def unknown(name: str) -> CommandError:
 
 
 def shown_lines(name: str, *, comments: bool, inner_comments: bool) -> Iterator[str]:
-    """The lines of an interface's text.
-
-    Args:
-        name: such as "geometry_msgs/msg/Twist".
-        comments: whether its comments and empty lines are shown.
-        inner_comments: whether those of the messages inside it are.
-
-    Raises:
-        CommandError: there is no such interface.
-    """
+    """The lines of an interface's text."""
     from course_kit import interfaces
 
     try:

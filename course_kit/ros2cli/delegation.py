@@ -31,11 +31,7 @@ def clean_environment(environ: dict[str, str]) -> dict[str, str]:
 
 
 def step_aside() -> None:
-    """Become the real command, on the course's graph; returns when there is none.
-
-    Raises:
-        SystemExit: there is no domain for it; the reason is printed.
-    """
+    """Become the real command, on the course's graph; returns when there is none."""
     command = find()
     if command is None:
         return

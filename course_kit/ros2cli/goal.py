@@ -23,15 +23,7 @@ if TYPE_CHECKING:
 
 
 class SentGoal:
-    """A goal of one action.
-
-    Args:
-        session: the command's.
-        node: its node.
-        action_type: the action's class.
-        name: the action's full name.
-        timeout: seconds without any sign of the server after which it is given up.
-    """
+    """A goal of one action."""
 
     def __init__(self, session: Session, node: Node, action_type: ActionType, name: str, timeout: float) -> None:
         from course_kit.ros.goal import GoalClient
@@ -45,11 +37,7 @@ class SentGoal:
         self._client.destroy()
 
     def run(self, goal: Message, *, show_feedback: bool) -> None:
-        """Send the goal and print what comes, as the real command does.
-
-        Raises:
-            CommandError: no server, or it fell silent.
-        """
+        """Send the goal and print what comes, as the real command does."""
         from course_kit.ros.goal import GoalTracker
 
         print("Waiting for an action server to become available...", flush=True)
@@ -117,10 +105,7 @@ class SentGoal:
 
 
 class _Interrupt:
-    """The first Ctrl-C as a fact; as an exception it would come inside a callback or a half-printed line.
-
-    A second one is a KeyboardInterrupt again.
-    """
+    """The first Ctrl-C as a fact; as an exception it would come inside a callback or a half-printed line."""
 
     def __init__(self) -> None:
         self.seen = False

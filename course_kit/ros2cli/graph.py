@@ -32,15 +32,7 @@ class Ends(NamedTuple):
 
 
 class Graph(NamedTuple):
-    """The graph without the node that looked at it.
-
-    Attributes:
-        overview: the nodes, one of them for each of a name, and what they do.
-        topics: topic names with their types.
-        services: service names with their types.
-        endpoints: who is on each topic.
-        counts: service to its number of clients and of servers.
-    """
+    """The graph without the node that looked at it."""
 
     overview: Overview
     topics: Names

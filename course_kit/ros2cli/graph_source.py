@@ -18,13 +18,7 @@ _START_WITHIN = 10.0
 
 
 def graph_for(session: Session, timeout: float, *, daemon: bool = True) -> Graph:
-    """The settled graph without the nodes of this command.
-
-    Args:
-        session: of the command; inside a kernel its context is the one to look from.
-        timeout: seconds after which what has been seen is all there is.
-        daemon: whether the daemon may be asked (`--no-daemon`).
-    """
+    """The settled graph without the nodes of this command."""
     if session.in_kernel or session.has_node or not daemon:
         return session.observe(timeout)
     environment.apply()

@@ -18,14 +18,7 @@ _TOPIC = "/_service_event"
 
 
 def echo(options: Namespace, session: Session, service: str, service_type: str) -> None:
-    """Print what is sent, for as long as something comes.
-
-    Args:
-        options: parsed: `timeout`, `csv`, and how much is shown.
-        session: the command's.
-        service: its full name.
-        service_type: the name of its type.
-    """
+    """Print what is sent, for as long as something comes."""
     event = types.find_type(service_type, "srv").Event
     layout = layout_of(options)
     listener = Listener(options, session, f"{service}{_TOPIC}")

@@ -31,28 +31,14 @@ _RUNNER = ("-m", "course_kit.lab.scripts.child_main")
 
 
 class NotebookLaunch(LaunchService):
-    """One run of a launch file in a notebook.
-
-    Args:
-        script: what the learner calls it.
-        descriptor: of the pipe that reports go into.
-    """
+    """One run of a launch file in a notebook."""
 
     def __init__(self, script: str, descriptor: int) -> None:
         super().__init__(Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - it lives as long as this
         self._script, self._descriptor = script, descriptor
 
     def make_child(self, description: ProcessDescription, label: str, restarts: int) -> LaunchedProcess:
-        """Start a process that writes into the notebook; a Python program under the runner of scripts.
-
-        Args:
-            description: what to start.
-            label: what its lines begin with.
-            restarts: how often it has been started again.
-
-        Raises:
-            OSError: it cannot be started.
-        """
+        """Start a process that writes into the notebook; a Python program under the runner of scripts."""
         command = description.command
         shown = list(command)
         if command[0] == sys.executable and command[1].endswith(".py"):
@@ -73,15 +59,7 @@ class NotebookLaunch(LaunchService):
         return child
 
     def register(self, handler: EventHandler, context: LaunchContext) -> None:
-        """Have an event handled from now on.
-
-        Args:
-            handler: says which, and what is done then.
-            context: for what is done.
-
-        Raises:
-            LaunchError: it needs what processes write, which goes into the notebook and not through us.
-        """
+        """Have an event handled from now on."""
         if isinstance(handler, OnProcessIO):
             raise LaunchError("OnProcessIO does not work in a %%ros_launch cell: save the file, and run !ros2 launch.")
         super().register(handler, context)

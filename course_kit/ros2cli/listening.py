@@ -39,14 +39,7 @@ class Received(NamedTuple):
 
 
 class Listener:
-    """A subscription that hands messages on.
-
-    Args:
-        options: parsed: `timeout`, None to listen for ever, and the quality of service; `message_type`, `filter_expr`
-            where a verb has them.
-        session: the command's.
-        topic: its full name.
-    """
+    """A subscription that hands messages on."""
 
     def __init__(self, options: Namespace, session: Session, topic: str) -> None:
         self._options, self._session, self._topic = options, session, topic
@@ -73,15 +66,7 @@ class Listener:
                 return
 
     def subscribe(self, *, wait: bool, raw: bool = False) -> None:
-        """Subscribe.
-
-        Args:
-            wait: for the topic to appear; else it has to be there already.
-            raw: have the messages as bytes.
-
-        Raises:
-            CommandError: the topic is not there, or has several types.
-        """
+        """Subscribe."""
         from course_kit.ros2cli import qos
 
         node = self._session.node
@@ -98,11 +83,7 @@ class Listener:
         return self._inbox.subscribe(self._session.node, message_type, self._topic, qos)
 
     def next(self) -> Received:
-        """The next message.
-
-        Raises:
-            CommandError: none has come within `--timeout`.
-        """
+        """The next message."""
         began = time.monotonic()
         timeout = math.inf if self._options.timeout is None else self._options.timeout
         told = False
@@ -176,11 +157,7 @@ def rate(listener: Listener, window: int) -> None:
 
 
 def delay(listener: Listener, window: int) -> None:
-    """Print once a second how old messages are when they come, by the stamp in their header.
-
-    Raises:
-        CommandError: they have none.
-    """
+    """Print once a second how old messages are when they come, by the stamp in their header."""
     delays: deque[float] = deque(maxlen=_checked(window))
     listener.subscribe(wait=True)
     report_at = time.monotonic() + REPORT_EVERY

@@ -9,14 +9,7 @@ from course_kit.ros2cli.cli import run
 
 
 def ros2_line(line: str) -> None:
-    """Run `%ros2 service list` and the like in this kernel; what it prints belongs to the cell.
-
-    Verbs that ask nodes do so from the context of `course_kit.lab`; `run` and `launch` start a process as in a
-    terminal, and interrupting the cell ends it. Errors are one line in the cell, no traceback.
-
-    Args:
-        line: what stands behind `%ros2`.
-    """
+    """Run `%ros2 service list` and the like in this kernel; what it prints belongs to the cell."""
     from course_kit import lab
 
     try:

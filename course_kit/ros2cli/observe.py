@@ -42,13 +42,7 @@ _QOS = (
 
 
 class Observer:
-    """A node without topics and services of its own that looks at the graph.
-
-    Args:
-        context: an initialised rclpy context; its participant is what sees the graph.
-        name: the node's name; hidden, so with a leading underscore.
-        visits: whether this process looks once and ends.
-    """
+    """A node without topics and services of its own that looks at the graph."""
 
     def __init__(self, context: Context, name: str, *, visits: bool = False) -> None:
         self._domain_id = context.get_domain_id()
@@ -70,10 +64,7 @@ class Observer:
         return self._read()
 
     def _settle(self, deadline: float) -> None:
-        """Wait until every participant with a socket is known by its nodes and nothing has changed for a moment.
-
-        rclpy has no event for changes of the graph, so it is looked at in short steps, up to `deadline`.
-        """
+        """Wait until every participant with a socket is known by its nodes and nothing has changed for a moment."""
         if self._nobody_came_or_left():
             return
         seen: object = None
@@ -122,10 +113,7 @@ class Observer:
         return frozenset(graph.participant_of(info) for info in infos)
 
     def _all_named(self) -> bool:
-        """Whether each participant has told its nodes: names arrive after the endpoints.
-
-        Single endpoints without a node may stay: rclpy leaves a service behind when it destroys a node.
-        """
+        """Whether each participant has told its nodes: names arrive after the endpoints."""
         if len(self._node.get_node_names_and_namespaces()) < len(self._participants()):
             return False
         named: dict[bool, set[bytes]] = {True: set(), False: set()}

@@ -25,16 +25,7 @@ _EVERY_NODE = f"/{_ANY_NUMBER}"
 
 
 def load(path: str, node: str, *, use_wildcard: bool) -> list[Message]:
-    """The parameters for a node in a file of parameters, as rcl_interfaces/msg/Parameter.
-
-    Args:
-        path: of the file.
-        node: the node's full name.
-        use_wildcard: whether sections for many nodes count.
-
-    Raises:
-        CommandError: the file cannot be read, is not such a file, or has nothing for this node.
-    """
+    """The parameters for a node in a file of parameters, as rcl_interfaces/msg/Parameter."""
     sections = list(_sections(_document(path), "", path))
     wanted = [one for one in sections if _is_for(one[0], node) and (use_wildcard or _ANY_ONE not in one[0])]
     if not wanted:

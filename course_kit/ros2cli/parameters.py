@@ -18,31 +18,17 @@ T = TypeVar("T")
 
 
 class ParameterClient:
-    """Asks one node for its parameters.
-
-    Args:
-        session: the command's.
-        node_name: full name of the node.
-        timeout: seconds to wait for each answer.
-    """
+    """Asks one node for its parameters."""
 
     def __init__(self, session: Session, node_name: str, timeout: float) -> None:
         self._session, self._name, self._timeout = session, node_name, timeout
 
     def ask(self, steps: parameters.Steps[T]) -> T:
-        """What one of the verbs of `course_kit.ros.parameters` returns.
-
-        Raises:
-            CommandError: the node has no parameter services, or does not answer.
-        """
+        """What one of the verbs of `course_kit.ros.parameters` returns."""
         return parameters.driven(steps, self._answer)
 
     def declared(self, name: str) -> Message:
-        """The ParameterValue of `name`; of type 0 where it is declared without a value.
-
-        Raises:
-            CommandError: the node has no such parameter.
-        """
+        """The ParameterValue of `name`; of type 0 where it is declared without a value."""
         (found,) = self.ask(parameters.values([name]))
         if found.type == 0 and name not in (known := self.ask(parameters.names())):
             raise CommandError(f"Parameter not set: {self._name} has no {name!r}.{did_you_mean(name, known)}")
@@ -67,11 +53,7 @@ def nodes_with_parameters(graph: Graph, *, hidden_too: bool = False) -> list[str
 
 
 def find_node(name: str, graph: Graph) -> str:
-    """The node's full name.
-
-    Raises:
-        CommandError: it is not on the graph; in the words of the real command, with the nearest right name.
-    """
+    """The node's full name."""
     if name not in graph.nodes:
         raise CommandError(f"Node not found: {name}.{did_you_mean(name, graph.nodes)}")
     return name
@@ -95,11 +77,7 @@ def plain_value(value: Message) -> object:
 
 
 def parse(name: str, text: str) -> Message:
-    """A parameter from what was typed, by ROS 2's rules: YAML decides the type, a mixed list is a string.
-
-    Raises:
-        CommandError: no type of a parameter fits.
-    """
+    """A parameter from what was typed, by ROS 2's rules: YAML decides the type, a mixed list is a string."""
     from rcl_interfaces.msg import Parameter
     from rclpy.parameter import get_parameter_value
     from yaml import YAMLError

@@ -64,11 +64,7 @@ _BAD_CHOICE = re.compile(r"invalid choice: '(?P<word>[^']*)' \(choose from (?P<c
 
 
 class _Help(argparse.HelpFormatter):
-    """Help in the terminal's width, which a command that prints no help need not find out.
-
-    It is laid out alike by every Python, as Python 3.13 does it: the names of verbs count with their indentation, and
-    an option with two names shows its value once. A learner's help has to look like the one in the lessons.
-    """
+    """Help in the terminal's width, which a command that prints no help need not find out."""
 
     def __init__(self, prog: str) -> None:
         columns = os.environ.get("COLUMNS", "")
@@ -98,11 +94,7 @@ class Parser(argparse.ArgumentParser):
         super().__init__(**{"formatter_class": _Help, **options})
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong and which word is nearest; exit code 2 as everywhere with argparse.
-
-        Raises:
-            SystemExit: always.
-        """
+        """Say what is wrong and which word is nearest; exit code 2 as everywhere with argparse."""
         if wrong := _BAD_CHOICE.search(message):
             choices = re.findall(r"[\w.-]+", wrong["choices"])
             if wrong["word"] in _ONLY_IN_ROS.get(self.prog.removeprefix("ros2").strip(), ()):
@@ -147,14 +139,7 @@ def add_verbs(place: argparse.ArgumentParser) -> Verbs:
 
 
 def add_verb(verbs: Verbs, name: str, run: Run, purpose: str) -> argparse.ArgumentParser:
-    """One verb, run by `run(options, session)`.
-
-    Args:
-        verbs: of the command.
-        name: the verb's.
-        run: called with the options and the session.
-        purpose: for the help.
-    """
+    """One verb, run by `run(options, session)`."""
     verb = verbs.add_parser(name, help=purpose, description=purpose)
     verb.set_defaults(run=run)
     return verb
@@ -165,13 +150,7 @@ def add_timeout(
     purpose: str = "seconds to wait at most",
     default: float | None = DEFAULT_TIMEOUT,
 ) -> None:
-    """The option that keeps a verb from waiting for ever.
-
-    Args:
-        verb: the verb's parser.
-        purpose: for the help.
-        default: seconds; None for a verb that listens until somebody ends it.
-    """
+    """The option that keeps a verb from waiting for ever."""
     usual = "no end" if default is None else f"{default:g}"
     verb.add_argument(
         "--timeout", type=_seconds, default=default, metavar="SECONDS", help=f"{purpose} (default: {usual})"
@@ -194,14 +173,7 @@ def add_graph_options(verb: argparse.ArgumentParser) -> None:
 
 
 def add_named(verb: argparse.ArgumentParser, name: str, completer: str, **options: Any) -> None:
-    """A positional argument that the shell completes with `completer`, a function of `completion`.
-
-    Args:
-        verb: the verb's parser.
-        name: the argument's.
-        completer: the name of the function.
-        options: more for argparse.
-    """
+    """A positional argument that the shell completes with `completer`, a function of `completion`."""
     argument: Any = verb.add_argument(name, **options)
     argument.completer = _Completer(completer)
 

@@ -23,16 +23,7 @@ _REPORT_EVERY = 1.0  # seconds between two lines while it waits
 
 
 def publish(options: Namespace, session: Session, topic: str) -> None:
-    """Publish as `topic pub` does.
-
-    Args:
-        options: parsed.
-        session: the command's.
-        topic: its full name.
-
-    Raises:
-        CommandError: the values do not fit, or nobody subscribes in time.
-    """
+    """Publish as `topic pub` does."""
     if options.rate <= 0:
         raise CommandError(f"--rate has to be a number above 0, not {options.rate:g}.")
     times = 1 if options.once else options.times

@@ -35,12 +35,7 @@ def for_publishing(options: Namespace) -> QoSProfile:
 
 
 def for_listening(options: Namespace, publishers: list[TopicEndpointInfo]) -> QoSProfile:
-    """The profile the options ask for; where they are silent, one that matches all `publishers`.
-
-    Args:
-        options: parsed.
-        publishers: rclpy's TopicEndpointInfo of each publisher.
-    """
+    """The profile the options ask for; where they are silent, one that matches all `publishers`."""
     from course_kit.ros.qos import as_offered
 
     return _chosen(options, as_offered(keepers=publishers))

@@ -27,14 +27,7 @@ _LAST_WORDS = 0.5  # seconds for an answer that was under way when its server le
 
 
 class Session:
-    """What one command shares between its steps.
-
-    Args:
-        context: rclpy context of a kernel to work in; None for one of the command's own.
-        guests: where a kernel's lab looks for nodes that wait for its services, besides its own; it then tells them
-            when a callback fails.
-        visits: whether this process ends with the command.
-    """
+    """What one command shares between its steps."""
 
     def __init__(
         self, context: Context | None = None, guests: set[Node] | None = None, *, visits: bool = False
@@ -57,11 +50,7 @@ class Session:
         return self._spun_node()[0]
 
     def call_node(self, name: str) -> None:
-        """Give the command's node a name of the user's, before it is made.
-
-        Raises:
-            CommandError: no node can be called so.
-        """
+        """Give the command's node a name of the user's, before it is made."""
         if not re.fullmatch(r"[A-Za-z_]\w*", name):
             raise CommandError(
                 f"{name!r} cannot be a node's name: it begins with a letter, then letters, digits and _."
@@ -88,17 +77,7 @@ class Session:
         return True
 
     def answer_of(self, client: ServiceClient, request: Message, timeout: float, server: str) -> Message:
-        """What a service that is there answers within `timeout` seconds.
-
-        Args:
-            client: of the service.
-            request: what is asked.
-            timeout: in seconds.
-            server: what to call the server.
-
-        Raises:
-            CommandError: no answer came, or none can come any more.
-        """
+        """What a service that is there answers within `timeout` seconds."""
         sent = client.send(request)
         self.spin_until(lambda: sent.answered() or not client.is_ready(), timeout)
         if not sent.answered() and not client.is_ready() and not self.spin_until(sent.answered, _LAST_WORDS):

@@ -25,9 +25,6 @@ def is_local_only() -> bool:
 
 
 def participants(domain_id: int) -> frozenset[int]:
-    """The inodes of the discovery sockets bound in `domain_id`, one for each participant, this process's included.
-
-    An inode, unlike a port number, is not taken over by the next process when one ends.
-    """
+    """The inodes of the discovery sockets bound in `domain_id`, one for each participant, this process's included."""
     wanted = ports.discovery_ports(domain_id)
     return frozenset(inode for number, inode in ports.bound() if number in wanted)

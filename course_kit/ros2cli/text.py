@@ -10,14 +10,7 @@ TRUNCATE = 128  # elements and characters, unless told otherwise
 
 
 class Layout:
-    """How much of a message is shown.
-
-    Args:
-        truncate: elements of a sequence and characters of a string; None for all.
-        arrays: whether arrays are shown, or only their type.
-        strings: whether strings are shown, or only their length.
-        flow: whether everything inside the message stands in one line.
-    """
+    """How much of a message is shown."""
 
     def __init__(
         self, *, truncate: int | None = TRUNCATE, arrays: bool = True, strings: bool = True, flow: bool = False
@@ -51,13 +44,7 @@ def dumped(plain: object, layout: Layout = WHOLE) -> str:
 
 
 def to_plain(value: Any, layout: Layout = WHOLE, field_type: str = "") -> Any:
-    """The message as mappings, lists and scalars.
-
-    Args:
-        value: a message, or a field's value.
-        layout: what is shown.
-        field_type: in ROS's words; empty for a message.
-    """
+    """The message as mappings, lists and scalars."""
     if hasattr(value, "get_fields_and_field_types"):
         types = value.get_fields_and_field_types()
         return {name: to_plain(getattr(value, name), layout, types[name]) for name in types}

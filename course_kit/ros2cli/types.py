@@ -23,15 +23,7 @@ _ARTICLES = {"msg": "a message", "srv": "a service", "action": "an action"}
 
 
 def find_type(name: str, kind: str) -> Any:
-    """The class for `pkg/Name` or `pkg/kind/Name`.
-
-    Args:
-        name: as typed.
-        kind: "msg", "srv" or "action".
-
-    Raises:
-        CommandError: there is none; as the real command says it, with the nearest right name.
-    """
+    """The class for `pkg/Name` or `pkg/kind/Name`."""
     from course_kit import interfaces
 
     inner = _INNER.fullmatch(name) if kind == "msg" else None

@@ -13,15 +13,7 @@ _OF_THE_MOMENT = ("now", "auto")  # what a time and a header may be given as
 
 
 class TypedValues:
-    """TypedValues for the fields of a message.
-
-    Args:
-        text: YAML such as '{a: 1, b: 2}'; nothing leaves every field at its default.
-        owner: the message's ROS name, for errors.
-
-    Raises:
-        CommandError: it is no YAML; says where in one line.
-    """
+    """TypedValues for the fields of a message."""
 
     def __init__(self, text: str | None, owner: str) -> None:
         self._text, self._owner = text, owner
@@ -33,11 +25,7 @@ class TypedValues:
         return _holds(self._values, _OF_THE_MOMENT)
 
     def put_into(self, message: Message) -> None:
-        """Set the fields that are named.
-
-        Raises:
-            CommandError: an unknown field, a value that does not fit; the field is named.
-        """
+        """Set the fields that are named."""
         from course_kit.ros.errors import BadFieldError
         from course_kit.ros.filling import fill_from_yaml
 
@@ -51,16 +39,7 @@ class TypedValues:
 
 
 def fill(message: Message, text: str | None, owner: str) -> None:
-    """Set the fields of a message from YAML text such as '{a: 1, b: 2}'.
-
-    Args:
-        message: the message; fields that are not named keep their defaults.
-        text: the YAML.
-        owner: the message's ROS name, for errors.
-
-    Raises:
-        CommandError: no YAML, an unknown field, a value that does not fit; the field is named.
-    """
+    """Set the fields of a message from YAML text such as '{a: 1, b: 2}'."""
     TypedValues(text, owner).put_into(message)
 
 

@@ -47,14 +47,7 @@ class CodeWriter:
         return name
 
     def put(self, code: str, size: int, align: int, argument: str) -> None:
-        """Add a value of fixed size to the present batch.
-
-        Args:
-            code: its letter in `struct`.
-            size: in bytes.
-            align: in bytes.
-            argument: the expression whose value it is.
-        """
+        """Add a value of fixed size to the present batch."""
         align = min(align, self._max_align)
         if self.modulus >= align:
             padding = -self.remainder % align
@@ -94,19 +87,11 @@ class CodeWriter:
             known = leaving
 
     def flush(self) -> None:
-        """Write out the present batch.
-
-        Raises:
-            NotImplementedError: always; reading and writing do it differently.
-        """
+        """Write out the present batch."""
         raise NotImplementedError
 
     def align_at_run_time(self, align: int) -> None:
-        """Write code that aligns a position unknown until then.
-
-        Raises:
-            NotImplementedError: always; reading and writing do it differently.
-        """
+        """Write code that aligns a position unknown until then."""
         raise NotImplementedError
 
     def _advance(self, size: int) -> None:

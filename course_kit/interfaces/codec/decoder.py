@@ -30,10 +30,7 @@ _USUAL = 1
 
 
 class Decoder(CodeWriter):
-    """Writes code that reads bytes, or a view of them, `u` from offset `o` on; `end` is the payload's length.
-
-    A view is gone when the code has run: whatever is kept of it is a copy.
-    """
+    """Writes code that reads bytes, or a view of them, `u` from offset `o` on; `end` is the payload's length."""
 
     def __init__(self, byte_order: ByteOrder = "<", max_align: int = 8) -> None:
         super().__init__(max_align)
@@ -172,11 +169,7 @@ def _elements(primitive: Primitive, data: str) -> str:
 
 
 def make_decoder(cls: type[Message]) -> Decode:
-    """Make the function that turns a CDR payload, header included, into a message of `cls`.
-
-    The function raises ValueError or struct.error for a malformed payload. The native
-    helper has looked at a payload before and lets through only what can be decoded.
-    """
+    """Make the function that turns a CDR payload, header included, into a message of `cls`."""
     unusual: dict[int, Decode] = {}
 
     def decode_unusual(payload: bytes | memoryview) -> Message:

@@ -171,14 +171,7 @@ class Encoder(CodeWriter):
 
 
 def make_encoder(cls: type[Message], native: ctypes.PyDLL | None = None) -> Encode:
-    """Make the function that turns a message of `cls` into its CDR payload, header included.
-
-    Args:
-        cls: the class.
-        native: the native helper, which is faster with long lists.
-
-    The function raises TypeError naming the field whose value does not fit, however it got there.
-    """
+    """Make the function that turns a message of `cls` into its CDR payload, header included."""
     writer = Encoder()
     source = writer.source(cls)
     namespace: dict[str, object] = {

@@ -20,20 +20,12 @@ _SHORT = [struct.Struct(f"<I{size + 4 - size % 4}s").pack for size in range(64)]
 
 
 def too_long(length: int, bound: int) -> NoReturn:
-    """Refuse a sequence beyond its bound.
-
-    Raises:
-        ValueError: always.
-    """
+    """Refuse a sequence beyond its bound."""
     raise ValueError(f"a sequence of {length} elements exceeds its bound of {bound}")
 
 
 def truncated() -> NoReturn:
-    """Refuse a payload that ends too early.
-
-    Raises:
-        ValueError: always.
-    """
+    """Refuse a payload that ends too early."""
     raise ValueError("the serialized message is truncated")
 
 
@@ -77,11 +69,7 @@ def encode_booleans(values: Sequence[bool]) -> bytes:
 
 
 def encode_octets(values: Sequence[bytes], count: int) -> bytes:
-    """A list of one-byte objects as bytes.
-
-    Raises:
-        ValueError: another number of them, or another kind of element.
-    """
+    """A list of one-byte objects as bytes."""
     data = b"".join(values)
     if len(data) != count or len(values) != count:
         raise ValueError(f"expected {count} bytes objects of length 1 each")
@@ -89,16 +77,7 @@ def encode_octets(values: Sequence[bytes], count: int) -> bytes:
 
 
 def encode_fixed(values: ArrayLike, dtype: np.dtype[np.generic], count: int) -> bytes:
-    """A fixed array of numbers.
-
-    Args:
-        values: the array.
-        dtype: the type of its elements on the wire.
-        count: how many there must be.
-
-    Raises:
-        ValueError: there are more or fewer.
-    """
+    """A fixed array of numbers."""
     array = np.asarray(values, dtype)
     if array.size != count:
         raise ValueError(f"the array must have {count} elements, not {array.size}")
@@ -106,11 +85,7 @@ def encode_fixed(values: ArrayLike, dtype: np.dtype[np.generic], count: int) -> 
 
 
 def exactly(values: _Values, count: int) -> _Values:
-    """The values themselves, if there are `count` of them.
-
-    Raises:
-        ValueError: there are more or fewer.
-    """
+    """The values themselves, if there are `count` of them."""
     if len(values) != count:
         raise ValueError(f"the array must have {count} elements, not {len(values)}")
     return values

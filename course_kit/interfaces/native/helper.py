@@ -73,14 +73,7 @@ class Helper:
         )
 
     def service(self, cls: type, parts: list[int], event: LiveType, make_event: object) -> int:
-        """Make the type support of a service out of those of request, response and event; its address.
-
-        Args:
-            cls: the class of the service.
-            parts: addresses of the type supports of request and response.
-            event: that of the event.
-            make_event: address of the function that makes one.
-        """
+        """Make the type support of a service out of those of request, response and event; its address."""
         package, folder, name = _names(cls)
         keep_object(make_event)
         support: int = event.helper.live_service_support(
@@ -123,10 +116,7 @@ class Helper:
 
 
 class LazyCodec:
-    """Encoder and decoder of a class as the helper first gets them: each is generated when it is first called.
-
-    A program mostly needs one of the two, and few of the messages an action consists of.
-    """
+    """Encoder and decoder of a class as the helper first gets them: each is generated when it is first called."""
 
     def __init__(self, cls: type[Message]) -> None:
         self.live_type: LiveType | None = None

@@ -96,12 +96,7 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
 
 
 def load_helper(path: Path = LIBRARY) -> ctypes.PyDLL:
-    """Load a copy of the helper, ready for use.
-
-    Raises:
-        NativeHelperError: it is missing, of another version of the course, or does not fit this machine's ROS 2;
-            the message says what to do.
-    """
+    """Load a copy of the helper, ready for use."""
     _refuse_other_middleware()
     try:
         # PyDLL keeps the interpreter's lock during calls: the helper's table of types has no lock of its own.
@@ -121,11 +116,7 @@ def load_helper(path: Path = LIBRARY) -> ctypes.PyDLL:
 
 
 def load_another_helper() -> ctypes.PyDLL:
-    """Load one more copy, with a table of types of its own, when the others are full.
-
-    The loader knows a library again by its file, so the copy is a file in memory under a name that stays its own:
-    its descriptor is kept open.
-    """
+    """Load one more copy, with a table of types of its own, when the others are full."""
     descriptor = file_in_memory("course-kit-helper")
     copy = Path(f"/proc/self/fd/{descriptor}")
     copy.write_bytes(LIBRARY.read_bytes())
@@ -133,11 +124,7 @@ def load_another_helper() -> ctypes.PyDLL:
 
 
 def ros_library(name: str) -> ctypes.CDLL:
-    """Open one of ROS's own libraries.
-
-    Raises:
-        NativeHelperError: ROS 2 is not installed, or its libraries are not found.
-    """
+    """Open one of ROS's own libraries."""
     try:
         return ctypes.CDLL(name)
     except OSError as error:
@@ -157,11 +144,7 @@ def _refuse_other_middleware() -> None:
 
 
 def _refuse_another_source(helper: ctypes.PyDLL) -> None:
-    """Refuse a helper that was compiled from another `helper.c`: it would take this one's messages for broken ones.
-
-    Raises:
-        NativeHelperError: the two do not belong together.
-    """
+    """Refuse a helper that was compiled from another `helper.c`: it would take this one's messages for broken ones."""
     try:
         wanted = zlib.crc32(SOURCE.read_bytes())
     except OSError:  # packed without it, and so with what was compiled from it

@@ -16,11 +16,7 @@ _api.Py_IncRef.argtypes = [ctypes.py_object]
 
 
 def keep(data: bytes) -> int:
-    """Copy bytes into memory that is never freed; the address.
-
-    Raises:
-        MemoryError: there is none.
-    """
+    """Copy bytes into memory that is never freed; the address."""
     address: int | None = _libc.malloc(max(len(data), 1))
     if address is None:
         raise MemoryError

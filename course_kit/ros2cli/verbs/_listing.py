@@ -25,14 +25,7 @@ _EXAMPLES = {"service": "/add_two_ints", "action": "/fibonacci", "topic": "/chat
 
 
 def add_list(verbs: Verbs, kind: str, run: Run, *, hidden: bool = True) -> ArgumentParser:
-    """Add the verb `list` of services, actions or topics.
-
-    Args:
-        verbs: of the command.
-        kind: "service", "action" or "topic".
-        run: does it.
-        hidden: whether it has an option for hidden ones.
-    """
+    """Add the verb `list` of services, actions or topics."""
     verb = add_verb(verbs, "list", run, f"List the {kind}s on the graph")
     verb.add_argument("-t", "--show-types", action="store_true", help="with their types")
     verb.add_argument("-c", f"--count-{kind}s", dest="count", action="store_true", help="only how many there are")
@@ -48,15 +41,7 @@ def add_list(verbs: Verbs, kind: str, run: Run, *, hidden: bool = True) -> Argum
 
 
 def add_about(verbs: Verbs, kind: str, name: str, run: Run, purpose: str) -> ArgumentParser:
-    """Add a verb that is about one service, action, topic or node.
-
-    Args:
-        verbs: of the command.
-        kind: what it is about.
-        name: the verb's.
-        run: does it.
-        purpose: for the help.
-    """
+    """Add a verb that is about one service, action, topic or node."""
     verb = add_verb(verbs, name, run, purpose)
     add_of_kind(verb, kind)
     return verb
@@ -68,13 +53,7 @@ def add_of_kind(verb: ArgumentParser, kind: str) -> None:
 
 
 def add_type(verbs: Verbs, kind: str, names_of: Callable[[Graph], Names]) -> None:
-    """Add the verb `type`.
-
-    Args:
-        verbs: of the command.
-        kind: "service", "action" or "topic".
-        names_of: all there are of it on a graph, with their types.
-    """
+    """Add the verb `type`."""
 
     def run(options: Namespace, session: Session) -> None:
         name = checked_name(getattr(options, f"{kind}_name"))
@@ -85,13 +64,7 @@ def add_type(verbs: Verbs, kind: str, names_of: Callable[[Graph], Names]) -> Non
 
 
 def add_find(verbs: Verbs, kind: str, names_of: Callable[[Graph], Names]) -> None:
-    """Add the verb `find`, which lists what has a type.
-
-    Args:
-        verbs: of the command.
-        kind: "service" or "topic".
-        names_of: all there are of it on a graph, with their types.
-    """
+    """Add the verb `find`, which lists what has a type."""
     part = {"service": "srv", "topic": "msg"}[kind]
 
     def run(options: Namespace, session: Session) -> None:
@@ -109,16 +82,7 @@ def add_find(verbs: Verbs, kind: str, names_of: Callable[[Graph], Names]) -> Non
 
 
 def existing(kind: str, name: str, names: Names) -> list[str]:
-    """The types of what has this name.
-
-    Args:
-        kind: what it is to be, for the error.
-        name: from the root.
-        names: all there are.
-
-    Raises:
-        CommandError: there is none.
-    """
+    """The types of what has this name."""
     if name not in names:
         raise CommandError(f"Unknown {kind} '{name}'.{did_you_mean(name, names)}")
     return names[name]
@@ -139,11 +103,7 @@ def print_names(names: Names, options: Namespace) -> None:
 
 
 def checked_name(name: str) -> str:
-    """A graph name from the root.
-
-    Raises:
-        CommandError: it cannot be one ("Topic and service names" in the ROS 2 design articles).
-    """
+    """A graph name from the root."""
     if not _NAME.fullmatch(name):
         raise CommandError(
             f"{name!r} cannot be a name on the graph: parts begin with a letter, followed by letters, digits and _, "

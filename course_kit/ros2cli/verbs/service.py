@@ -99,11 +99,7 @@ def _call(options: Namespace, session: Session) -> None:
 
 
 def _wait_for_server(client: ServiceClient, timeout: float, session: Session) -> None:
-    """Wait until a server is there.
-
-    Raises:
-        CommandError: none came, or the name belongs to a service of another type.
-    """
+    """Wait until a server is there."""
     node, name, wanted = session.node, client.name, type_name(client.type)
     others: list[str] = []
 
