@@ -25,7 +25,7 @@ from course_kit.launch.service import LaunchService
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from course_kit.launch.process_description import ProcessDescription
+    from course_kit.launch.process import ProcessDescription
 
 LIMIT_S = 30.0
 MOST = 100  # processes of one file; more come of handlers that start one for each that has ended
@@ -48,7 +48,6 @@ class Reader(LaunchService):
             about = (description.action, description.label, description.command)
             self.emit(events.ProcessStarted(*about))
             self.emit(events.ProcessExited(*about))
-            self.emit(events.ExecutionComplete(description.action))
         for path in description.temporary:
             path.unlink(missing_ok=True)
 

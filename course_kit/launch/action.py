@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from course_kit.launch.description import LaunchDescription
 from course_kit.launch.entity import LaunchEntity
 from course_kit.launch.errors import LaunchError, in_a_sentence
-from course_kit.launch.events import ExecutionComplete
 
 if TYPE_CHECKING:
-    from course_kit.launch.conditions import Condition
     from course_kit.launch.context import LaunchContext
+    from course_kit.launch.substitutions import Condition
 
 
 class Action(LaunchEntity):
     """Something a launch file does."""
 
     condition: Condition | None = None
-    done_at_once: ClassVar[bool] = True  # else somebody says later when it is
 
     def __init__(self, *, condition: Condition | None = None) -> None:
         self.condition = condition
@@ -28,10 +26,7 @@ class Action(LaunchEntity):
         """Do it if its condition holds; what is to be done after it, as `execute` returns it."""
         if self.condition is not None and not self.condition.evaluate(context):
             return None
-        following = self.execute(context)
-        if self.done_at_once and context.running is not None:
-            context.running.emit(ExecutionComplete(self))
-        return following
+        return self.execute(context)
 
     def execute(self, context: LaunchContext) -> object:
         """Do it."""

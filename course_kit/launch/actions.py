@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING, Any
 from course_kit.launch.action import Action, as_entities, execute_all
 from course_kit.launch.description import LaunchDescriptionSource
 from course_kit.launch.errors import LaunchError
+from course_kit.launch.node import joined_namespace
+from course_kit.launch.parameters import value_of
 from course_kit.launch.substitutions import Text, as_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from course_kit.launch.conditions import Condition
     from course_kit.launch.context import LaunchContext
     from course_kit.launch.description import LaunchDescription
+    from course_kit.launch.substitutions import Condition
 
 _DEEPEST = 50  # files that include one another
 
@@ -133,3 +135,68 @@ class OpaqueFunction(Action):
     def execute(self, context: LaunchContext) -> object:
         """Call it."""
         return as_entities(self._function(context, *self._args, **self._kwargs))
+
+
+class GroupAction(Action):
+    """Actions with a scope of their own."""
+
+    def __init__(
+        self,
+        actions: Iterable[object],
+        *,
+        scoped: bool = True,
+        forwarding: bool = True,
+        launch_configurations: Mapping[Text, Text] | None = None,
+        condition: Condition | None = None,
+    ) -> None:
+        super().__init__(condition=condition)
+        self.actions, self._scoped, self._forwarding = list(actions), scoped, forwarding
+        self._values = dict(launch_configurations or {})
+
+    def execute(self, context: LaunchContext) -> None:
+        """Run the actions."""
+        values = {as_text(name, context): as_text(value, context) for name, value in self._values.items()}
+        inner = context.scoped(forwarding=self._forwarding) if self._scoped else context
+        inner.launch_configurations |= values
+        execute_all(self.actions, inner)
+
+    def sub_entities(self) -> Iterable[object]:
+        """The actions."""
+        return self.actions
+
+
+class SetEnvironmentVariable(Action):
+    """An environment variable for the processes after it."""
+
+    def __init__(self, name: Text, value: Text, *, condition: Condition | None = None) -> None:
+        super().__init__(condition=condition)
+        self._name, self._value = name, value
+
+    def execute(self, context: LaunchContext) -> None:
+        """Set it."""
+        context.environment[as_text(self._name, context)] = as_text(self._value, context)
+
+
+class PushROSNamespace(Action):
+    """A namespace for the nodes after it, within the one there is."""
+
+    def __init__(self, namespace: Text, *, condition: Condition | None = None) -> None:
+        super().__init__(condition=condition)
+        self._namespace = namespace
+
+    def execute(self, context: LaunchContext) -> None:
+        """Set it."""
+        context.namespace = joined_namespace(context.namespace, as_text(self._namespace, context))
+
+
+class SetParameter(Action):
+    """A parameter for all nodes after it."""
+
+    def __init__(self, name: Text, value: object, *, condition: Condition | None = None) -> None:
+        super().__init__(condition=condition)
+        self._name, self._value = name, value
+
+    def execute(self, context: LaunchContext) -> None:
+        """Set it."""
+        name = as_text(self._name, context)
+        context.parameters[name] = value_of(name, self._value, context)

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from course_kit.launch.errors import LaunchError
 
 if TYPE_CHECKING:
-    from course_kit.launch.events import LaunchEvent
     from course_kit.launch.service import LaunchService
     from course_kit.launch.substitutions import Substitution
 
@@ -24,11 +23,9 @@ class LaunchContext:
     environment: dict[str, str] = field(default_factory=lambda: dict(os.environ))
     namespace: str = ""
     parameters: dict[str, object] = field(default_factory=dict)
-    remappings: list[tuple[str, str]] = field(default_factory=list)
     depth: int = 0
     declared: set[str] = field(default_factory=set)
     running: LaunchService | None = None
-    event: LaunchEvent | None = None
 
     @property
     def service(self) -> LaunchService:
@@ -46,10 +43,6 @@ class LaunchContext:
         """The context for an included file; its values are the same ones."""
         return replace(self, file=file, depth=self.depth + 1)
 
-    def handling(self, event: LaunchEvent) -> LaunchContext:
-        """The context for what is done about an event; its values are the same ones."""
-        return replace(self, event=event)
-
     def scoped(self, *, forwarding: bool = True) -> LaunchContext:
         """The context within a group: what is set there is forgotten behind it."""
         return replace(
@@ -57,7 +50,6 @@ class LaunchContext:
             launch_configurations=dict(self.launch_configurations) if forwarding else {},
             environment=dict(self.environment),
             parameters=dict(self.parameters),
-            remappings=list(self.remappings),
         )
 
     def perform_substitution(self, substitution: Substitution) -> str:

@@ -59,10 +59,6 @@ class PythonLaunchDescriptionSource(LaunchDescriptionSource):
     """A launch file in Python."""
 
 
-class AnyLaunchDescriptionSource(LaunchDescriptionSource):
-    """A launch file in any language, of which the course kit reads Python."""
-
-
 def load(path: Path) -> LaunchDescription:
     """What a launch file describes."""
     if path.suffix in _OTHER_KINDS:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,19 +9,17 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from course_kit.environment.search_path import with_scripts_first
 from course_kit.launch.action import Action, as_entities
-from course_kit.launch.conditions import truth
 from course_kit.launch.errors import LaunchError, ProgramError
-from course_kit.launch.event_handlers import OnProcessExit, Reaction
+from course_kit.launch.events import OnProcessExit, Reaction
 from course_kit.launch.expressions import ExecutableInPackage
-from course_kit.launch.process import PATIENCE_S
-from course_kit.launch.process_description import OUTPUTS, ProcessDescription
-from course_kit.launch.substitutions import Text, as_text
+from course_kit.launch.process import OUTPUTS, ProcessDescription
+from course_kit.launch.substitutions import Text, as_text, truth
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from course_kit.launch.conditions import Condition
     from course_kit.launch.context import LaunchContext
+    from course_kit.launch.substitutions import Condition
 
 _SHELL = ("/bin/sh", "-c")
 _PYTHONS = ("python", "python3")
@@ -31,8 +28,10 @@ _PYTHONS = ("python", "python3")
 class ExecuteProcess(Action):
     """A program."""
 
-    done_at_once: ClassVar[bool] = False
-    OUTSIDE: ClassVar[frozenset[str]] = frozenset({"cached_output", "output_format"})
+    OUTSIDE: ClassVar[frozenset[str]] = frozenset(
+        {"cached_output", "output_format", "prefix", "log_cmd", "sigterm_timeout", "sigkill_timeout"}
+        | {"respawn_max_retries"}
+    )
 
     def __init__(  # noqa: PLR0913 - launch has them
         self,
@@ -42,26 +41,20 @@ class ExecuteProcess(Action):
         cwd: Text | None = None,
         env: Mapping[Text, Text] | None = None,
         additional_env: Mapping[Text, Text] | None = None,
-        prefix: Text | None = None,
         shell: bool = False,
         output: Text | Mapping[str, str] = "log",
         on_exit: Reaction = None,
         respawn: Text | bool = False,
         respawn_delay: float | None = None,
-        respawn_max_retries: int = -1,
-        sigterm_timeout: Text | float = PATIENCE_S[0],
-        sigkill_timeout: Text | float = PATIENCE_S[1],
         emulate_tty: object = False,
-        log_cmd: bool = False,
         condition: Condition | None = None,
     ) -> None:
         super().__init__(condition=condition)
         del emulate_tty
-        self._cmd, self._name, self._cwd, self._prefix, self._shell = list(cmd), name, cwd, prefix, shell
+        self._cmd, self._name, self._cwd, self._shell = list(cmd), name, cwd, shell
         self._env, self._additional_env = env, additional_env
-        self._output, self._log_cmd = output, log_cmd
-        self._respawn, self._delay, self._retries = respawn, respawn_delay or 0.0, respawn_max_retries
-        self._timeouts = (sigterm_timeout, sigkill_timeout)
+        self._output = output
+        self._respawn, self._delay = respawn, respawn_delay or 0.0
         self._on_exit = on_exit
 
     def execute(self, context: LaunchContext) -> None:
@@ -72,8 +65,6 @@ class ExecuteProcess(Action):
         try:
             command = self.command(context, temporary)
             description = self._described(context, command, temporary)
-            if self._log_cmd:
-                context.service.say(f"[INFO] [{description.label}]: process details: cmd='{shlex.join(command)}'")
             context.service.start(description)
         except ProgramError as error:
             context.service.fail(error.at(self.place))
@@ -107,9 +98,6 @@ class ExecuteProcess(Action):
         if not command:
             raise LaunchError(f"{type(self).__name__}: the command is empty.")
         label = self.label(context, command)
-        if self._prefix is not None:
-            command = [*shlex.split(as_text(self._prefix, context)), *command]
-        interrupt_s, terminate_s = (_seconds(value, context) for value in self._timeouts)
         return ProcessDescription(
             action=self,
             command=command,
@@ -118,10 +106,8 @@ class ExecuteProcess(Action):
             folder=None if self._cwd is None else as_text(self._cwd, context),
             show=_shown(self._output, context),
             temporary=temporary,
-            patience_s=(interrupt_s, terminate_s, PATIENCE_S[2]),
             respawn=truth(str(self._respawn) if isinstance(self._respawn, bool) else self._respawn, context),
             respawn_delay_s=self._delay,
-            respawn_max=self._retries,
         )
 
     def _environ(self, context: LaunchContext) -> dict[str, str]:
@@ -133,14 +119,6 @@ class ExecuteProcess(Action):
 
 def _texts(values: Mapping[Any, Any], context: LaunchContext) -> dict[str, str]:
     return {as_text(name, context): as_text(value, context) for name, value in values.items()}
-
-
-def _seconds(value: Text | float, context: LaunchContext) -> float:
-    text = as_text(value, context)
-    try:
-        return float(text)
-    except ValueError:
-        raise LaunchError(f"{text!r} is no number of seconds.") from None
 
 
 def _shown(output: Text | Mapping[str, str], context: LaunchContext) -> tuple[bool, bool]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -11,15 +11,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.environment.search_path import with_scripts_first
+from course_kit.launch.context import LaunchContext
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.executables import find
 from course_kit.launch.package_index import prefix_of
-from course_kit.launch.substitutions import Substitution, Text, as_text, described
+from course_kit.launch.substitutions import (
+    LaunchConfiguration,
+    Substitution,
+    Text,
+    ThisLaunchFileDir,
+    as_text,
+    described,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
-    from course_kit.launch.context import LaunchContext
 
 _COMMAND_S = 60.0  # a launch file that asks a program waits for its answer
 
@@ -126,30 +133,6 @@ class PythonExpression(Substitution):
         return f"PythonExpr({described(self._expression)})"
 
 
-class FileContent(Substitution):
-    """The text of a file."""
-
-    def __init__(self, path: Text) -> None:
-        self._path = path
-
-    def perform(self, context: LaunchContext) -> str:
-        """The text."""
-        path = Path(as_text(self._path, context))
-        try:
-            return path.read_text(encoding="utf-8")
-        except (OSError, ValueError) as error:
-            raise LaunchError(f"{path} cannot be read: {error}") from None
-
-
-class LaunchLogDir(Substitution):
-    """The folder of the log files."""
-
-    def perform(self, context: LaunchContext) -> str:
-        """The folder."""
-        values = context.environment
-        return values.get("ROS_LOG_DIR") or os.path.join(values.get("ROS_HOME", ""), "log")  # noqa: PTH118 - a text
-
-
 class FindPackageShare(Substitution):
     """The share folder of a package."""
 
@@ -160,6 +143,10 @@ class FindPackageShare(Substitution):
         """The folder."""
         name = as_text(self._package, context)
         return str(Path(FindPackagePrefix(name).perform(context), "share", name))
+
+    def find(self, package_name: Text) -> str:
+        """The folder for a package, as launch files ask for it that need it before they run."""
+        return type(self)(package_name).perform(LaunchContext())
 
     def describe(self) -> str:
         """The package."""
@@ -192,3 +179,34 @@ class ExecutableInPackage(Substitution):
     def perform(self, context: LaunchContext) -> str:
         """The path, or the command where a program has none of its own."""
         return shlex.join(self.words(context))
+
+
+_SUBSTITUTION = re.compile(r"\$\((?P<kind>[\w-]+)(?P<rest>[^()$]*)\)")  # one without another one in it
+_IN_TEXT: dict[str, Callable[..., Substitution]] = {
+    "command": Command,
+    "dirname": ThisLaunchFileDir,
+    "env": lambda name, default=None: EnvironmentVariable(name, default_value=default),
+    "eval": PythonExpression,
+    "find-exec": lambda name: FindExecutable(name=name),
+    "find-pkg-prefix": FindPackagePrefix,
+    "find-pkg-share": FindPackageShare,
+    "var": lambda name, default=None: LaunchConfiguration(name, default=default),
+}
+
+
+def replace_substitutions(text: str, context: LaunchContext) -> str:
+    """A text in which `$(var name)` and the like are replaced, the inner ones first."""
+
+    def replaced(found: re.Match[str]) -> str:
+        kind, words = found["kind"], shlex.split(found["rest"])
+        try:
+            return _IN_TEXT[kind](*words).perform(context)
+        except KeyError:
+            known = ", ".join(f"$({name} ...)" for name in _IN_TEXT)
+            raise LaunchError(f"{found[0]} is not part of the course kit's launch files, which know {known}.") from None
+        except TypeError:
+            raise LaunchError(f"{found[0]}: $({kind} ...) takes another number of words.") from None
+
+    while (after := _SUBSTITUTION.sub(replaced, text)) != text:
+        text = after
+    return text

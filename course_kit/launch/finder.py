@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import ModuleType
 
-_ROOTS = ("launch", "launch_ros", "launch_xml", "launch_yaml")
+_ROOTS = ("launch", "launch_ros")
 
 
 class LaunchFinder:

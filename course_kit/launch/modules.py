@@ -2,122 +2,60 @@
 
 from __future__ import annotations
 
+import logging
 import re
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from types import ModuleType
 
-_SUBSTITUTIONS = {
-    "AndSubstitution": "logic",
-    "Command": "expressions",
-    "EnvironmentVariable": "expressions",
-    "EqualsSubstitution": "logic",
-    "FileContent": "expressions",
-    "FindExecutable": "expressions",
-    "IfElseSubstitution": "logic",
-    "LaunchConfiguration": "substitutions",
-    "LaunchLogDir": "expressions",
-    "LocalSubstitution": "substitutions",
-    "NotEqualsSubstitution": "logic",
-    "NotSubstitution": "logic",
-    "OrSubstitution": "logic",
-    "PathJoinSubstitution": "substitutions",
-    "PythonExpression": "expressions",
-    "TextSubstitution": "substitutions",
-    "ThisLaunchFile": "substitutions",
-    "ThisLaunchFileDir": "substitutions",
-}
-_PARAMETERS = {"Parameter": "parameters", "ParameterFile": "parameters", "ParameterValue": "parameters"}
+_PARAMETERS = dict.fromkeys(("Parameter", "ParameterFile", "ParameterValue"), "parameters")
 # module -> public name -> module of the course kit that has it, with another name behind a colon
 CONTENTS: dict[str, dict[str, str]] = {
     "launch": {
         "Action": "action",
-        "Condition": "conditions",
-        "Event": "events:LaunchEvent",
-        "EventHandler": "event_handlers",
+        "Condition": "substitutions",
         "LaunchContext": "context",
         "LaunchDescription": "description",
         "LaunchDescriptionEntity": "entity:LaunchEntity",
-        "LaunchDescriptionSource": "description",
         "SomeSubstitutionsType": "substitutions:Text",
         "Substitution": "substitutions",
     },
     "launch.actions": {
-        "AppendEnvironmentVariable": "scopes",
-        "DeclareLaunchArgument": "actions",
-        "EmitEvent": "event_handlers",
+        **dict.fromkeys(("DeclareLaunchArgument", "GroupAction", "IncludeLaunchDescription", "LogInfo"), "actions"),
+        **dict.fromkeys(("OpaqueFunction", "SetEnvironmentVariable", "TimerAction"), "actions"),
+        **dict.fromkeys(("EmitEvent", "RegisterEventHandler"), "events"),
         "ExecuteProcess": "execute_process",
-        "GroupAction": "scopes",
-        "IncludeLaunchDescription": "actions",
-        "LogInfo": "actions",
-        "OpaqueFunction": "actions",
-        "RegisterEventHandler": "event_handlers",
-        "SetEnvironmentVariable": "scopes",
-        "SetLaunchConfiguration": "scopes",
-        "Shutdown": "event_handlers:ShutdownAction",
-        "TimerAction": "actions",
-        "UnregisterEventHandler": "event_handlers",
-        "UnsetEnvironmentVariable": "scopes",
-        "UnsetLaunchConfiguration": "scopes",
+        "Shutdown": "events:ShutdownAction",
     },
-    "launch.conditions": {
-        "IfCondition": "conditions",
-        "LaunchConfigurationEquals": "conditions",
-        "LaunchConfigurationNotEquals": "conditions",
-        "UnlessCondition": "conditions",
-    },
-    "launch.event_handlers": {
-        "OnExecutionComplete": "event_handlers",
-        "OnProcessExit": "event_handlers",
-        "OnProcessIO": "event_handlers",
-        "OnProcessStart": "event_handlers",
-        "OnShutdown": "event_handlers",
-    },
-    "launch.events": {"ExecutionComplete": "events", "Shutdown": "events", "matches_action": "events"},
-    "launch.events.process": {
-        "ProcessExited": "events",
-        "ProcessIO": "events",
-        "ProcessStarted": "events",
-        "RunningProcessEvent": "events",
-        "ShutdownProcess": "events",
-        "SignalProcess": "events",
-    },
-    "launch.launch_description_sources": {
-        "AnyLaunchDescriptionSource": "description",
-        "FrontendLaunchDescriptionSource": "description:AnyLaunchDescriptionSource",
-        "PythonLaunchDescriptionSource": "description",
-    },
+    "launch.conditions": dict.fromkeys(
+        ("IfCondition", "LaunchConfigurationEquals", "LaunchConfigurationNotEquals", "UnlessCondition"), "substitutions"
+    ),
+    "launch.event_handlers": dict.fromkeys(("OnProcessExit", "OnProcessStart", "OnShutdown"), "events"),
+    "launch.events": {"Shutdown": "events"},
+    "launch.events.process": dict.fromkeys(("ProcessExited", "ProcessStarted"), "events"),
+    "launch.launch_description_sources": {"PythonLaunchDescriptionSource": "description"},
+    "launch.logging": {"get_logger": "modules"},
     "launch.some_substitutions_type": {"SomeSubstitutionsType": "substitutions:Text"},
-    "launch.substitutions": _SUBSTITUTIONS,
+    "launch.substitutions": {
+        **dict.fromkeys(("LaunchConfiguration", "PathJoinSubstitution"), "substitutions"),
+        **dict.fromkeys(("TextSubstitution", "ThisLaunchFileDir"), "substitutions"),
+        **dict.fromkeys(("Command", "EnvironmentVariable", "FindExecutable", "PythonExpression"), "expressions"),
+    },
     "launch_ros": {},
     "launch_ros.actions": {
         "Node": "node",
-        "PushROSNamespace": "scopes",
-        "PushRosNamespace": "scopes:PushROSNamespace",
-        "SetParameter": "scopes",
-        "SetRemap": "scopes",
+        "PushROSNamespace": "actions",
+        "PushRosNamespace": "actions:PushROSNamespace",
+        "SetParameter": "actions",
     },
-    "launch_ros.descriptions": {
-        "Parameter": "parameters",
-        "ParameterFile": "parameters",
-        "ParameterValue": "parameters",
-    },
-    "launch_ros.parameter_descriptions": {
-        "Parameter": "parameters",
-        "ParameterFile": "parameters",
-        "ParameterValue": "parameters",
-    },
-    "launch_ros.substitutions": {
-        "ExecutableInPackage": "expressions",
-        "FindPackagePrefix": "expressions",
-        "FindPackageShare": "expressions",
-    },
-    "launch_xml": {},
-    "launch_xml.launch_description_sources": {"XMLLaunchDescriptionSource": "description:AnyLaunchDescriptionSource"},
-    "launch_yaml": {},
-    "launch_yaml.launch_description_sources": {"YAMLLaunchDescriptionSource": "description:AnyLaunchDescriptionSource"},
+    "launch_ros.descriptions": _PARAMETERS,
+    "launch_ros.parameter_descriptions": _PARAMETERS,
+    "launch_ros.substitutions": dict.fromkeys(
+        ("ExecutableInPackage", "FindPackagePrefix", "FindPackageShare"), "expressions"
+    ),
 }
 _SNAKE = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
 _FOR_CPP = re.compile("Composable|Lifecycle|StateTransition|ChangeState|lifecycle")
@@ -138,7 +76,7 @@ def outside(name: str) -> str:
 
 
 def contents_of(module: str) -> dict[str, str] | None:
-    """What a module holds; None when there is no such."""
+    """What a module holds; a class also lies in one of its own, such as `launch.actions.execute_process`."""
     if module in CONTENTS:
         return CONTENTS[module]
     parent, _, last = module.rpartition(".")
@@ -166,3 +104,21 @@ def fill(module: ModuleType) -> None:
     namespace: dict[str, object] = vars(module)
     namespace["__getattr__"] = missing
     namespace["__all__"] = list(contents)
+
+
+class _OnTheScreen(logging.Handler):
+    """Prints a record as `LogInfo` prints its line."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        sys.stdout.write(f"[{record.levelname}] [{record.name}]: {record.getMessage()}\n")
+        sys.stdout.flush()
+
+
+def get_logger(name: str = "launch.user") -> logging.Logger:
+    """`launch.logging.get_logger`: a logger of Python's whose lines look like those of a launch."""
+    logger = logging.getLogger(name)
+    if not any(isinstance(handler, _OnTheScreen) for handler in logger.handlers):
+        logger.addHandler(_OnTheScreen())
+        logger.propagate = False
+        logger.setLevel(logging.INFO)
+    return logger

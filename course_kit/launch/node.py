@@ -12,8 +12,9 @@ import yaml
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.executables import find
 from course_kit.launch.execute_process import ExecuteProcess
+from course_kit.launch.expressions import replace_substitutions
 from course_kit.launch.parameters import Parameter, ParameterFile, value_of, values_of
-from course_kit.launch.substitutions import Substitution, Text, as_text
+from course_kit.launch.substitutions import Substitution, Text, as_text, truth
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -80,7 +81,7 @@ class Node(ExecuteProcess):
         for parameters in self._parameters:
             arguments += self._given(parameters, whose, context, temporary)
         pairs = [(as_text(old, context), as_text(new, context)) for old, new in self._remappings]
-        for old, new in (*context.remappings, *pairs):  # of two for one name the first counts
+        for old, new in pairs:  # of two for one name the first counts
             arguments += ["-r", f"{old}:={new}"]
         return arguments
 
@@ -88,17 +89,18 @@ class Node(ExecuteProcess):
         """The arguments for one entry of `parameters`."""
         if isinstance(parameters, Mapping):
             values = values_of(parameters, context)
-            with tempfile.NamedTemporaryFile("w", prefix="launch_params_", encoding="utf-8", delete=False) as file:
-                yaml.safe_dump({whose: {"ros__parameters": values}}, file, default_flow_style=False)
-            temporary.append(Path(file.name))
-            return ["--params-file", file.name]
+            text = yaml.safe_dump({whose: {"ros__parameters": values}}, default_flow_style=False)
+            return self._file_of(text, temporary)
         if isinstance(parameters, Parameter):
             name = as_text(parameters.name, context)
             return ["-p", f"{name}:={_typed(value_of(name, parameters.value, context))}"]
+        replaces = isinstance(parameters, ParameterFile) and truth(parameters.allow_substs, context, parameters.place)
         if isinstance(parameters, ParameterFile):
             parameters = parameters.path
         if isinstance(parameters, (str, PurePath, Substitution, list, tuple)):
             path = context.file.parent / as_text(parameters, context)
+            if path.is_file() and replaces:
+                return self._file_of(replace_substitutions(path.read_text(encoding="utf-8"), context), temporary)
             if path.is_file():
                 return ["--params-file", str(path)]
             context.service.say(
@@ -106,6 +108,13 @@ class Node(ExecuteProcess):
             )
             return []
         raise LaunchError(f"Node(parameters=[{parameters!r}]): expected a dict of values or the path of a file.")
+
+    @staticmethod
+    def _file_of(text: str, temporary: list[Path]) -> list[str]:
+        with tempfile.NamedTemporaryFile("w", prefix="launch_params_", encoding="utf-8", delete=False) as file:
+            file.write(text)
+        temporary.append(Path(file.name))
+        return ["--params-file", file.name]
 
 
 def joined_namespace(outer: str, inner: str) -> str:

@@ -17,8 +17,8 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.launch.data_files import installed
 from course_kit.launch.errors import LaunchError
+from course_kit.launch.source_packages import installed
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:

@@ -46,7 +46,7 @@ class ParameterValue(LaunchEntity):
 class ParameterFile(LaunchEntity):
     """A parameter file."""
 
-    def __init__(self, param_file: Text, *, allow_substs: object = False) -> None:
+    def __init__(self, param_file: Text, *, allow_substs: Text | bool = False) -> None:
         self.path, self.allow_substs = param_file, allow_substs
 
 

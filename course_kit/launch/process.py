@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING
 
 from course_kit.process.child import NOWHERE, PIPE, Child
@@ -10,15 +11,42 @@ from course_kit.process.output import LineReader
 from course_kit.process.signals import Ladder
 
 if TYPE_CHECKING:
-    from course_kit.launch.process_description import ProcessDescription
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from course_kit.launch.action import Action
 
 PATIENCE_S = (5.0, 5.0, 5.0)  # after SIGINT, SIGTERM and SIGKILL; the real launch's defaults
+
+# output= -> whether stdout and stderr belong on the screen; all of it goes into the log file
+OUTPUTS = {
+    "screen": (True, True),
+    "both": (True, True),
+    "full": (True, True),
+    "log": (False, True),
+    "own_log": (False, False),
+}
+
+
+@dataclass
+class ProcessDescription:
+    """A process of a launch."""
+
+    action: Action
+    command: list[str]
+    label: str
+    environ: Mapping[str, str]
+    folder: str | None
+    show: tuple[bool, bool]
+    temporary: list[Path]
+    respawn: bool
+    respawn_delay_s: float
 
 
 class LaunchedProcess:
     """A process of a launch file."""
 
-    def __init__(  # noqa: PLR0913 - a process is described by that much
+    def __init__(
         self,
         description: ProcessDescription,
         label: str,
@@ -26,11 +54,10 @@ class LaunchedProcess:
         command: list[str] | None = None,
         environ: dict[str, str] | None = None,
         inherits: tuple[int, ...] | None = None,
-        restarts: int = 0,
     ) -> None:
-        self.description, self.label, self.restarts = description, label, restarts
+        self.description, self.label = description, label
         self.command = shlex.join(description.command)
-        self.ladder = Ladder(*description.patience_s)
+        self.ladder = Ladder(*PATIENCE_S)
         show_stdout, show_stderr = description.show
         self.process = Child(
             command or description.command,
@@ -41,20 +68,15 @@ class LaunchedProcess:
             descriptors=inherits or (),
             dies_with_us=True,  # launch has one thread
         )
-        self.streams: dict[IO[bytes], tuple[LineReader, bool, bool]] = {}
-        pipes = ((self.process.stdout, show_stdout, True), (self.process.stderr, show_stderr, False))
-        for stream, shown, is_stdout in pipes:
+        self.streams: dict[IO[bytes], tuple[LineReader, bool]] = {}
+        pipes = ((self.process.stdout, show_stdout), (self.process.stderr, show_stderr))
+        for stream, shown in pipes:
             if stream is not None:
-                self.streams[stream] = (LineReader(stream.fileno()), shown, is_stdout)
-
-    def may_restart(self) -> bool:
-        """Whether it is to be started again when it has ended."""
-        most = self.description.respawn_max
-        return self.description.respawn and (most < 0 or self.restarts < most)
+                self.streams[stream] = (LineReader(stream.fileno()), shown)
 
     def clean_up(self) -> None:
         """End what is left of its group, close its streams and remove its files, unless it starts once more."""
         self.process.kill()
-        if not self.may_restart():
+        if not self.description.respawn:
             for path in self.description.temporary:
                 path.unlink(missing_ok=True)

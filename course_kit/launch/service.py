@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import os
+import platform
 import selectors
 import signal
 import sys
 import time
 from functools import partial
+from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from course_kit import environment
@@ -17,19 +19,17 @@ from course_kit.launch.action import execute_all
 from course_kit.launch.arguments import doubts
 from course_kit.launch.context import LaunchContext
 from course_kit.launch.description import load
-from course_kit.launch.dispatcher import EventDispatcher
 from course_kit.launch.errors import ProgramError
-from course_kit.launch.output import signals_as_bytes
 from course_kit.launch.process import LaunchedProcess
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
+    from collections.abc import Callable, Iterator
 
-    from course_kit.launch.event_handlers import EventHandler
-    from course_kit.launch.process_description import ProcessDescription
+    from course_kit.launch.events import EventHandler
+    from course_kit.launch.process import ProcessDescription
 
 _ALWAYS_CHECK = 1.0  # seconds; a signal wakes the loop, this is for what no signal tells
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGCHLD)
 
 
 class LaunchService:
@@ -41,7 +41,7 @@ class LaunchService:
         self._started = 0
         self._timers: list[tuple[float, Callable[[], object]]] = []
         self._temporary: list[Path] = []
-        self._dispatcher = EventDispatcher()
+        self._dispatcher = events.EventDispatcher()
         self._selector = selectors.DefaultSelector()
         self._failed = False
         self.stopping = False
@@ -86,10 +86,6 @@ class LaunchService:
         """Have an event handled from now on."""
         self._dispatcher.register(handler, context)
 
-    def unregister(self, handler: EventHandler) -> None:
-        """Have an event handled no more."""
-        self._dispatcher.unregister(handler)
-
     def emit(self, event: events.LaunchEvent) -> None:
         """Have an event handled as soon as what is being done is done."""
         self._dispatcher.emit(event)
@@ -110,15 +106,15 @@ class LaunchService:
             sys.stdout.write(f"{text}\n")
             sys.stdout.flush()
 
-    def make_child(self, description: ProcessDescription, label: str, restarts: int) -> LaunchedProcess:
+    def make_child(self, description: ProcessDescription, label: str) -> LaunchedProcess:
         """Start a process whose output comes through us."""
-        return LaunchedProcess(description, label, restarts=restarts)
+        return LaunchedProcess(description, label)
 
     # Processes
 
-    def _begin(self, description: ProcessDescription, label: str, restarts: int = 0) -> None:
+    def _begin(self, description: ProcessDescription, label: str) -> None:
         try:
-            child = self.make_child(description, label, restarts)
+            child = self.make_child(description, label)
         except (OSError, ValueError) as error:
             why = error.strerror if isinstance(error, OSError) else error
             raise ProgramError(f"{description.command[0]} cannot be started: {why}.") from error
@@ -147,14 +143,12 @@ class LaunchService:
                 )
             child.clean_up()
             self._tell(events.ProcessExited, child, returncode=code)
-            if child.may_restart() and not self.stopping:
+            if child.description.respawn and not self.stopping:
                 self.later(child.description.respawn_delay_s, partial(self._restart, child))
-            else:
-                self.emit(events.ExecutionComplete(child.description.action))
 
     def _restart(self, child: LaunchedProcess) -> None:
         try:
-            self._begin(child.description, child.label, child.restarts + 1)
+            self._begin(child.description, child.label)
         except ProgramError as error:
             self.fail(error.at(child.description.action.place))
 
@@ -177,13 +171,10 @@ class LaunchService:
                 self._take_output(*key.data)
 
     def _take_output(self, child: LaunchedProcess, stream: IO[bytes]) -> None:
-        lines, shown, is_stdout = child.streams[stream]
+        lines, shown = child.streams[stream]
         for line in lines.read():
             text = line.rstrip("\r")
             self.say(f"[{child.label}] {text}", shown=shown)
-            if self._dispatcher.is_awaited:
-                said = f"{text}\n".encode()
-                self._tell(events.ProcessIO, child, text=said, from_stdout=is_stdout, from_stderr=not is_stdout)
         if lines.ended:
             self._selector.unregister(stream)
 
@@ -203,18 +194,6 @@ class LaunchService:
             if isinstance(event, events.Shutdown) and not self.stopping:
                 self.say(f"[INFO] [launch]: shutting down: {event.reason}")
                 self._stop()
-            elif isinstance(event, (events.ShutdownProcess, events.SignalProcess)):
-                self._signal(event)
-
-    def _signal(self, event: events.ShutdownProcess | events.SignalProcess) -> None:
-        for child in self._children:
-            if not event.process_matcher(child.description.action):
-                continue
-            if isinstance(event, events.SignalProcess):
-                self.say(f"[INFO] [{child.label}]: sending signal '{event.signal.name}' to process[{child.label}]")
-                child.process.send(event.signal)
-            elif not child.ladder.climbed:
-                self._climb(child)
 
     def _stop(self) -> None:
         """Begin to end all processes; what has been begun goes on."""
@@ -257,3 +236,34 @@ class LaunchService:
             self._reap()
         for path in self._temporary:
             path.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def log_file() -> Iterator[IO[str]]:
+    """The log of one launch among the logs of ROS; the first lines on the screen say where."""
+    environment.apply()
+    folder = Path(os.environ.get("ROS_LOG_DIR") or f"{os.environ['ROS_HOME']}/log")  # one of them is set by now
+    folder.mkdir(parents=True, exist_ok=True)
+    stamp = time.strftime("%Y-%m-%d-%H-%M-%S")
+    with (folder / f"{stamp}-{platform.node()}-{os.getpid()}.launch.log").open("w", encoding="utf-8") as log:
+        sys.stdout.write(f"[INFO] [launch]: All log files can be found below {folder}\n")
+        sys.stdout.write("[INFO] [launch]: Default logging verbosity is set to INFO\n")
+        sys.stdout.flush()
+        yield log
+
+
+@contextlib.contextmanager
+def signals_as_bytes() -> Iterator[int]:
+    """The descriptor from which signals can be read, so that they come between two steps and never inside one."""
+    woken, wake = os.pipe()
+    os.set_blocking(wake, False)
+    before = {number: signal.signal(number, lambda *_: None) for number in _SIGNALS}
+    wakeup = signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
+    try:
+        yield woken
+    finally:
+        signal.set_wakeup_fd(wakeup)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        os.close(woken)
+        os.close(wake)

@@ -11,7 +11,10 @@ from course_kit.launch.errors import LaunchError
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from course_kit.launch.context import LaunchContext
+_WORDS = {"true": True, "1": True, "false": False, "0": False}
 
 
 class Substitution(LaunchEntity):
@@ -43,30 +46,6 @@ class TextSubstitution(Substitution):
     def describe(self) -> str:
         """The text in quotes."""
         return repr(self.text)
-
-
-class LocalSubstitution(Substitution):
-    """What an event handler knows of its event, such as LocalSubstitution("event.reason")."""
-
-    def __init__(self, expression: str, description: str | None = None) -> None:
-        self._expression, self._description = expression, description
-
-    def perform(self, context: LaunchContext) -> str:
-        """The value."""
-        first, *names = self._expression.split(".")
-        if first != "event" or context.event is None:
-            raise LaunchError(f"{self.describe()}: only an event handler's actions have one, and it is called 'event'.")
-        value: object = context.event
-        for name in names:
-            known = [each for each in dir(value) if not each.startswith("_")]
-            if name not in known:
-                raise LaunchError(f"{self.describe()}: it has no '{name}'.{did_you_mean(name, known)}")
-            value = getattr(value, name)
-        return str(value)
-
-    def describe(self) -> str:
-        """The value's name."""
-        return self._description or f"LocalVar({self._expression!r})"
 
 
 class LaunchConfiguration(Substitution):
@@ -120,14 +99,6 @@ class ThisLaunchFileDir(Substitution):
         return str(context.file.parent)
 
 
-class ThisLaunchFile(Substitution):
-    """The path of the launch file."""
-
-    def perform(self, context: LaunchContext) -> str:
-        """The path."""
-        return str(context.file)
-
-
 def as_text(value: object, context: LaunchContext) -> str:
     """Text, a substitution, or a list of both, as text."""
     if isinstance(value, Substitution):
@@ -156,3 +127,55 @@ def described(value: object) -> str:
     if isinstance(value, (list, tuple)):
         return " + ".join(described(part) for part in value)
     return repr(str(value))
+
+
+class Condition(LaunchEntity):
+    """A condition."""
+
+    def __init__(self, predicate: Callable[[LaunchContext], bool]) -> None:
+        self._predicate = predicate
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        """Whether it holds now."""
+        return self._predicate(context)
+
+
+class IfCondition(Condition):
+    """Holds for "true" and "1", in any case of letters."""
+
+    def __init__(self, predicate_expression: Text) -> None:
+        super().__init__(lambda context: truth(predicate_expression, context, self.place))
+
+
+class UnlessCondition(Condition):
+    """Holds for "false" and "0", in any case of letters."""
+
+    def __init__(self, predicate_expression: Text) -> None:
+        super().__init__(lambda context: not truth(predicate_expression, context, self.place))
+
+
+class LaunchConfigurationEquals(Condition):
+    """Holds when a launch argument has a value."""
+
+    def __init__(self, launch_configuration_name: str, expected_value: Text | None) -> None:
+        super().__init__(lambda context: _equals(launch_configuration_name, expected_value, context))
+
+
+class LaunchConfigurationNotEquals(Condition):
+    """The opposite of LaunchConfigurationEquals."""
+
+    def __init__(self, launch_configuration_name: str, expected_value: Text | None) -> None:
+        super().__init__(lambda context: not _equals(launch_configuration_name, expected_value, context))
+
+
+def truth(expression: Text | bool, context: LaunchContext, place: str = "") -> bool:
+    """What "true", "false", "1" and "0" mean."""
+    text = as_text(expression, context).strip()
+    if text.lower() not in _WORDS:
+        raise LaunchError(f"A condition is true or false, and {text!r} is neither.", place)
+    return _WORDS[text.lower()]
+
+
+def _equals(name: str, expected: Text | None, context: LaunchContext) -> bool:
+    value = context.launch_configurations.get(name)
+    return value == (None if expected is None else as_text(expected, context))

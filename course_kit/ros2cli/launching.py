@@ -16,15 +16,12 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.launch.arguments import not_an_argument
 from course_kit.launch.errors import LaunchError
-from course_kit.launch.event_handlers import OnProcessIO
 from course_kit.launch.process import LaunchedProcess
 from course_kit.launch.service import LaunchService
 from course_kit.process.parent import die_with_parent
 
 if TYPE_CHECKING:
-    from course_kit.launch.context import LaunchContext
-    from course_kit.launch.event_handlers import EventHandler
-    from course_kit.launch.process_description import ProcessDescription
+    from course_kit.launch.process import ProcessDescription
 
 MODULE = __name__
 _RUNNER = ("-m", "course_kit.lab.scripts.child_main")
@@ -37,7 +34,7 @@ class NotebookLaunch(LaunchService):
         super().__init__(Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - it lives as long as this
         self._script, self._descriptor = script, descriptor
 
-    def make_child(self, description: ProcessDescription, label: str, restarts: int) -> LaunchedProcess:
+    def make_child(self, description: ProcessDescription, label: str) -> LaunchedProcess:
         """Start a process that writes into the notebook; a Python program under the runner of scripts."""
         command = description.command
         shown = list(command)
@@ -53,16 +50,9 @@ class NotebookLaunch(LaunchService):
             command=command,
             environ={**description.environ, **look},
             inherits=(self._descriptor,),
-            restarts=restarts,
         )
         child.command = " ".join(["python", *shown[1:2]])
         return child
-
-    def register(self, handler: EventHandler, context: LaunchContext) -> None:
-        """Have an event handled from now on."""
-        if isinstance(handler, OnProcessIO):
-            raise LaunchError("OnProcessIO does not work in a %%ros_launch cell: save the file, and run !ros2 launch.")
-        super().register(handler, context)
 
     def say(self, text: str, *, shown: bool = True) -> None:
         """Write a line; how the processes are stopped, one after the other, is no news when the learner does it."""

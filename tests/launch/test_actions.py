@@ -21,22 +21,14 @@ ECHO = "ExecuteProcess(cmd=['echo', {what}], output='screen')"
         ("say('a', condition=None) if 0 else LogInfo(msg='yes', condition=IfCondition('True'))", "yes", ""),
         ("LogInfo(msg='no', condition=IfCondition('0')), say('end')", "end", "no\n"),
         ("LogInfo(msg='no', condition=UnlessCondition('true')), say('end')", "end", "no\n"),
-        (
-            "SetLaunchConfiguration('a', 'b'), LogInfo(msg='is b', condition=LaunchConfigurationEquals('a', 'b'))",
-            "is b",
-            "",
-        ),
+        ("LogInfo(msg='unset', condition=LaunchConfigurationEquals('a', None))", "unset", ""),
         ("LogInfo(msg='unset', condition=LaunchConfigurationNotEquals('a', 'b'))", "unset", ""),
         ("SetEnvironmentVariable('COLOUR', 'red'), say(EnvironmentVariable('COLOUR'))", "red", ""),
         ("say(EnvironmentVariable('NO_SUCH', default_value='plain'))", "plain", ""),
         ("say(PythonExpression(['1 + ', '2 * floor(2.5)']))", "]: 5\n", ""),
         ("say(PathJoinSubstitution(['a', 'b']))", "a/b", ""),
         ("say(Command(['echo ', 'from a program']))", "from a program", ""),
-        ("say(IfElseSubstitution('true', 'first', 'second'))", "first", ""),
-        ("say(NotSubstitution(AndSubstitution('true', OrSubstitution('false', '0'))))", "]: true", ""),
-        ("say(EqualsSubstitution('1', '1'), NotEqualsSubstitution('1', '1'))", "truefalse", ""),
         ("say(FindExecutable(name='sh'))", "/sh\n", ""),
-        ("say(ThisLaunchFile())", "it.launch.py\n", ""),
         (
             "OpaqueFunction(function=lambda context, word: [say(word)], args=['given '])",
             "given ",
@@ -54,9 +46,9 @@ def test_what_is_done_and_what_not(run: Run, actions: str, shown: str, never: st
 
 def test_a_group_ends_what_is_set_in_it(run: Run) -> None:
     done = run(
-        "SetLaunchConfiguration('v', 'outer'), SetEnvironmentVariable('E', 'outer'),"
-        "GroupAction([SetLaunchConfiguration('v', 'inner'), SetEnvironmentVariable('E', 'inner'),"
-        " PushRosNamespace('fleet'), PushRosNamespace('one'), SetParameter('speed', 2.5), SetRemap('in', 'out'),"
+        "DeclareLaunchArgument('v', default_value='outer'), SetEnvironmentVariable('E', 'outer'),"
+        "GroupAction(launch_configurations={'v': 'inner'}, actions=[SetEnvironmentVariable('E', 'inner'),"
+        " PushRosNamespace('fleet'), PushRosNamespace('one'), SetParameter('speed', 2.5),"
         " say('1 ', LaunchConfiguration('v'), ' ', EnvironmentVariable('E')),"
         " Node(executable='tell.py', namespace='arm', name='n', output='screen'),"
         " Node(executable='tell.py', namespace='/else', output='screen')]),"
@@ -67,8 +59,8 @@ def test_a_group_ends_what_is_set_in_it(run: Run) -> None:
     assert "2 outer outer" in done
     told = sorted(line.partition("told ")[2] for line in done.splitlines() if "told" in line)
     assert told == [
-        "['--ros-args', '-r', '__node:=n', '-r', '__ns:=/fleet/one/arm', '-p', 'speed:=2.5', '-r', 'in:=out']",
-        "['--ros-args', '-r', '__ns:=/else', '-p', 'speed:=2.5', '-r', 'in:=out']",
+        "['--ros-args', '-r', '__node:=n', '-r', '__ns:=/fleet/one/arm', '-p', 'speed:=2.5']",
+        "['--ros-args', '-r', '__ns:=/else', '-p', 'speed:=2.5']",
         "['--ros-args']",
     ]
 
@@ -86,36 +78,6 @@ def test_one_program_after_the_other(run: Run) -> None:
     order = [done.index(word) for word in ("started\n", "ended with 3", "-2] second", "second is over")]
     assert order == sorted(order)
     assert done.endswith("ended with 0")
-
-
-def test_what_an_event_handler_knows_of_its_event(run: Run) -> None:
-    done = run(
-        "(first := ExecuteProcess(cmd=['sh', '-c', 'exit 3'])),"
-        "RegisterEventHandler(OnProcessExit(target_action=first, on_exit=["
-        "say('code ', LocalSubstitution('event.returncode')), Shutdown(reason='enough')])),"
-        "RegisterEventHandler(OnShutdown(on_shutdown=[say('because ', LocalSubstitution('event.reason'))]))"
-    )
-    assert "code 3\n" in done
-    assert "because enough\n" in done
-    mistyped = "RegisterEventHandler(OnShutdown(on_shutdown=[say(LocalSubstitution('event.reson'))])), Shutdown()"
-    assert "LocalVar('event.reson'): it has no 'reson'. Did you mean reason?" in run(mistyped)
-    assert "only an event handler's actions have one" in run("say(LocalSubstitution('event.reason'))")
-
-
-def test_what_comes_when_another_action_is_done(run: Run) -> None:
-    """A process is done when it has ended, and has not been started again; anything else at once."""
-    done = run(
-        "(first := ExecuteProcess(cmd=['sh', '-c', 'exit 3'], respawn=True, respawn_max_retries=1)),"
-        "(word := say('word')),"
-        "RegisterEventHandler(OnExecutionComplete(target_action=first, on_completion=[say('first is done')])),"
-        "RegisterEventHandler(OnExecutionComplete(target_action=word, on_completion="
-        "lambda event, context: say('word is done' if event.action is word else 'what?')))"
-    )
-    order = [done.index(text) for text in ("word\n", "word is done", "process has died", "first is done")]
-    assert order == sorted(order)
-    assert done.count("process has died") == 2
-    assert done.index("first is done") > done.rindex("process has died")
-    assert done.count("is done") == 2
 
 
 @pytest.mark.parametrize(
@@ -140,33 +102,21 @@ def test_one_program_ends_all(run: Run, how: str) -> None:
 
 def test_a_program_that_has_died_starts_again(run: Run) -> None:
     done = run(
-        "ExecuteProcess(cmd=['sh', '-c', 'exit 1'], name='again', respawn=True, respawn_delay=0.01,"
-        " respawn_max_retries=2)"
+        "ExecuteProcess(cmd=['sh', '-c', 'echo . >> starts; [ $(wc -l < starts) -ge 3 ] && sleep 60; exit 1'],"
+        " name='again', respawn=True, respawn_delay=0.01), TimerAction(period=1.0, actions=[Shutdown()])"
     )
     assert done.count("[again-1]: process started") == 3
-    assert done.count("[again-1]: process has died") == 3
+    assert done.count("[again-1]: process has died") >= 2
     assert done.endswith("ended with 0")
 
 
-def test_what_a_program_says_is_an_event(run: Run) -> None:
-    done = run(
-        "(p := ExecuteProcess(cmd=['sh', '-c', 'echo here; echo there >&2'])),"
-        "RegisterEventHandler(OnProcessIO(target_action=p,"
-        " on_stdout=lambda event: say('out: ', event.text.decode().strip()),"
-        " on_stderr=lambda event: say('err: ', event.text.decode().strip())))"
-    )
-    assert "out: here" in done
-    assert "err: there" in done
-
-
-def test_any_program_with_its_folder_variables_shell_and_prefix(run: Run, folder: Path) -> None:
+def test_any_program_with_its_folder_variables_and_shell(run: Run, folder: Path) -> None:
     (folder / "sub").mkdir()
     done = run(
         "ExecuteProcess(cmd=['pwd'], cwd='sub', output='screen'),"
         "ExecuteProcess(cmd=[['echo $', 'A ', '\"b c\"']], shell=True, additional_env={'A': 'x'}, output='both'),"
         "ExecuteProcess(cmd=['echo', 'hidden'], output={'stdout': 'log', 'stderr': 'screen'}),"
         "ExecuteProcess(cmd=['python3', '-c', 'import sys; print(sys.executable)'], output='screen'),"
-        "ExecuteProcess(cmd=['--version'], prefix='sh -c \"echo $0\"', name='p', output='screen')"
     )
     import sys
 
@@ -174,7 +124,6 @@ def test_any_program_with_its_folder_variables_shell_and_prefix(run: Run, folder
     assert "] x b c\n" in done
     assert "hidden" not in done
     assert f"] {sys.executable}\n" in done
-    assert "[p-5] --version" in done
 
 
 def test_the_real_names_of_modules(run: Run) -> None:
@@ -183,7 +132,6 @@ def test_the_real_names_of_modules(run: Run) -> None:
         text="import launch, launch_ros\n"
         "import launch_ros.actions.node\n"
         "from launch.substitutions.path_join_substitution import PathJoinSubstitution\n"
-        "from launch.launch_description_sources import AnyLaunchDescriptionSource\n"
         "from launch.some_substitutions_type import SomeSubstitutionsType\n"
         "from launch.events.process import ProcessExited\n"
         "def generate_launch_description():\n"
@@ -197,8 +145,19 @@ def test_an_included_file_gets_its_arguments_or_is_left_out(run: Run) -> None:
     run("DeclareLaunchArgument('who', default_value='nobody'), say('hello ', LaunchConfiguration('who'))", file="in.py")
     done = run(
         "IncludeLaunchDescription(PythonLaunchDescriptionSource(['in', '.py']), condition=IfCondition('false')),"
-        "IncludeLaunchDescription(AnyLaunchDescriptionSource('in.py'), launch_arguments=[('who', 'you')])"
+        "IncludeLaunchDescription('in.py', launch_arguments=[('who', 'you')])"
     )
     assert done.count("hello") == 1
     assert "hello you" in done
     assert "includes itself" in run("IncludeLaunchDescription('it.launch.py')")
+
+
+def test_a_launch_file_prints_a_line_of_its_own(run: Run) -> None:
+    done = run(
+        text="import launch.logging\n"
+        "from launch import LaunchDescription\n"
+        "def generate_launch_description():\n"
+        "    launch.logging.get_logger('launch.user').info('version %d', 1)\n"
+        "    return LaunchDescription([])\n"
+    )
+    assert done == "[INFO] [launch.user]: version 1\nended with 0"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, launch
-from course_kit.launch import data_files, package_index, source_packages
+from course_kit.launch import package_index, source_packages
 from course_kit.launch.errors import LaunchError
 
 if TYPE_CHECKING:
@@ -50,14 +50,14 @@ def make_package(folder: Path, name: str) -> Path:
 
 def test_what_a_setup_py_installs_is_read(tmp_path: Path) -> None:
     package = make_package(tmp_path, "arm")
-    assert sorted(data_files.installed(package)) == [
+    assert sorted(source_packages.installed(package)) == [
         (PurePosixPath("share/arm"), package / "urdf" / "arm.urdf"),
         (PurePosixPath("share/arm/files"), package / "data" / "one.txt"),
         (PurePosixPath("share/arm/files"), package / "data" / "two.txt"),
         (PurePosixPath("share/arm/more"), package / "data" / "one.txt"),
     ]
     (package / "setup.py").write_text("setup(data_files=[")
-    assert list(data_files.installed(package)) == []
+    assert list(source_packages.installed(package)) == []
 
 
 def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
@@ -70,9 +70,9 @@ def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
     (source / "robots" / "arm" / "scripts" / "wave.py").write_text("print('waving')")
     monkeypatch.chdir("/")
     done = run(
-        "say(FindPackageShare('arm')), say(FindPackagePrefix('arm')),"
-        "say(FileContent(PathJoinSubstitution([FindPackageShare('arm'), 'arm.urdf']))),"
-        "say(FileContent([FindPackageShare('arm'), '/files/two.txt'])),"
+        "say(FindPackageShare('arm')), say(FindPackagePrefix('arm')), say('found ', FindPackageShare('x').find('arm')),"
+        "say(Command(['cat ', PathJoinSubstitution([FindPackageShare('arm'), 'arm.urdf'])])),"
+        "say(Command(['cat ', FindPackageShare('arm'), '/files/two.txt'])),"
         "Node(package='arm', executable='wave.py', output='screen'),"
         "ExecuteProcess(cmd=[ExecutableInPackage(package='arm', executable='wave.py'), 'x'], output='both'),"
         "ExecuteProcess(cmd=[ExecutableInPackage(package='no', executable='no')]),"
@@ -83,6 +83,7 @@ def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
     share = Path(re.findall(r"launch.user\]: (.*share/arm)\n", done)[0])
     assert (share / "config" / "arm.yaml").resolve() == source / "robots" / "arm" / "config" / "arm.yaml"
     assert f"]: {share.parent.parent}\n" in done
+    assert f"]: found {share}\n" in done
     assert "urdf/arm.urdf" in done
     assert "data/two.txt" in done
     assert "[wave.py-1] waving" in done

@@ -95,8 +95,7 @@ def test_each_node_gets_its_own_file(run: Run) -> None:
 def test_one_parameter_and_a_file_by_their_classes(run: Run, folder: Path) -> None:
     (folder / "more.yaml").write_text("{}")
     done = run(
-        "Node(executable='tell.py', parameters=[Parameter('speed', 2.0), ParameterFile('more.yaml', allow_substs=0)],"
-        " output='screen')"
+        "Node(executable='tell.py', parameters=[Parameter('speed', 2.0), ParameterFile('more.yaml')], output='screen')"
     )
     assert "'-p', 'speed:=2.0', '--params-file', '" in done
     assert "more.yaml']" in done
@@ -108,3 +107,24 @@ def test_a_node_starts_without_a_parameter_file_that_is_missing(run: Run, folder
     assert f"[WARNING] [launch]: it.launch.py, line {FIRST_LINE}: {warning}\n" in done
     assert "speed: 2.5" in done
     assert done.endswith("ended with 0")
+
+
+def test_a_parameter_file_in_which_substitutions_are_replaced(run: Run, folder: Path) -> None:
+    """As drivers' launch files give it; without `allow_substs` the text is passed on as it stands."""
+    (folder / "say.yaml").write_text(
+        "/**:\n  ros__parameters:\n    who: $(var who)\n    place: $(env NO_SUCH $(dirname))/x\n"
+        "    sum: $(eval '1 + 2')\n"
+    )
+    done = run(
+        "DeclareLaunchArgument('who', default_value='bob'), DeclareLaunchArgument('yes', default_value='true'),"
+        "Node(executable='tell.py', output='screen', parameters=[ParameterFile('say.yaml',"
+        " allow_substs=LaunchConfiguration('yes'))])",
+        who="eve",
+    )
+    assert "who: eve\n" in done
+    assert f"place: {folder}/x\n" in done
+    assert "sum: 3\n" in done
+    (folder / "say.yaml").write_text("/**:\n  ros__parameters:\n    who: $(anon who)\n")
+    file = "Node(executable='tell.py', output='screen', parameters=[ParameterFile('say.yaml', allow_substs={})])"
+    assert "$(anon who) is not part of the course kit's launch files, which know $(command" in run(file.format(True))
+    assert "who: $(anon who)" in run(file.format(False))

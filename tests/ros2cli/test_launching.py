@@ -28,14 +28,6 @@ from launch.substitutions import LaunchConfiguration
 def generate_launch_description():
     return LaunchDescription([DeclareLaunchArgument("who"), LogInfo(msg=["hello ", LaunchConfiguration("who")])])
 """
-LISTENING = """
-from launch import LaunchDescription
-from launch.actions import RegisterEventHandler
-from launch.event_handlers import OnProcessIO
-
-def generate_launch_description():
-    return LaunchDescription([RegisterEventHandler(OnProcessIO(on_stdout=print))])
-"""
 
 
 @pytest.fixture(autouse=True)
@@ -79,7 +71,6 @@ def test_arguments_reach_the_launch_file(capfd: pytest.CaptureFixture[str]) -> N
         ("broken", "1 / 0", "broken.launch.py, line 1: ZeroDivisionError: division by zero"),
         ("hello you", ARGUMENT, "'you' is not a launch argument: write you:=value."),
         ("hello who=you", ARGUMENT, "'who=you' is not a launch argument: write who:=you."),
-        ("listen", LISTENING, "OnProcessIO does not work in a %%ros_launch cell: save the file, and run !ros2 launch."),
         ("robot", LAUNCH.replace("'parameter_node'", "'parameter_nod'"), "nor a script parameter_nod.py"),
     ],
 )

@@ -54,8 +54,7 @@ def _run(file: Path, arguments: dict[str, str], *, show: bool) -> int:
 
         print(show_arguments(file))
         return 0
-    from course_kit.launch.output import log_file
-    from course_kit.launch.service import LaunchService
+    from course_kit.launch.service import LaunchService, log_file
 
     with log_file() as log:
         return LaunchService(log).run(file, arguments)
