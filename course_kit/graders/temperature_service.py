@@ -1,220 +1,410 @@
-"""Exercise 1: the service /convert_temperature, called over ROS.
+"""Exercise 1: the service /convert_temperature, in a conversation with a model.
 
-The checks that need no Python stand in the exercise.toml. Here is what knows temperatures: both directions with their
-well-known mistakes, the identity bit for bit; unknown units and temperatures below absolute zero refused with a reason,
-and the node still running after it. Lost digits cost the points of one check, `precision`, which is declared: the
-others look for the right formula.
+Lost digits cost the points of one check, `precision`; the others look for the right formula.
 """
 
 from __future__ import annotations
 
+import math
+from contextlib import suppress
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
 from typing import TYPE_CHECKING
 
 from course_interfaces.srv import ConvertTemperature
 
-from course_kit.graders._temperature import (
-    ABSOLUTE_ZERO,
-    CELSIUS,
-    FAHRENHEIT,
-    UNITS,
-    Sample,
-    exact,
-    explain,
-    fits,
-    right_value,
+from course_kit.grading.checks.vocabulary import (
+    Failed,
+    GradedNode,
+    Model,
+    between,
+    conversation,
+    drawn,
+    either,
+    node_name,
+    offered,
+    part,
+    rule,
 )
-from course_kit.grading.checks.check import Check, Evidence, Failed, check
-from course_kit.grading.checks.services import Answer, Service, call
 
 if TYPE_CHECKING:
+    import random
     from collections.abc import Callable, Sequence
 
-    from course_kit.grading.checks.context import CheckContext
-
 INTERFACES = (ConvertTemperature,)
-SERVICE = Service("/convert_temperature", ConvertTemperature)
-_FIRST = Sample(100.0, CELSIUS, FAHRENHEIT)
-_SLOW_S = 1.5  # one answer; the exercise wants fifty in 5 s
+SERVICE = "/convert_temperature"
+CELSIUS, FAHRENHEIT = UNITS = ("celsius", "fahrenheit")
+ABSOLUTE_ZERO = {CELSIUS: -273.15, FAHRENHEIT: -459.67}
+_WITHIN_S = 1.5  # one answer
+_TOGETHER, _AT_A_TIME, _TOGETHER_S = 50, 10, 5.0
+_FEWEST = 10  # right answers of the fifty: a wrong formula for one direction is for its own check to say
 _EDGE = 0.01  # degrees; how near to absolute zero we test beside -273.15 C itself
-_CHANGES = 0.1  # its last digit suffers on each way through another unit and back, in both units
-_RANDOM = 3  # values drawn in a check beside the textbook ones
-_SHOWN = 60  # characters of a learner's text that are repeated in the report
-
-
-@check(points=1.0, depends_on=["offered"], proves=["success", "one_call"])
-def answers(context: CheckContext) -> Evidence:
-    """A request gets an answer.
-
-    Raises:
-        Failed: it gets none.
-    """
-    sample = _FIRST
-    expected = "an answer with success=True"
-    answer = _ask(context, sample, expected)
-    response, evidence = answer.response, Evidence(sample.shown(), expected, _got(answer.response))
-    if not response.success and response.value == 0.0 and not response.message:
-        message = (
-            "The response came back as ROS 2 creates it: success False, value 0.0, no message. Your "
-            "callback filled in nothing."
-        )
-        raise Failed(evidence, message)
-    _require_success(sample, response, expected)
-    if answer.latency_s > _SLOW_S:
-        message = f"The answer took {answer.latency_s:.1f} s, and meanwhile every other client has to wait."
-        raise Failed(evidence, message, "service.blocks")
-    return evidence
-
-
-@check(points=1.0, depends_on=["answers"], proves=["both_directions"])
-def celsius_to_fahrenheit(context: CheckContext) -> Evidence:
-    """Celsius becomes Fahrenheit."""
-    return _converts(context, [0.0, 37.0, -40.0, *_drawn(context)], CELSIUS, FAHRENHEIT)
-
-
-@check(points=1.0, depends_on=["answers"], proves=["both_directions"])
-def fahrenheit_to_celsius(context: CheckContext) -> Evidence:
-    """Fahrenheit becomes Celsius."""
-    return _converts(context, [212.0, 98.6, -40.0, *_drawn(context)], FAHRENHEIT, CELSIUS)
-
-
-@check(points=0.5, depends_on=["answers"], proves=["same_unit"])
-def same_unit(context: CheckContext) -> Evidence:
-    """A unit converted to itself stays what it is."""
-    for unit in UNITS:
-        evidence = _converts(context, [0.0, _CHANGES, *_drawn(context)], unit, unit, exact)
-    return evidence
-
-
-@check(
-    points=1.0, depends_on=["answers"], proves=["unknown_unit", "exact_words", "says_why", "lives_on", "checked_first"]
+_ORDINARY = 1e4  # who refuses what is hotter refuses only that
+_LARGEST = 1e9  # up to which every digit counts
+_RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of the last digits
+_EXACT = 1e-12  # every digit, relative or absolute: each usual formula keeps to it, the route over Kelvin too
+_SAME = 1e-9  # how well a mistaken formula has to fit, relative: much better than the tolerance of a right answer
+_CALCULATED = 1e-3  # what a way through the other unit and back, or a rounding, costs at most
+_DENORMAL = 1e-300  # an integer written into a float field arrives as one of the smallest numbers there are
+_COMPARED = (0.0, 37.0, -40.0, 123.457, 212.0)  # that are asked for beside a wrong answer, to find its cause
+_ANY = (between(-200.0, 500.0), between(-200.0, 500.0), between(-1.0, 1.0), drawn(lambda rng: 10 ** rng.uniform(2, 9)))
+_KNOWN = (
+    0.0,
+    32.0,
+    100.0,
+    212.0,
+    -40.0,
+    37.0,
+    98.6,
+    0.1,
+    1e-3,
+    1e-7,
+    -1e-9,
+    -17.78,
+    1e9,
+    12345678.9,
+    1e7 + 0.3,
+    3.7e12,
 )
-def unknown_unit(context: CheckContext) -> Evidence:
-    """An unknown unit is refused with a reason."""
-    odd = context.random.choice(("furlong", "parsec", "bushel", "fathom"))
-    pairs = [("kelvin", CELSIUS), (CELSIUS, "kelvin"), (odd, odd), ("", FAHRENHEIT), (CELSIUS, "")]
-    for unit in UNITS:  # the words are exact: no other case, no abbreviation, no blanks
-        near = [unit.capitalize(), unit.upper(), unit[0], unit[0].upper(), f" {unit}", f"{unit} "]
-        pairs += [(word, to) for word, to in zip(near, UNITS * len(near), strict=False)]
-        pairs.append((unit, context.random.choice(near)))
-    return _refuses(context, [Sample(20.0, *pair) for pair in pairs], _units_of)
-
-
-@check(
-    points=1.0, depends_on=["answers"], proves=["too_cold", "absolute_zero", "says_why", "lives_on", "checked_first"]
+_DIGITS = (1e-3, -272.123456789, 1234567.891, 1e9, 1e7 + 0.3, 12345678.9, 31.999999, 0.1 + 0.2, -17.7777)
+_ODD = ("kelvin", "rankine", "fahrenheit0", "", "\N{DEGREE SIGN}C", "celsius\N{DEGREE SIGN}", "\u83ef\u6c0f", "furlong")
+_NEAR = tuple(
+    word
+    for unit in UNITS
+    for word in (unit.capitalize(), unit.upper(), unit[0], unit[0].upper(), f" {unit}", f"{unit} ", f"{unit}\n")
 )
-def absolute_zero(context: CheckContext) -> Evidence:
-    """A temperature below absolute zero is refused with a reason, absolute zero itself is not."""
-    below = (_EDGE, context.random.uniform(300.0, 1000.0))
-    samples = [Sample(ABSOLUTE_ZERO[unit] - by, unit, to) for unit in UNITS for to in UNITS for by in below]
-    zeros = f"{ABSOLUTE_ZERO[CELSIUS]} C = {ABSOLUTE_ZERO[FAHRENHEIT]} F"
-    evidence = _refuses(context, samples, lambda _: f"a temperature below absolute zero ({zeros})")
-    valid = [Sample(ABSOLUTE_ZERO[CELSIUS] + warmer, CELSIUS, FAHRENHEIT) for warmer in (0.0, _EDGE)]
-    valid.append(Sample(ABSOLUTE_ZERO[FAHRENHEIT] + _EDGE, FAHRENHEIT, CELSIUS))
-    for sample in valid:
-        expected = "success=True: this is not below absolute zero"
-        _require_success(sample, _ask(context, sample, expected).response, expected)
-    return evidence
+_DIRECTION = {FAHRENHEIT: "celsius_to_fahrenheit", CELSIUS: "fahrenheit_to_celsius"}  # the checks
+_PAIRS = tuple((one, other) for one in UNITS for other in UNITS)
 
 
-CHECKS: tuple[Check, ...] = (
-    answers,
-    celsius_to_fahrenheit,
-    fahrenheit_to_celsius,
-    same_unit,
-    unknown_unit,
-    absolute_zero,
-)
+@dataclass(frozen=True)
+class Sample:
+    """One conversion to ask for."""
+
+    value: float
+    from_unit: str
+    to_unit: str
+
+    def is_valid(self) -> bool:
+        """Whether it has to be answered with success."""
+        units = self.from_unit in UNITS and self.to_unit in UNITS
+        return units and math.isfinite(self.value) and self.value >= ABSOLUTE_ZERO[self.from_unit]
 
 
-def _drawn(context: CheckContext) -> list[float]:
-    """Values at random; always one on each side of 0, so that the same mistake costs the same with any seed."""
-    ranges = [(-200.0, -1.0), (1.0, 500.0), *[(-200.0, 500.0)] * (_RANDOM - 2)]
-    return [round(context.random.uniform(*span), 3) for span in ranges]
+def right_value(sample: Sample) -> float:
+    """The right result of a valid sample."""
+    if sample.from_unit == sample.to_unit:
+        return sample.value
+    return float(_exact_value(sample))
 
 
-def _request(sample: Sample) -> ConvertTemperature.Request:
-    return ConvertTemperature.Request(value=sample.value, from_unit=sample.from_unit, to_unit=sample.to_unit)
+def fits(sample: Sample, value: float) -> bool:
+    """Whether `value` comes from the right formula: 1e-6 relative or 1e-9 absolute. Lost digits are `exact`'s part."""
+    return math.isclose(value, right_value(sample), rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)
 
 
-def _ask(context: CheckContext, sample: Sample, expected: str) -> Answer:
-    return call(context, SERVICE, _request(sample), sample.shown(), expected)
+def exact(sample: Sample, value: float) -> bool:
+    """Whether `value` has every digit that counts; the same number where nothing is converted."""
+    if sample.from_unit == sample.to_unit:
+        return value == sample.value
+    if abs(sample.value) > _LARGEST:
+        return fits(sample, value)
+    right = _exact_value(sample)
+    return math.isfinite(value) and abs(Fraction(value) - right) <= Fraction(_EXACT) * max(abs(right), Fraction(1))
 
 
-def _converts(
-    context: CheckContext,
-    values: Sequence[float],
-    from_unit: str,
-    to_unit: str,
-    right: Callable[[Sample, float], bool] = fits,
-) -> Evidence:
-    """All values converted, as far as `right` looks; evidence of the first wrong one, else of the last."""
-    answers, first_wrong = [], None
-    for value in values:
-        sample = Sample(value, from_unit, to_unit)
-        response = _ask(context, sample, _wanted(sample)).response
-        _require_success(sample, response, _wanted(sample))
-        answers.append((sample, response.value))
-        if first_wrong is None and not right(sample, response.value):
-            first_wrong = (len(answers) - 1, response)
-        last = Evidence(sample.shown(), _wanted(sample), _got(response))
-    if first_wrong is not None:
-        place, response = first_wrong
-        raise _wrong(context, [answers[place], *answers], response)
-    return last
+def _exact_value(sample: Sample) -> Fraction:
+    """The result of a sample that changes its unit, before it is rounded to a float."""
+    value = Fraction(sample.value)
+    return value * 9 / 5 + 32 if sample.to_unit == FAHRENHEIT else (value - 32) * 5 / 9
 
 
-def _units_of(sample: Sample) -> str:
-    """The unknown units of a sample, in words: `the unknown unit 'kelvin'`."""
-    unknown = [repr(unit) for unit in dict.fromkeys((sample.from_unit, sample.to_unit)) if unit not in UNITS]
-    return f"the unknown unit{'s' * (len(unknown) > 1)} {' and '.join(unknown)}"
+def _fifty(rng: random.Random) -> list[Sample]:
+    """Valid conversions in both directions, each with another value."""
+    return [Sample(rng.uniform(-200.0, 790.0), *UNITS[:: rng.choice((1, -1))]) for _ in range(_TOGETHER)]
 
 
-def _refuses(context: CheckContext, samples: Sequence[Sample], what: Callable[[Sample], str]) -> Evidence:
-    """All samples refused with a reason, and the node alive after it; `what` names what is wrong with one."""
-    expected = "success=False and a message that says why"
-    for sample in samples:
-        response = _ask(context, sample, expected).response
-        evidence = Evidence(sample.shown(), expected, _got(response))
-        if response.success:
-            message = f"Your service accepted {what(sample)}."
-            raise Failed(evidence, message, "validation.missing")
-        if not response.message.strip():
-            message = (
-                f"Your service was right to refuse {what(sample)}, but its message is empty: the client "
-                "cannot tell why."
-            )
-            raise Failed(evidence, message, "validation.no_reason")
-    after = Sample(0.0, CELSIUS, FAHRENHEIT)
-    _require_success(
-        after, _ask(context, after, "an answer: the node is still running").response, "an answer with success=True"
+class Temperatures(Model):
+    """A service that remembers nothing."""
+
+    history = "lives_on"
+
+    @rule("celsius_to_fahrenheit", value=either(*_KNOWN, *_ANY))
+    def to_fahrenheit(self, node: GradedNode, value: float) -> None:
+        """Celsius becomes Fahrenheit."""
+        self.converts(node, Sample(value, CELSIUS, FAHRENHEIT))
+
+    @rule("fahrenheit_to_celsius", value=either(*_KNOWN, *_ANY))
+    def to_celsius(self, node: GradedNode, value: float) -> None:
+        """Fahrenheit becomes Celsius."""
+        self.converts(node, Sample(value, FAHRENHEIT, CELSIUS))
+
+    @rule(
+        "precision",
+        case=either(*product((*_DIGITS, *_ANY), [pair for pair in _PAIRS if pair[0] != pair[1]])),
     )
-    return evidence
+    def digits(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
+        """No digit is lost."""
+        self.converts(node, Sample(case[0], *case[1]), right=exact)
+
+    @rule("same_unit", unit=either(*UNITS), value=either(0.0, 0.1, 32.0, -40.0, 1e-9, 123456789.12345678, *_ANY))
+    def same(self, node: GradedNode, unit: str, value: float) -> None:
+        """A unit converted to itself."""
+        self.converts(node, Sample(value, unit, unit), right=exact)
+
+    @rule(
+        "unknown_unit",
+        value=either(20.0, 0.0, 32.0),
+        units=either(
+            *((word, unit) for word, unit in zip((*_ODD, *_NEAR), UNITS * 20, strict=False)),
+            *((unit, word) for word, unit in zip((*_ODD, *_NEAR), UNITS * 20, strict=False)),
+            *((word, word) for word in ("kelvin", "", "Celsius")),
+        ),
+    )
+    def unknown(self, node: GradedNode, value: float, units: tuple[str, str]) -> None:
+        """An unknown unit is refused."""
+        wrong = [repr(unit) for unit in dict.fromkeys(units) if unit not in UNITS]
+        self.refuses(node, Sample(value, *units), f"the unknown unit{'s' * (len(wrong) > 1)} {' and '.join(wrong)}")
+
+    @rule(
+        "not_a_number",
+        case=either(*((value, *pair) for value in (math.nan, math.inf, -math.inf) for pair in _PAIRS)),
+    )
+    def no_number(self, node: GradedNode, case: tuple[float, str, str]) -> None:
+        """NaN and infinity are refused."""
+        what = "NaN" if math.isnan(case[0]) else "infinity" if case[0] > 0 else "minus infinity"
+        self.refuses(node, Sample(*case), what)
+
+    @rule("absolute_zero", case=either(*product((_EDGE, 1.0, 1e5, between(10.0, 1e4)), _PAIRS)))
+    def too_cold(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
+        """A temperature below absolute zero is refused."""
+        below, units = case
+        zeros = f"{ABSOLUTE_ZERO[CELSIUS]} C = {ABSOLUTE_ZERO[FAHRENHEIT]} F"
+        sample = Sample(ABSOLUTE_ZERO[units[0]] - below, *units)
+        self.refuses(node, sample, f"a temperature below absolute zero ({zeros})")
+
+    @rule("absolute_zero", case=either(*product((0.0, _EDGE, 1.0), _PAIRS)))
+    def barely_valid(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
+        """Absolute zero itself is valid, in Celsius."""
+        above, units = case
+        warmer = max(above, _EDGE) if units[0] == FAHRENHEIT else above
+        if (
+            units[0] == units[1]
+            and not node.call(SERVICE, vars(Sample(20.0, *units)), breaks="answers").response.success
+        ):
+            return  # that is for the check of equal units to say
+        self.converts(node, Sample(ABSOLUTE_ZERO[units[0]] + warmer, *units), refused="absolute_zero")
+
+    @rule("fifty_calls", often=2, values=drawn(_fifty))
+    def fifty(self, node: GradedNode, values: Sequence[Sample]) -> None:
+        """Fifty calls at once, each with its own value."""
+        node.call(SERVICE, vars(values[0]), breaks="answers")
+        requests = [vars(sample) for sample in values]
+        answers = node.call_together(SERVICE, requests, at_a_time=_AT_A_TIME, within_s=_TOGETHER_S)
+        wrong = []
+        for sample, answer in zip(values, answers, strict=True):
+            if answer.response.success and fits(sample, answer.response.value):
+                continue
+            wrong.append(sample)
+            if len(wrong) == len(values) - _FEWEST:
+                self.converts(node, sample)
+            alone = node.call(SERVICE, vars(sample))
+            if alone.response == answer.response:
+                continue  # that is for the checks of one call to say
+            of_another = any(fits(one, answer.response.value) for one in values)
+            told = "This is the answer to another client's request" if of_another else "Asked alone, it is another"
+            why = f"{told}: your callback mixes up values of two calls."
+            answer.fail(why, expected=_wanted(sample), breaks="own_value")
+
+    def converts(
+        self, node: GradedNode, sample: Sample, right: Callable[[Sample, float], bool] = fits, refused: str = ""
+    ) -> None:
+        """The right answer comes, in time.
+
+        Args:
+            node: what is asked.
+            sample: a valid request.
+            right: whether a value is.
+            refused: the sentence that is broken where it is refused.
+
+        Raises:
+            Failed: it does not.
+        """
+        answer = node.call(SERVICE, vars(sample), breaks="answers")
+        answer.within(_WITHIN_S, breaks="one_call")
+        response, wanted = answer.response, _wanted(sample)
+        if not response.success:
+            if response.value == 0.0 and not response.message:
+                why = (
+                    "The response came back as ROS 2 creates it: success False, value 0.0, no message. Your callback "
+                    "filled in nothing."
+                )
+                answer.fail(why, expected=wanted, breaks="success")
+            if not response.message.strip():  # no refusal: it has forgotten one line
+                value = "The value is right" if fits(sample, response.value) else "The response has a value"
+                why = f"{value}, but `success` is still False, as ROS 2 creates it. Set `response.success = True`."
+                answer.fail(why, expected=wanted, breaks="success")
+            why = "Your service refused a valid request."
+            hot = "every_digit" if abs(sample.value) > _ORDINARY else ""
+            answer.fail(why, expected=wanted, breaks=refused or hot, diagnosis="validation.overzealous")
+        if not right(sample, response.value):
+            answers = self.compared(node, sample, response.value)
+            diagnosis, reason = explain(answers, floors=node.context.job.facts.floor_divides)
+            why = f"This compares the answers to {len(answers)} requests. {reason}"
+            lost = "every_digit" if all(fits(*one) for one in answers) else _DIRECTION[sample.to_unit]
+            same = sample.from_unit == sample.to_unit
+            answer.fail(why, expected=wanted, breaks="same_unit" if same else lost, diagnosis=diagnosis)
+
+    def compared(self, node: GradedNode, sample: Sample, got: float) -> list[tuple[Sample, float]]:
+        """A wrong value, and beside it some more of the same units that are asked for to find its cause."""
+        answers = [(sample, got)]
+        with suppress(Failed), node.context.record.looking_away():
+            for value in _COMPARED:
+                other = Sample(value, sample.from_unit, sample.to_unit)
+                response = node.call(SERVICE, vars(other)).response
+                if response.success:
+                    answers.append((other, response.value))
+        return answers
+
+    def refuses(self, node: GradedNode, sample: Sample, what: str) -> None:
+        """It is refused with a reason, in time.
+
+        Raises:
+            Failed: it is not.
+        """
+        answer = node.call(SERVICE, vars(sample))
+        answer.within(_WITHIN_S, breaks="one_call")
+        answer.refused(what=what, unexplained="says_why")
 
 
-def _require_success(sample: Sample, response: ConvertTemperature.Response, expected: str) -> None:
-    if not response.success:
-        evidence = Evidence(sample.shown(), expected, _got(response))
-        if response.value != 0.0 and not response.message.strip():  # no refusal: it has forgotten one line
-            value = "The value is right" if fits(sample, response.value) else "The response has a value"
-            message = f"{value}, but `success` is still False, as ROS 2 creates it. Set `response.success = True`."
-            raise Failed(evidence, message)
-        raise Failed(evidence, "Your service refused a valid request.", "validation.overzealous")
-
-
-def _wrong(
-    context: CheckContext, answers: Sequence[tuple[Sample, float]], response: ConvertTemperature.Response
-) -> Failed:
-    """A wrong value, the first of `answers`, explained by all of them."""
-    sample = answers[0][0]
-    diagnosis, reason = explain(answers, floors=context.job.facts.floor_divides)
-    message = f"This compares the answers to {len(answers)} requests. {reason}" if len(answers) > 1 else reason
-    return Failed(Evidence(sample.shown(), _wanted(sample), _got(response)), message, diagnosis)
+CHECKS = [
+    offered(
+        points=0.5,
+        proves=["service", "only_a_class", "a_program", "start"],
+        title="The service /convert_temperature is there, with its type",
+    ),
+    node_name("temperature_service", points=0.5, proves=["node"], after=["offered"]),
+    *conversation(
+        Temperatures,
+        part("answers", "A request gets an answer", points=1.0, proves=["success", "one_call", "lives_on"]),
+        part("celsius_to_fahrenheit", "Celsius becomes Fahrenheit", points=1.0, proves=["both_directions"]),
+        part("fahrenheit_to_celsius", "Fahrenheit becomes Celsius", points=1.0, proves=["both_directions"]),
+        part("same_unit", "A unit converted to itself stays what it is", points=0.5, proves=["same_unit"]),
+        part(
+            "precision",
+            "No digits are lost, whether the value is large, small or very cold",
+            points=1.0,
+            proves=["every_digit"],
+        ),
+        part(
+            "unknown_unit",
+            "An unknown unit is refused with a reason",
+            points=1.0,
+            proves=["unknown_unit", "exact_words", "says_why", "checked_first"],
+        ),
+        part(
+            "not_a_number",
+            "NaN and infinity are refused with a reason",
+            points=1.0,
+            proves=["no_number", "says_why", "checked_first"],
+        ),
+        part(
+            "absolute_zero",
+            "A temperature below absolute zero is refused with a reason, absolute zero itself is not",
+            points=1.0,
+            proves=["too_cold", "absolute_zero", "says_why", "checked_first"],
+        ),
+        part(
+            "fifty_calls",
+            "Fifty calls, ten at a time, each get the answer to their own value within 5 s",
+            points=1.5,
+            proves=["fifty_calls", "own_value"],
+        ),
+        steps=150,
+        after=["offered"],
+    ),
+]
 
 
 def _wanted(sample: Sample) -> str:
     return f"success=True, value={right_value(sample)!r}"
 
 
-def _got(response: ConvertTemperature.Response) -> str:
-    message = response.message if len(response.message) <= _SHOWN else response.message[:_SHOWN] + "..."
-    return f"success={response.success}, value={response.value!r}, message={message!r}"
+@dataclass(frozen=True)
+class _Mistake:
+    formula: Callable[[float], float]
+    code: str
+    told: str
+
+
+_INTEGER, _FORMULA = "math.integer_division", "math.formula"
+_CONVERTED = (
+    "The values were converted, although from_unit and to_unit are the same. Compare the two units first: if they are "
+    "equal, the value stays as it is."
+)
+_TO_ITSELF = (
+    _Mistake(lambda v: v * 9 / 5 + 32, _FORMULA, _CONVERTED),
+    _Mistake(lambda v: (v - 32) * 5 / 9, _FORMULA, _CONVERTED),
+)
+_MISTAKES = {
+    **{(unit, unit): _TO_ITSELF for unit in UNITS},
+    (CELSIUS, FAHRENHEIT): (
+        _Mistake(lambda v: v * (9 // 5) + 32, _INTEGER, "They match a factor of 1, which is what 9 // 5 gives."),
+        _Mistake(lambda v: v * 9 / 5, _FORMULA, "They match a formula without the offset of 32."),
+        _Mistake(lambda v: (v + 32) * 9 / 5, _FORMULA, "They match a formula that adds 32 before it multiplies."),
+        _Mistake(lambda v: v * 9 / 5 - 32, _FORMULA, "They match a formula that subtracts 32 instead of adding it."),
+        _Mistake(lambda v: v * 5 / 9 + 32, _FORMULA, "They match a formula with its factor upside down."),
+        _Mistake(lambda v: (v - 32) * 5 / 9, _FORMULA, "They are right for the other direction."),
+    ),
+    (FAHRENHEIT, CELSIUS): (
+        _Mistake(
+            lambda v: v - 32 * 5 / 9, _FORMULA, "They match v - 32 * 5 / 9: multiplication goes before subtraction."
+        ),
+        _Mistake(lambda v: v * 5 / 9 - 32, _FORMULA, "They match a formula that subtracts 32 after it multiplies."),
+        _Mistake(lambda v: (v + 32) * 5 / 9, _FORMULA, "They match a formula that adds 32 instead of subtracting it."),
+        _Mistake(lambda v: (v - 32) * 9 / 5, _FORMULA, "They match a formula with its factor upside down."),
+        _Mistake(lambda v: v * 9 / 5 + 32, _FORMULA, "They are right for the other direction."),
+    ),
+}
+
+
+def explain(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[str, str]:
+    """What wrong answers have in common.
+
+    Args:
+        answers: all samples of one direction with the values that came, at least one of them wrong.
+        floors: whether the learner's program uses `//`.
+
+    Returns:
+        The diagnosis and a sentence.
+    """
+    if any(0.0 < abs(got) < _DENORMAL for _, got in answers):
+        return "field.type", "A value so close to zero is an integer that was put into a float field."
+    for mistake in _MISTAKES.get((answers[0][0].from_unit, answers[0][0].to_unit), ()):
+        if all(_same(got, mistake.formula(sample.value)) for sample, got in answers):
+            return mistake.code, mistake.told
+    if answers[0][0].from_unit == answers[0][0].to_unit:
+        changed = max(abs(got - sample.value) for sample, got in answers)
+        if changed < _CALCULATED:
+            return _FORMULA, f"It is off by {changed:.2g}: a value that needs no conversion was calculated or rounded."
+    elif all(_same(got, sample.value) for sample, got in answers):
+        return _FORMULA, "They are the values we sent: nothing was converted."
+    if all(got == 0.0 for _, got in answers):
+        told = "a small number divided by a larger one with // is 0." if floors else "was response.value filled in?"
+        return (_INTEGER if floors else _FORMULA), f"Every value came back as 0: {told}"
+    return _by_size(answers, floors=floors)
+
+
+def _by_size(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[str, str]:
+    off = max(abs(got - right_value(sample)) for sample, got in answers)
+    if off < 1.0 or (floors and off < 2.0):  # noqa: PLR2004 - // before a factor of 9/5 loses almost two degrees
+        return (
+            _INTEGER,
+            f"They are off by at most {off:.2g} degrees: digits were lost in the calculation (//, int() or round()).",
+        )
+    return _FORMULA, "They match none of the usual mistakes; check the factor, the offset and the order by hand."
+
+
+def _same(one: float, other: float) -> bool:
+    return math.isclose(one, other, rel_tol=_SAME, abs_tol=_ABSOLUTE)

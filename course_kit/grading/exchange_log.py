@@ -67,6 +67,21 @@ class ExchangeLog:
         """Forget everything: another check begins. What still comes for an old turn is not seen any more."""
         self._turns, self._followed = [], []
 
+    def forget_all_but(self, last: int) -> None:
+        """Forget the oldest turns."""
+        del self._turns[:-last]
+        del self._followed[:-last]
+
+    def last_exchange(self) -> tuple[str, str]:
+        """What was sent last and what came for it, in words."""
+        arrows = [arrow for _, arrow in self._turns[-1].steps] if self._turns else []
+        sent = "; ".join(one.text for one in arrows if one.sender == GRADER)
+        return sent, "; ".join(one.text for one in arrows if one.sender != GRADER)
+
+    def sent_texts(self) -> Iterator[str]:
+        """All that was sent, in words, as far as it is kept."""
+        return (arrow.text for turn in self._turns for _, arrow in turn.steps if arrow.sender == GRADER)
+
     def sent(self, text: str, kind: Kind = "request", *, about: str = "", minor: bool = False) -> Exchange:
         """Keep what the grader sends."""
         turn = self._turn(about, minor=minor)

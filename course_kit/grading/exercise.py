@@ -6,7 +6,6 @@ import re
 import sys
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import exercise_folders, sentences
@@ -14,7 +13,7 @@ from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
 from course_kit.grading.exercise_folders import FoundExercises
 from course_kit.grading.limits import Limits
-from course_kit.ros.names import did_you_mean
+from course_kit.ros.names import did_you_mean, from_root
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -23,6 +22,7 @@ else:
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from course_kit.grading.checks.declared.declaration import Declaration
     from course_kit.grading.diagnosis.catalogue import Diagnosis
@@ -33,6 +33,7 @@ FORMAT_VERSION = 1
 _CHECKS = "checks"
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
 _TEXTS = ("id", "title", "starter", "notebook")
+ENDPOINT_KINDS = ("service", "action", "publisher", "subscription")
 _OWN_MODULE = ".py"  # what the name of a grader ends in that lies in the exercise's folder
 
 
@@ -66,6 +67,7 @@ class Exercise:
         hints: the ladder, from a nudge to a push.
         diagnoses: by code, those that it words in its own way or links elsewhere.
         sentences: its task, sentence by sentence.
+        endpoints: what a submission's node offers, publishes and subscribes to.
         declared: the checks that its exercise.toml declares.
         check_order: the ids of checks in the order in which that names them; others come last.
         variables: environment variables that a submission is started with, for these.
@@ -90,6 +92,7 @@ class Exercise:
     hints: tuple[Hint, ...]
     diagnoses: Mapping[str, Diagnosis]
     sentences: tuple[Sentence, ...] = ()
+    endpoints: tuple[Record, ...] = ()
     declared: tuple[Declaration, ...] = ()
     check_order: tuple[str, ...] = ()
     variables: Mapping[str, str] = field(default_factory=dict)
@@ -159,7 +162,7 @@ def read(folder: Path) -> Exercise:
         found = _parse(table, folder)
     except (ValueError, KeyError, TypeError) as problem:
         raise _unusable(folder, problem) from problem
-    return _with_declared(found, text, table) if _CHECKS in table or Path(found.grader).is_absolute() else found
+    return _with_declared(found, text, table) if _CHECKS in table else found
 
 
 def table_of(folder: Path) -> Record:
@@ -214,6 +217,7 @@ def _parse(table: Record, folder: Path) -> Exercise:
         solution=solution_of(table, folder),
         grader=_grader(table, folder),
         sentences=sentences.read(table.get("sentences", [])),
+        endpoints=_endpoints(table.get("endpoints", [])),
         practice=practice,
         symptom=str(table.get("symptom", "")),
         **goal,
@@ -253,6 +257,17 @@ def _with_declared(task: Exercise, text: str, table: Record) -> Exercise:
 
     declared, order = loading.load(text, table, task.folder / exercise_folders.TOML)
     return replace(task, declared=declared, check_order=order, variables=loading.variables(table))
+
+
+def _endpoints(tables: object) -> tuple[Record, ...]:
+    """The `[[endpoints]]`: each has a kind, a full name and a type."""
+    if not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
+        raise ValueError("'endpoints' has to be written as [[endpoints]]")
+    for one in tables:
+        if set(one) != {"kind", "name", "type"} or one["kind"] not in ENDPOINT_KINDS:
+            kinds = ", ".join(ENDPOINT_KINDS)
+            raise ValueError(f"the endpoint {one.get('name', one)} needs a name, a type, and a kind out of {kinds}")
+    return tuple({**one, "name": from_root(str(one["name"]))} for one in tables)
 
 
 def _diagnoses(tables: object) -> dict[str, Diagnosis]:

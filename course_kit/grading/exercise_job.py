@@ -47,6 +47,7 @@ def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
         hidden=hidden_files.of(task),
         interfaces=task.interfaces,
         points=task.points,
+        endpoints=task.endpoints,
         declared=tuple(asdict(one) for one in task.declared),
         check_order=task.check_order,
         variables=dict(task.variables),

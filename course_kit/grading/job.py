@@ -40,6 +40,7 @@ class Job:
         first_failure: stop at the first failed check that costs points, for whoever only asks whether there is one.
         interfaces: the folder with the interfaces that the exercise brings, which the submission sees; empty for none.
         points: the exercise's full marks, which its checks have to add up to; 0 when nobody asks.
+        endpoints: what the exercise wants offered, published and subscribed to, as its exercise.toml has it.
         declared: the checks that the exercise declares in its exercise.toml; see `checks.declared.declaration`.
         check_order: the ids of checks in the order in which they are run; others come last.
         variables: environment variables that the submission is started with.
@@ -69,6 +70,7 @@ class Job:
     priority: int = 0
     scratch: str = ""
     first_failure: bool = False
+    endpoints: tuple[Record, ...] = ()
     declared: tuple[Record, ...] = ()
     check_order: tuple[str, ...] = ()
     variables: Record = field(default_factory=dict)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_kit.graders._temperature import CELSIUS, FAHRENHEIT, Sample, exact, explain, fits, right_value
+from course_kit.graders.temperature_service import CELSIUS, FAHRENHEIT, Sample, exact, explain, fits, right_value
 
 if TYPE_CHECKING:
     from collections.abc import Callable

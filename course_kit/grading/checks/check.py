@@ -38,13 +38,17 @@ class Failed(Exception):  # noqa: N818 - it is a verdict, not an error
         evidence: what was seen.
         diagnosis: a code of the catalogue when the cause is established, else None.
         message: what happened in this case, in one or two sentences for the learner.
+        breaks: the sentence of the task that is broken, where the check proves several.
+        steps: what crossed the wire; taken from the record of the check when empty.
     """
 
-    def __init__(self, evidence: Evidence, message: str, diagnosis: str | None = None) -> None:
+    def __init__(self, evidence: Evidence, message: str, diagnosis: str | None = None, *, breaks: str = "") -> None:
         super().__init__(message)
         self.evidence = evidence
         self.message = message
         self.diagnosis = diagnosis
+        self.breaks = breaks
+        self.steps: tuple[Arrow, ...] = ()
 
 
 class NotRun(Exception):  # noqa: N818 - it is a verdict, not an error
@@ -182,7 +186,7 @@ def _run(one: Check, context: CheckContext) -> Result:
     except Failed as verdict:
         seen = verdict.evidence
         status, diagnosis, message = "failed", verdict.diagnosis, verdict.message
-        steps = _exchange(context, seen)
+        steps = verdict.steps or _exchange(context, seen)
     except GradingError:
         raise
     except NotRun as reason:

@@ -59,6 +59,7 @@ class CheckContext:
         """
         self.job = job
         self.memory: dict[str, Any] = {}  # what the checks know of the running submission; empty after each launch
+        self.conversations: dict[type, Any] = {}  # that were held, by their models
         self.record = ExchangeLog()  # what the present check and the submission have sent each other
         self._variables = dict(variables or {})
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets

@@ -11,7 +11,7 @@ from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
 from course_kit.grading.checks.named import Interface, Named
 from course_kit.grading.diagnosis import exits, hangs
-from course_kit.grading.diagnosis.exceptions import explained
+from course_kit.grading.diagnosis.exceptions import explained, of_start
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.fair_clock import FairClock
     from course_kit.grading.checks.grader_node import GraderNode, Offer
+    from course_kit.grading.plain_data import Record
     from course_kit.ros.messages import Message
 
 ENDED = "a program that has ended"
@@ -51,12 +52,15 @@ class Server(Named[Interface], ABC):
         """
 
 
-def expect_offered(context: CheckContext, server: Server[Interface], request: Message = None) -> Evidence:
+def expect_offered(
+    context: CheckContext, server: Server[Interface], greet: Callable[[], None] | None = None, request: Message = None
+) -> Evidence:
     """A service or an action is on the graph, with its type, and its program is there to be asked.
 
     Args:
         context: the context of the check.
         server: what is expected.
+        greet: has the program answer something, in place of a request to the server.
         request: any request of a service; whether and how it is answered is for other checks. It tells a server from
             a program that offers a service and ends at once, however fast each is discovered.
 
@@ -66,7 +70,10 @@ def expect_offered(context: CheckContext, server: Server[Interface], request: Me
     expected = f"the {server.named}"
     _await_offer(context, server, expected)
     try:
-        server.meet(context, request)
+        if greet is not None:
+            greet()
+        else:
+            server.meet(context, request)
     except SubmissionEndedError as ended:
         if ended.diagnosis == "start.exit":
             raise Failed(Evidence("", expected, ENDED), ended.message, ended.diagnosis) from None
@@ -85,6 +92,27 @@ def _await_offer(context: CheckContext, server: Server[Interface], expected: str
         context.wait_for_start(lambda: server.ready(node) or other_type() or has_settled(context, clock))
     if not server.ready(node):
         raise _not_offered(context, server, expected)
+
+
+def await_nodes(context: CheckContext, ends: Sequence[Record]) -> None:
+    """Wait for a program that was just started, until its topics are there or it has made all that it will make.
+
+    Raises:
+        Failed: no node has appeared, or the program has ended.
+    """
+    clock, node = context.clock(), context.grader_node
+    found = {"publisher": node.publishers, "subscription": node.subscriptions}
+
+    def there() -> bool:
+        return all(found[one["kind"]](one["name"]) for one in ends)
+
+    evidence = Evidence("", f"a node with {ends[0]['name']}")
+    with explained(context, evidence, of_start, ENDED):
+        context.wait_for_start(lambda: there() or has_settled(context, clock))
+    if not there() and not node.nodes():
+        context.spoil()
+        evidence = Evidence("", evidence.expected, "on the graph: no node")
+        raise Failed(evidence, *graph.why_empty(context, ends[0]["name"])[::-1])
 
 
 def has_settled(context: CheckContext, clock: FairClock) -> bool:

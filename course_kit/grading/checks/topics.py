@@ -220,7 +220,7 @@ class TopicExchange:
         names, seconds = " and ".join(missing), hangs.told(waited_s, HEARD_S)
         self._turn.missed(f"within {seconds} s nothing on {names}")
         evidence = replace(evidence, got=f"within {seconds} s nothing on {names}")
-        return Failed(evidence, *_why_nothing(self._context, self._sent.name, names, seconds)[::-1])
+        return Failed(evidence, *why_nothing(self._context, self._sent.name, names, seconds)[::-1])
 
 
 def await_next(context: CheckContext, heard: Inbox, count: int, seconds: float, evidence: Evidence) -> bool:
@@ -240,7 +240,15 @@ def await_next(context: CheckContext, heard: Inbox, count: int, seconds: float, 
         return context.wait_until(lambda: heard.count >= count, seconds)
 
 
-def _why_nothing(context: CheckContext, sent: str, missing: str, seconds: str) -> exits.Cause:
+def why_nothing(context: CheckContext, sent: str, missing: str, seconds: str) -> exits.Cause:
+    """Why nothing came for a message.
+
+    Args:
+        context: the check's.
+        sent: the topic of the message.
+        missing: where something should have come.
+        seconds: for how long it was waited for.
+    """
     seen = hangs.doing(context)
     if seen.callback is not None:
         context.spoil()

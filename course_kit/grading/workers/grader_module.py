@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.exercise_folders import INTERFACES
+from course_kit.interfaces import get_type
 from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 
 if TYPE_CHECKING:
@@ -47,6 +48,8 @@ def load(grader: str) -> Grader:
     if folder := interfaces_beside(grader):
         os.environ[PATH_VARIABLE] = path_with(folder)
     found: Grader = _of_file(path) if path.is_absolute() else importlib.import_module(grader)
+    if not hasattr(found, "INTERFACES"):
+        found.INTERFACES = ()
     for interface in found.INTERFACES:
         check_for_type_support(interface)
     return found
@@ -56,7 +59,7 @@ def load_for(job: Job) -> Grader | None:
     """The grader of a job, None where all checks are declared; the interfaces of these are loaded, too."""
     if job.interfaces:
         os.environ[PATH_VARIABLE] = path_with(job.interfaces)  # of this process and those it starts
-    if job.declared:
+    if job.declared or job.endpoints:
         from rclpy.type_support import check_for_type_support
 
         for interface in interfaces_of(None, job):
@@ -67,6 +70,7 @@ def load_for(job: Job) -> Grader | None:
 def interfaces_of(grader: Grader | None, job: Job) -> list[Any]:
     """The classes of all interfaces that the checks of a job use."""
     found = list(grader.INTERFACES) if grader is not None else []
+    found += [get_type(one["type"]) for one in job.endpoints]
     if job.declared:
         from course_kit.grading.checks.declared import building
 
@@ -111,8 +115,6 @@ def _of_file(path: Path) -> Grader:
     found: Any = python_module(path)
     if not hasattr(found, "CHECKS") and not hasattr(found, "checks_for"):
         raise GradingError(f"{path} has neither CHECKS, a list of checks, nor checks_for(job), which makes one")
-    if not hasattr(found, "INTERFACES"):
-        found.INTERFACES = ()
     graded: Grader = found
     return graded
 

@@ -50,7 +50,7 @@ def expect_server(context: CheckContext, endpoint: WantedEndpoint, request: Mess
     Raises:
         Failed: it is not.
     """
-    evidence = expect_offered(context, server_of(endpoint), request)
+    evidence = expect_offered(context, server_of(endpoint), request=request)
     context.memory[_key(endpoint)] = True
     return evidence
 

@@ -1,0 +1,439 @@
+"""A conversation with a model: steps drawn at random, done on the node and on a reference in plain Python.
+
+A step that disagrees is shrunk: the shortest part of the conversation that still fails on a fresh start of the program
+is the evidence. Then the conversation goes on without the rules of the check that is lost.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.checks.check import Check, Evidence, Failed, NotRun
+from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.graded_node import GradedNode
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from course_kit.grading.checks.context import CheckContext
+
+DEADLINE_S = 45.0  # for all waiting of a conversation, its shrinking included
+_TALK_S = 20.0  # after which no further step is drawn: whoever is slow is asked less, and loses nothing by it
+_SHRINK_S = 2.5  # for all tries on one failure, after the first
+_TAILS = (1, 2, 3, 5, 9, 17)  # so many of the last steps are tried by themselves
+_STRIKES = 2  # after so many failures of a check that is lost already a rule is left out
+_OF_ONE_ANSWER = ("math.", "validation.", "field.")  # diagnoses that explain no step which is right by itself
+_RULE = "_course_kit_rule"
+_KEPT = 40  # turns of the record; what was before them is of no use
+
+
+class Model:
+    """What a right node does, in plain Python; made anew for each start of the program.
+
+    A subclass keeps what a node has to remember, and has rules: methods that do one step on the node and expect what
+    the model says.
+
+    Attributes:
+        history: the sentence of the task that is broken when a step fails only after others; for nodes that remember
+            nothing. Empty where each rule's own sentence is the one.
+
+    Example:
+        >>> class Counter(Model):
+        ...     def __init__(self):
+        ...         self.count = 0
+        ...
+        ...     @rule(amount=either(0, 1, between(-9, 9)))
+        ...     def add(self, node, amount):
+        ...         self.count += amount
+        ...         node.call("/add_up", amount=amount).expect(total=self.count)
+    """
+
+    history = ""
+
+    def begin(self, node: GradedNode) -> None:
+        """Called when the program has just been started; for models that have to look what is there."""
+
+
+@dataclass(frozen=True)
+class Draw:
+    """A value that is drawn for each step."""
+
+    options: tuple[Any, ...]
+    make: Callable[[random.Random], Any] | None = None
+
+
+def either(*options: Any) -> Draw:
+    """One of these: each comes once before one comes a second time, so that no edge is left to chance.
+
+    Args:
+        options: values, or other drawings.
+
+    Example:
+        >>> @rule(value=either(0.0, 32.0, math.nan, between(-200.0, 500.0)))
+        ... def convert(self, node, value): ...
+    """
+    return Draw(options)
+
+
+def between(low: float, high: float) -> Draw:
+    """A number in a range, both ends included; a whole one for two whole ends.
+
+    Example:
+        >>> @rule(order=between(1, 9))
+        ... def count(self, node, order): ...
+    """
+    whole = isinstance(low, int) and isinstance(high, int)
+    return Draw((), lambda rng: rng.randint(int(low), int(high)) if whole else rng.uniform(low, high))
+
+
+def drawn(make: Callable[[random.Random], Any]) -> Draw:
+    """What a function makes of a random.Random.
+
+    Example:
+        >>> @rule(values=drawn(lambda rng: [rng.uniform(-1, 1) for _ in range(3)]))
+        ... def several(self, node, values): ...
+    """
+    return Draw((), make)
+
+
+def drawn_values(value: Any, rng: random.Random) -> Any:
+    """A list, a dict or a value in which each drawing is replaced by what it gives.
+
+    Args:
+        value: may hold drawings.
+        rng: what they draw from.
+    """
+    if isinstance(value, dict):
+        return {name: drawn_values(one, rng) for name, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [drawn_values(one, rng) for one in value]
+    if not isinstance(value, Draw):
+        return value
+    return value.make(rng) if value.make else drawn_values(rng.choice(value.options), rng)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A kind of step of a model.
+
+    Attributes:
+        name: of the method.
+        check: the id of the check that a failure costs, unless the sentence that it names belongs to another.
+        draws: by argument.
+        when: whether it may be done, asked of the model.
+        often: in how many steps of a round it is done.
+        run: the method.
+    """
+
+    name: str
+    check: str
+    draws: dict[str, Any]
+    when: Callable[[Any], bool] | None
+    often: int
+    run: Callable[..., None]
+
+
+def rule(
+    check: str = "", *, when: Callable[[Any], bool] | None = None, often: int = 0, **draws: Any
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Decorator that makes a method of a `Model` a kind of step.
+
+    Args:
+        check: the id of the check that a failure costs, where the conversation has several.
+        when: says of the model whether the step may be done now.
+        often: how often it is done while each other rule goes through its options once; as many times as its longest
+            `either` has options when 0.
+        draws: a drawing or a constant for each argument of the method after `node`.
+
+    Example:
+        >>> @rule(when=lambda model: model.critical)
+        ... def reset(self, node):
+        ...     node.call("/reset").refused()
+    """
+
+    def declare(function: Callable[..., None]) -> Callable[..., None]:
+        times = often or max([1, *(len(one.options) for one in draws.values() if isinstance(one, Draw))])
+        setattr(function, _RULE, Rule(function.__name__, check, draws, when, times, function))
+        return function
+
+    return declare
+
+
+@dataclass(frozen=True)
+class Part:
+    """A check whose points hang on a conversation; see `part`."""
+
+    id: str
+    title: str
+    points: float
+    proves: tuple[str, ...]
+    after: tuple[str, ...] = ()
+
+
+def part(check_id: str, title: str, *, points: float, proves: Sequence[str], after: Sequence[str] = ()) -> Part:
+    """A check whose points hang on a conversation.
+
+    Args:
+        check_id: its id.
+        title: one line for the learner.
+        points: what it is worth.
+        proves: ids of the sentences of the task; a failure names the one it breaks.
+        after: ids of checks without which it makes no sense, beside those of the conversation.
+
+    Example:
+        >>> part("same_unit", "A unit converted to itself stays what it is", points=0.5, proves=["same_unit"])
+    """
+    return Part(check_id, title, points, tuple(proves), tuple(after))
+
+
+def conversation(
+    model: type[Model], *parts: Part, steps: int, after: Sequence[str] = (), deadline_s: float = DEADLINE_S
+) -> list[Check]:
+    """The checks of a conversation with a node, which is held once for all of them.
+
+    Args:
+        model: the class of the reference.
+        parts: the checks.
+        steps: how many steps are done at least; each option of each rule comes once in any case.
+        after: ids of checks without which it makes no sense.
+        deadline_s: seconds for all waiting, shrinking included.
+
+    Example:
+        >>> counts = part("counts", "The counter counts", points=2.0, proves=["total"])
+        >>> CHECKS += conversation(Counter, counts, steps=40)
+    """
+    made = tuple(parts)
+
+    def check_of(one: Part) -> Check:
+        def run(context: CheckContext) -> Evidence:
+            held = context.conversations.get(model)
+            if held is None:
+                held = context.conversations[model] = Conversation(context, model, made, steps)
+                held.hold()
+            return held.verdict_of(one)
+
+        return Check(one.id, one.title, one.points, (*after, *one.after), deadline_s, run, one.proves)
+
+    return [check_of(one) for one in made]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step: a rule, and what was drawn for it."""
+
+    rule: Rule
+    arguments: dict[str, Any]
+
+    def do(self, node: GradedNode, model: Model) -> None:
+        """Do it, unless the model does not allow it now.
+
+        Raises:
+            Failed: the node disagrees with the model.
+        """
+        if self.rule.when is None or self.rule.when(model):
+            self.rule.run(model, node, **self.arguments)
+
+
+class Steps:
+    """Draws steps without end: each option of each rule once, in any order, then all again."""
+
+    def __init__(self, rules: Sequence[Rule], rng: random.Random) -> None:
+        self._rng, self._rules = rng, tuple(rules)
+        self._hands: dict[int, list[Any]] = {}
+        self.round = sum(one.often for one in rules)
+        self._waiting: list[Rule] = []
+
+    def next(self, *, apart: bool) -> Step:
+        """The next step."""
+        if not self._waiting:
+            self._waiting = [one for one in self._rules for _ in range(one.often)]
+            self._rng.shuffle(self._waiting)
+        if apart:
+            self._waiting.sort(key=lambda one: one.name)
+        chosen = self._waiting.pop()
+        return Step(chosen, {name: self._drawn(one) for name, one in chosen.draws.items()})
+
+    def _drawn(self, draw: Any) -> Any:
+        if not isinstance(draw, Draw):
+            return drawn_values(draw, self._rng)
+        if draw.make is not None:
+            return draw.make(self._rng)
+        hand = self._hands.setdefault(id(draw), [])
+        if not hand:
+            hand += self._rng.sample(draw.options, len(draw.options))
+        return self._drawn(hand.pop())
+
+
+@dataclass
+class _Tally:
+    done: int = 0
+    failed: Failed | None = None
+    hindered_by: str = ""
+
+
+@dataclass
+class Conversation:
+    """A conversation that is being held, and what came of it."""
+
+    context: CheckContext
+    model: type[Model]
+    parts: tuple[Part, ...]
+    steps: int
+    _tallies: dict[str, _Tally] = field(default_factory=dict)
+    _strikes: dict[str, int] = field(default_factory=dict)
+    _apart: bool = False  # each rule on a fresh start: what one leaves behind for another is lost already
+
+    def hold(self) -> None:
+        """Hold it: all steps, or as many as there is time for."""
+        self._tallies = {one.id: _Tally() for one in self.parts}
+        steps = Steps(_rules_of(self.model), random.Random(self.context.job.seed))  # noqa: S311 - test values, not secrets
+        node, model, done = self._begin()
+        clock = self.context.clock()
+        for _ in range(max(self.steps, steps.round)):
+            step = steps.next(apart=self._apart)
+            if self._is_lost(step.rule):
+                continue
+            if clock.past(_TALK_S) or self.context.time_is_up():
+                return
+            if self._apart and done and done[-1].rule != step.rule:
+                self.context.spoil()
+                node, model, done = self._begin()
+            done.append(step)
+            try:
+                step.do(node, model)
+            except Failed as failed:
+                self._keep(failed, done)
+                if self.context.job.first_failure:
+                    return
+                self.context.spoil()
+                try:
+                    node, model, done = self._begin()
+                except Failed as gone:
+                    self._lose_the_rest(gone)
+                    return
+            else:
+                self._tallies[self._part_of(step.rule, "").id].done += 1
+            self.context.record.forget_all_but(_KEPT)
+
+    def verdict_of(self, one: Part) -> Evidence:
+        """What came of it for one of its checks.
+
+        Raises:
+            Failed: a step that this check is about has failed.
+            NotRun: it could not be judged, because another check was lost in each try.
+        """
+        tally = self._tallies[one.id]
+        if tally.failed is not None:
+            raise tally.failed
+        if not tally.done and any(each.check in (one.id, "") for each in _rules_of(self.model)):
+            why = f'"{tally.hindered_by}" has to pass first.' if tally.hindered_by else "no time was left for it."
+            raise NotRun(why)
+        got = f"{tally.done} drawn steps, each as it should be"
+        return Evidence("a conversation drawn by the seed", one.title, got)
+
+    def _begin(self) -> tuple[GradedNode, Model, list[Step]]:
+        """A program that has just been started, and a model for it."""
+        node = GradedNode(self.context)
+        node.meet()
+        model = self.model()
+        model.begin(node)
+        self.context.record.clear()
+        return node, model, []
+
+    def _part_of(self, rule: Rule, sentence: str) -> Part:
+        """The check that a broken sentence costs: the rule's own where that proves it, else the one that does.
+
+        In place of the sentence a check may be named.
+        """
+        own = next((one for one in self.parts if one.id == rule.check), self.parts[0])
+        if not sentence or sentence in own.proves:
+            return own
+        return next((one for one in self.parts if sentence in (one.id, *one.proves)), own)
+
+    def _is_lost(self, rule: Rule) -> bool:
+        return (
+            self._tallies[self._part_of(rule, "").id].failed is not None or self._strikes.get(rule.name, 0) >= _STRIKES
+        )
+
+    def _keep(self, failed: Failed, done: list[Step]) -> None:
+        """Keep a failure for the check that it costs, shrunk; of a check that is lost already only the count."""
+        last = done[-1]
+        lost = self._part_of(last.rule, failed.breaks)
+        if self._tallies[lost.id].failed is None:
+            failed.steps = failed.steps or self.context.record.steps(failed.evidence)
+            if not self.context.job.first_failure and self.context.job.mode != "attach":
+                failed, alone = self._shrink(failed, done, lost)
+                if self.model.history and alone > 1:
+                    self._apart = True
+                    lost = self._part_of(last.rule, self.model.history)
+            if self._tallies[lost.id].failed is None:
+                self._tallies[lost.id].failed = failed
+                return
+        self._strikes[last.rule.name] = self._strikes.get(last.rule.name, 0) + 1
+        own = self._part_of(last.rule, "")
+        if self._tallies[own.id].done == 0:
+            self._strikes[last.rule.name] = _STRIKES
+            self._tallies[own.id].hindered_by = lost.title
+
+    def _lose_the_rest(self, gone: Failed) -> None:
+        """The program does not come up any more: what was not judged yet is not proven."""
+        for tally in self._tallies.values():
+            if tally.failed is None:
+                tally.failed = gone
+
+    def _shrink(self, failed: Failed, done: list[Step], lost: Part) -> tuple[Failed, int]:
+        """The failure of the shortest part of a conversation, and how many steps that has."""
+        clock = self.context.clock()
+        best: list[Step] = done
+        found: Failed | None = None
+        for length in sorted({*(one for one in _TAILS if one < len(done)), len(done)}):
+            if length > 1 and clock.past(_SHRINK_S):
+                break
+            if again := self._fails(done[-length:], lost):
+                best, found = done[-length:], again
+                break
+        if found is None:
+            note = f"It happened after {len(done) - 1} other steps." if len(done) > 1 else ""
+            failed.message = f"{failed.message} {note}".strip()
+            return failed, 1
+        place = 0
+        while place < len(best) - 1 and not clock.past(_SHRINK_S):
+            shorter = [*best[:place], *best[place + 1 :]]
+            if again := self._fails(shorter, lost):
+                best, found = shorter, again
+            else:
+                place += 1
+        if len(best) > 1:
+            if (found.diagnosis or "").startswith(_OF_ONE_ANSWER):
+                found.diagnosis = None
+            found.message = f"{found.message} It takes what was sent before to bring this about."
+        return found, len(best)
+
+    def _fails(self, steps: Sequence[Step], lost: Part) -> Failed | None:
+        """How these steps fail on a fresh start of the program; None when they do not, or cost another check."""
+        self.context.spoil()
+        try:
+            node, model, _ = self._begin()
+        except (Failed, SubmissionEndedError):
+            return None
+        try:
+            for step in steps:
+                step.do(node, model)
+        except Failed as failed:
+            return self._told(failed, steps) if self._part_of(step.rule, failed.breaks) == lost else None
+        return None
+
+    def _told(self, failed: Failed, steps: Sequence[Step]) -> Failed:
+        """A failure with all that led to it as its evidence."""
+        record = self.context.record
+        failed.steps = record.steps(replace(failed.evidence, sent="") if len(steps) > 1 else failed.evidence)
+        before = list(record.sent_texts())[:-1] if len(steps) > 1 else []
+        if before:
+            failed.evidence = replace(failed.evidence, sent="; ".join([*before, failed.evidence.sent]))
+        return failed
+
+
+def _rules_of(model: type[Model]) -> list[Rule]:
+    return [found for name in dir(model) if (found := getattr(getattr(model, name), _RULE, None))]

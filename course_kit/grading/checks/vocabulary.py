@@ -1,0 +1,43 @@
+"""All that a file of checks imports: `from course_kit.grading.checks.vocabulary import check, conversation, ...`."""
+
+from __future__ import annotations
+
+from course_kit.grading.checks.check import Check, Evidence, Failed
+from course_kit.grading.checks.conversation import Model, between, conversation, drawn, either, part, rule
+from course_kit.grading.checks.graded_goal import GradedGoal
+from course_kit.grading.checks.graded_node import Answer, Change, GradedNode
+from course_kit.grading.checks.matching import close
+from course_kit.grading.checks.ready_made import (
+    check,
+    node_name,
+    offered,
+    parameter_declared,
+    service_answers,
+    topic_answers,
+    topic_silent,
+)
+
+__all__ = [
+    "Answer",
+    "Change",
+    "Check",
+    "Evidence",
+    "Failed",
+    "GradedGoal",
+    "GradedNode",
+    "Model",
+    "between",
+    "check",
+    "close",
+    "conversation",
+    "drawn",
+    "either",
+    "node_name",
+    "offered",
+    "parameter_declared",
+    "part",
+    "rule",
+    "service_answers",
+    "topic_answers",
+    "topic_silent",
+]
