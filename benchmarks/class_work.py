@@ -27,7 +27,7 @@ from course_interfaces.srv import ConvertTemperature
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from course_kit.graders._temperature import ABSOLUTE_ZERO, CELSIUS, FAHRENHEIT, UNITS, Sample, fits
+from course_kit.graders.temperature_service import ABSOLUTE_ZERO, CELSIUS, FAHRENHEIT, UNITS, Sample, fits
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -166,7 +166,7 @@ def test_grader_that_breaks_is_not_the_learners_fault(
     (tmp_path / "a.py").write_text(solution)
     (tmp_path / "sabotage").mkdir()
     (tmp_path / "sabotage" / "sitecustomize.py").write_text(
-        "import course_kit.graders._temperature as t\ndel t.right_value\n"
+        "import course_kit.graders.temperature_service as t\ndel t.right_value\n"
     )
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "sabotage"))
     report = grading.grade(EXERCISE, tmp_path / "a.py")
