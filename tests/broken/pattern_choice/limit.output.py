@@ -1,3 +1,0 @@
-answers = {}
-while not answers:
-    print('topic, service or action?')
