@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, settings
 
 from course_kit import environment
 from course_kit.dev import browser
+from tests import sizes
 from tests.attack_table import AttackTable
 
 if TYPE_CHECKING:
@@ -40,6 +41,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Have the attacks listed."""
     config.pluginmanager.register(AttackTable())
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Mark what is left out of the usual run, or of a quick one."""
+    for mark in sizes.marks_of(item.nodeid):
+        item.add_marker(mark)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

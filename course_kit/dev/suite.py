@@ -1,7 +1,8 @@
-"""`./course test`: pytest on the tests, nbval on the notebooks, and on CI the course on other Pythons.
+"""`./course test`: pytest on the tests and nbval on the notebooks, as much of them as somebody has time for.
 
-With arguments, they go to pytest as they are, and that one run is all: `./course test tests/lab -k replace`. With
-`--matrix` the course is tried on other Pythons, too, wherever that is (see `matrix`).
+`--quick` takes minutes: no browser, no whole class, the first three lessons. `--all` adds the tests marked `weekly`,
+other Pythons and, as root, a JupyterHub. `tests/sizes.py` has what is in which.
+Other arguments go to pytest as they are, and that one run is all: `./course test tests/lab -k replace`.
 """
 
 from __future__ import annotations
@@ -9,15 +10,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from importlib.util import find_spec
+from pathlib import Path
 
 from course_kit import environment
 from course_kit.dev import browser, notebooks
 
-# Tests wait for nodes more than they compute, but with more workers than cores some of them wait too long. Files stay
-# together: their fixtures are dear.
-SIDE_BY_SIDE = ["-n", "auto", "--maxprocesses", "4", "--dist", "loadfile"]
-MATRIX = "--matrix"
+# Tests wait for nodes more than they compute. Files stay together: their fixtures are dear.
+SIDE_BY_SIDE = ["-n", str(min(len(os.sched_getaffinity(0)) + 1, 4)), "--dist", "loadfile"]
+QUICK, ALL, MATRIX = "--quick", "--all", "--matrix"
+MARKS = {QUICK: ["-m", "not weekly and not slow and not browser"], ALL: ["-m", ""]}
+FIRST_LESSONS = "0[1-3]_*.ipynb"
 
 
 def main(arguments: list[str]) -> int:
@@ -28,18 +30,23 @@ def main(arguments: list[str]) -> int:
         print("course: the tests belong to the course's folder; run ./course test there.", file=sys.stderr)
         return 2
     os.chdir(root)
-    chosen = [argument for argument in arguments if argument != MATRIX]
-    on_ci = bool(os.environ.get("CI")) and not arguments
+    size = next((one for one in (QUICK, ALL) if one in arguments), "")
+    chosen = [argument for argument in arguments if argument not in (QUICK, ALL, MATRIX)]
     # The tests start thousands of Pythons; each would compile the course anew.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     try:
-        environ = environment.child_environment(COURSE_BROWSER=browser.find_or_install(), COURSE_KIT_PROGRESS="off")
+        chromium = None if size == QUICK else browser.find_or_install()
+        environ = environment.child_environment(COURSE_BROWSER=chromium, COURSE_KIT_PROGRESS="off")
+        marks = MARKS.get(size, [])
         if chosen:
-            codes = [pytest(chosen, environ)]
+            codes = [pytest([*marks, *chosen], environ)]
         else:
-            codes = [pytest([*SIDE_BY_SIDE, "tests"], environ), notebooks.run(environ)]
-        if on_ci or MATRIX in arguments:
-            codes.append(_matrix())
+            lessons = sorted(Path("notebooks").glob(FIRST_LESSONS)) if size == QUICK else []
+            codes = [pytest([*SIDE_BY_SIDE, *marks, "tests"], environ), notebooks.run(environ, lessons)]
+        if size == ALL or MATRIX in arguments:
+            codes.append(_try("matrix", "--ends"))
+        if size == ALL and os.geteuid() == 0:
+            codes.append(_try("hub"))
     except environment.DomainError as problem:
         print(f"course: {problem}", file=sys.stderr)
         return 2
@@ -48,14 +55,9 @@ def main(arguments: list[str]) -> int:
     return next((code for code in codes if code), 0)
 
 
-def _matrix() -> int:
-    """Try the course on other Pythons; the student edition cannot, and says so."""
-    if find_spec("course_kit.dev.matrix") is None:
-        print("course: this edition of the course has no test of other Pythons.", file=sys.stderr)
-        return 0
-    from course_kit.dev import matrix
-
-    return matrix.main([matrix.ENDS])
+def _try(*trial: str) -> int:
+    """Run one of the trials of `course-kit dev`, which the student edition has not."""
+    return subprocess.run([sys.executable, "-m", "course_kit", "dev", *trial], check=False).returncode
 
 
 def pytest(arguments: list[str], environ: dict[str, str]) -> int:

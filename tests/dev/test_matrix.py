@@ -232,18 +232,15 @@ def test_what_is_missing_is_said_and_is_no_failure(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "ci", "expected"),
-    [((), "true", True), ((), "", False), (("--matrix", "tests"), "", True), (("tests",), "true", False)],
+    ("arguments", "expected"),
+    [((), False), (("--all",), True), (("--matrix", "tests"), True)],
 )
-def test_the_suite_ends_with_it_on_ci_or_when_asked(
-    tried: Tried, arguments: tuple[str, ...], ci: str, expected: bool
-) -> None:
+def test_the_suite_ends_with_it_when_asked(tried: Tried, arguments: tuple[str, ...], expected: bool) -> None:
     """Of the suite only a test that passes is there, and no notebook."""
     (tried.course.root / "tests").mkdir()
     (tried.course.root / "tests/test_one.py").write_text("def test_one() -> None:\n    assert True\n")
     environ = tried.course.environ(
         TMPDIR=str(tried.temporary),
-        CI=ci,
         COURSE_BROWSER=sys.executable,  # nothing is to be installed for this
         STAND_IN_LOG=str(tried.log),
         STAND_IN_DETACHED=str(tried.detached),

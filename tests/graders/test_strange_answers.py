@@ -6,21 +6,38 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import grading
+from course_kit.authoring.corpus import ProofSubmission
+from course_kit.authoring.gradings import Gradings
 from tests.graders.strange_programs import ANYTHING, PROGRAMS
+from tests.grading.conftest import ROOT
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
     from pathlib import Path
+
+    from course_kit.grading import Report
 
 pytestmark = [pytest.mark.answers, pytest.mark.attack("Strange answers")]
 
 
+@pytest.fixture(scope="module")
+def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Future[Report]]:
+    """All of them, side by side."""
+    folder: Path = tmp_path_factory.mktemp("strange")
+    with Gradings(ROOT / "exercises") as pool:
+        begun = {}
+        for number, (name, program) in enumerate(PROGRAMS.items()):
+            path = folder / f"answer_{number}.py"
+            path.write_text(program.text())
+            begun[name] = pool.begin(ProofSubmission(program.exercise, "strange", name, path), 3)
+        for one in begun.values():
+            one.exception()
+    return begun
+
+
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_it_gets_a_verdict(name: str, worker: grading.Worker, tmp_path: Path) -> None:
-    program = PROGRAMS[name]
-    path = tmp_path / "answer.py"
-    path.write_text(program.text())
-    report = grading.grade(program.exercise, path, worker=worker, seed=3)
+def test_it_gets_a_verdict(name: str, graded: dict[str, Future[Report]]) -> None:
+    report, first = graded[name].result(), PROGRAMS[name].first
     assert report.status in ("graded", "crashed"), report.problem
-    if program.first != ANYTHING:
-        assert next((one.id, one.diagnosis) for one in report.checks if one.status == "failed") == program.first
+    if first != ANYTHING:
+        assert next((one.id, one.diagnosis) for one in report.checks if one.status == "failed") == first

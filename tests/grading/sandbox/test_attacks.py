@@ -23,17 +23,31 @@ if TYPE_CHECKING:
 
 
 BEFORE = "of a student graded before"
-MODES = (*attack_modes.OF_USER, *(attack_modes.OF_ROOT if os.getuid() == 0 else ()))
+USUAL = (attack_modes.USER, attack_modes.AS_ROOT)
+MODES = [
+    pytest.param(mode, marks=[] if mode in USUAL else pytest.mark.weekly)
+    for mode in (*attack_modes.OF_USER, *(attack_modes.OF_ROOT if os.getuid() == 0 else ()))
+]
+
+
+class Outcomes(dict[str, dict[str, Any]]):
+    """By mode, once it is asked for: the isolation, and by attack its outcome."""
+
+    def __init__(self, programs: dict[str, str]) -> None:
+        super().__init__()
+        self._programs = programs
+
+    def __missing__(self, mode: str) -> dict[str, Any]:
+        self[mode] = attack_modes.outcomes(mode, self._programs)
+        return self[mode]
 
 
 @pytest.fixture(scope="module")
-def outcomes() -> Iterator[dict[str, dict[str, Any]]]:
-    """By mode: the isolation, and by attack its outcome."""
+def outcomes() -> Iterator[Outcomes]:
     with ExitStack() as stack:
         # Not pytest's folder, which is private: what every user may read has to be safe.
         folder = stack.enter_context(tempfile.TemporaryDirectory())
-        programs = prepared(stack, Path(folder))
-        yield {mode: attack_modes.outcomes(mode, programs) for mode in MODES}
+        yield Outcomes(prepared(stack, Path(folder)))
 
 
 def prepared(stack: ExitStack, folder: Path) -> dict[str, str]:
@@ -64,7 +78,7 @@ def prepared(stack: ExitStack, folder: Path) -> dict[str, str]:
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("attack", ATTACKS)
-def test_attack_is_held_or_admitted(attack: str, mode: str, outcomes: dict[str, dict[str, Any]]) -> None:
+def test_attack_is_held_or_admitted(attack: str, mode: str, outcomes: Outcomes) -> None:
     found: Isolation = outcomes[mode]["isolation"]
     outcome = outcomes[mode][attack]
     assert not outcome["problem"]
@@ -80,31 +94,29 @@ def test_attack_is_held_or_admitted(attack: str, mode: str, outcomes: dict[str, 
 
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("mode", MODES)
-def test_a_program_that_only_ends_is_over_no_limit(mode: str, outcomes: dict[str, dict[str, Any]]) -> None:
+def test_a_program_that_only_ends_is_over_no_limit(mode: str, outcomes: Outcomes) -> None:
     """While a process ends, its descriptors can be seen by root alone, as those of one that hides."""
     ended = [BEFORE, "lends_its_output", "reads_a_file", "makes_strange_sockets"]
     found = {name: outcomes[mode][name]["results"][0]["diagnosis"] for name in ended}
     assert not any(diagnosis.startswith("limit") for diagnosis in found.values()), found
 
 
-def test_everything_is_isolated_where_namespaces_are_allowed(outcomes: dict[str, dict[str, Any]]) -> None:
+def test_everything_is_isolated_where_namespaces_are_allowed(outcomes: Outcomes) -> None:
     """Without it the rows above would show little."""
     restricted = Path("/proc/sys/kernel/apparmor_restrict_unprivileged_userns")
     if restricted.exists() and restricted.read_text().strip() == "1":
         assert outcomes[attack_modes.USER]["isolation"].reason
         return
-    for mode in {attack_modes.USER, attack_modes.AS_ROOT}.intersection(MODES):
+    for mode in USUAL[: 2 if os.getuid() == 0 else 1]:
         assert outcomes[mode]["isolation"].full, outcomes[mode]["isolation"].describe()
 
 
-def test_the_table_says_what_held(
-    outcomes: dict[str, dict[str, Any]], record_property: Callable[[str, object], None]
-) -> None:
+def test_the_table_says_what_held(outcomes: Outcomes, record_property: Callable[[str, object], None]) -> None:
     lines = ["# Attacks on the grader", "", "Written by the tests from what happened in their last run.", ""]
     lines += [f"- **{mode}**: {found['isolation'].describe()}." for mode, found in outcomes.items()]
-    lines += ["", f"| a submission | {' | '.join(MODES)} | what holds it |", f"|---|{'---|' * len(MODES)}---|"]
+    lines += ["", f"| a submission | {' | '.join(outcomes)} | what holds it |", f"|---|{'---|' * len(outcomes)}---|"]
     for name, attack in ATTACKS.items():
-        held = [_held(outcomes[mode][name]) for mode in MODES]
+        held = [_held(outcomes[mode][name]) for mode in outcomes]
         lines.append(f"| {attack.tries} | {' | '.join(held)} | {attack.held_by} |")
     record_property(TABLE, "\n".join(lines))
     assert len(lines) > len(ATTACKS)
