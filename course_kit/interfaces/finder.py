@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from _thread import allocate_lock, get_ident
-from importlib.machinery import ModuleSpec
+from importlib.machinery import ModuleSpec, PathFinder
 from types import ModuleType
 
 from course_kit.interfaces import sources
@@ -116,6 +116,10 @@ class _TypesModule(ModuleType):
         if name == "__all__":
             return sorted(finder.names(self.__name__))
         found = None if name.startswith("__") or not name[:1].isupper() else finder.find(self.__name__, name)
+        if found is None and not name.startswith("__") and name in finder.names(self.__name__):
+            from course_kit.interfaces.parser import parse_type_name
+
+            parse_type_name(f"{self.__name__.replace('.', '/')}/{name}")  # there is a file, and its name is no type's
         if found is None:
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}", name=name, obj=self)
         return found
@@ -137,9 +141,25 @@ def _new_library() -> Library:
     return Library(lambda name: sources.find_text(*name))
 
 
+class PackagesFirst(PathFinder):
+    """Python's own finder, for which a folder without an `__init__.py` hides no package of the kit (PEP 420)."""
+
+    @classmethod
+    def find_spec(
+        cls, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Find a module; a namespace package only where no finder behind this one has a package of that name."""
+        spec = super().find_spec(fullname, path, target)
+        if spec is None or spec.loader is not None or path is not None:
+            return spec
+        behind = sys.meta_path[sys.meta_path.index(cls) + 1 :] if cls in sys.meta_path else []
+        return next((found for finder in behind if (found := finder.find_spec(fullname, None)) is not None), spec)
+
+
 def install() -> None:
     """Put the finder last on `sys.meta_path`; calling it again changes nothing."""
     if not any(isinstance(finder, LiveFinder) for finder in sys.meta_path):
+        sys.meta_path[:] = [PackagesFirst if finder is PathFinder else finder for finder in sys.meta_path]
         sys.meta_path.append(LiveFinder())
 
 

@@ -34,7 +34,7 @@ def types(package: str | None = None, kind: str | None = None) -> list[str]:
         reason = f"No package {package!r} with interfaces is installed or defined."
         raise InterfaceNotFoundError(package, hints.nearest(package, known), reason)
     found = {name for each in ([package] if package else known) for name in _types_of(each)}
-    return sorted(name for name in found if kind in (None, name.split("/")[1]))
+    return sorted(name for name in found if kind in (None, name.split("/")[1]) and _can_name(name.split("/")[2]))
 
 
 def get_type(type_name: str) -> type[Any]:
@@ -86,7 +86,15 @@ def full_name(type_name: str) -> str:
         raise InterfaceNotFoundError(type_name, None, f"{type_name!r} could be {choice}: use the full name.")
     if not fitting:
         raise InterfaceNotFoundError(type_name, _nearest(parts))
+    if not _can_name(fitting[0].split("/")[2]):
+        from course_kit.interfaces.parser import parse_type_name
+
+        parse_type_name(fitting[0])  # a file is there, and says nothing about a name that no type can have
     return fitting[0]
+
+
+def _can_name(name: str) -> bool:
+    return name.isalnum() and name[0].isupper()
 
 
 def _fits(name: list[str], wanted: list[str]) -> bool:

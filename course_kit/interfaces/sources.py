@@ -81,9 +81,22 @@ def first_text(places: Iterable[str], *parts: str) -> str | None:
         try:
             with open(path, encoding="utf-8") as file:  # noqa: PTH123
                 return file.read()
+        except UnicodeDecodeError as error:
+            raise _not_utf8(path, error) from None
         except OSError:
             continue
     return None
+
+
+def _not_utf8(path: str, error: UnicodeDecodeError) -> Exception:
+    from course_kit.interfaces.errors import InterfaceDefinitionError
+
+    before = error.object[: error.start]
+    line = error.object.splitlines()[before.count(b"\n")].decode(errors="replace")
+    package, kind, file = path.split(os.sep)[-3:]  # noqa: PTH206
+    expected = f"Expected UTF-8, and byte 0x{error.object[error.start]:02x} is none: save {path} with this encoding."
+    name = f"{package}/{kind}/{file.rpartition('.')[0]}"
+    return InterfaceDefinitionError(name, before.count(b"\n") + 1, line, expected)
 
 
 def names(package: str, kind: str) -> set[str]:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.launch.errors import LaunchError
-from course_kit.launch.source_packages import installed
+from course_kit.launch.source_packages import installed, is_one
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
@@ -36,13 +36,21 @@ _NAME = re.compile(r"<name>\s*([A-Za-z0-9][\w-]*)\s*</name>")
 
 def make_known(near: Iterable[Path]) -> None:
     """Have this process, and those it starts, find the packages there are."""
+    sources = sources_near(near)
+    _join("PYTHONPATH", (str(folder.resolve()) for folder in sources.values() if is_one(folder)))
     known = [folder for folder in os.environ.get(VARIABLE, "").split(os.pathsep) if folder]
     if sys.prefix not in known:
         known.append(sys.prefix)
-    made = _linked(sources_near(near))
+    made = _linked(sources)
     if made is not None and str(made) not in known:
         known.insert(0, str(made))
     os.environ[VARIABLE] = os.pathsep.join(known)
+
+
+def _join(variable: str, folders: Iterable[str]) -> None:
+    """Add folders at the end of a search path of the environment."""
+    known = [folder for folder in os.environ.get(variable, "").split(os.pathsep) if folder]
+    os.environ[variable] = os.pathsep.join(dict.fromkeys((*known, *folders)))
 
 
 def prefix_of(package: str) -> str:

@@ -5,6 +5,7 @@ rclpy checks fields with assertions, whose text names neither the message nor a 
 
 from __future__ import annotations
 
+import base64
 import math
 import re
 import textwrap
@@ -51,6 +52,9 @@ def fill_from_yaml(message: Message, fields: Fields, owner: str) -> None:
 
 def unknown_field(field: object, known: Mapping[str, str], owner: str) -> str:
     """What to say about a field that a message does not have."""
+    name, colon, rest = str(field).partition(":")
+    if colon and name in known:
+        return f"YAML wants a blank behind the colon: write {name}: {rest}, not {field}."
     if not known:
         return f"There is no field {field!r} in {owner}; it has none."
     near = nearest(str(field), known)
@@ -130,15 +134,23 @@ def _from_yaml(value: Any, field_type: str, field: str, now: Any = None) -> Any:
         return _fit_integer(value, int(integer[2]), field, signed=not integer[1])
     if field_type in _FLOATS:
         return _fit_float(value, field_type, field)
-    if field_type == "boolean":
-        if value in (True, False) and not isinstance(value, float):
-            return bool(value)
-    elif field_type == "octet":
-        if isinstance(value, int) and 0 <= value < _BYTE:
-            return bytes([value])
-    elif "string" in field_type:
+    if field_type == "octet":
+        return _fit_byte(value, field)
+    if "string" in field_type:
         return _fit_text(value, field_type, field)
+    if value in (True, False) and not isinstance(value, float):  # a boolean
+        return bool(value)
     raise _unfit(value, field_type, field)
+
+
+def _fit_byte(value: object, field: str) -> bytes:
+    """One byte, as YAML has it; ROS 2 refuses numbers."""
+    if isinstance(value, bytes) and len(value) == 1:
+        return value
+    hint = ""
+    if type(value) is int and 0 <= value < _BYTE:
+        hint = f" Write !!binary {base64.b64encode(bytes([value])).decode()} in its place, as in ROS 2."
+    raise BadFieldError(f"{_unfit(value, 'octet', field)}{hint}")
 
 
 def _fit_text(value: object, field_type: str, field: str) -> str:
@@ -176,9 +188,11 @@ def _fit_float(value: object, field_type: str, field: str) -> float:
 
 
 def _fit_list(value: object, listed: re.Match[str], field_type: str, field: str) -> list[object]:
+    parts = listed.groupdict()
+    if isinstance(value, bytes) and parts["element"] == "uint8":
+        value = list(value)
     if not isinstance(value, list):
         raise _unfit(value, field_type, field)
-    parts = listed.groupdict()
     if parts.get("length") and len(value) != int(parts["length"]):
         raise BadFieldError(f"The field {field!r} takes exactly {parts['length']} values, not {len(value)}.")
     if parts.get("bound") and len(value) > int(parts["bound"]):

@@ -46,6 +46,8 @@ def shown_lines(name: str, *, comments: bool, inner_comments: bool) -> Iterator[
         text = interfaces.text_of(name)
     except LookupError as problem:
         raise unknown(name) from problem
+    except ValueError as problem:
+        raise CommandError(str(problem)) from problem
     yield from _lines(text.rstrip("\n"), name.partition("/")[0], comments, inner_comments, "")
 
 

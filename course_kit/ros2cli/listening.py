@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rclpy.subscription import Subscription
 
     from course_kit.ros.messages import Message, MessageType
+    from course_kit.ros.topic import MessageInfo
     from course_kit.ros2cli.session import Session
     from course_kit.ros2cli.text import Layout
 
@@ -31,11 +32,25 @@ _SPIN_S = 0.5
 _NS = 1e9
 
 
+class _Informed(Inbox):
+    """An inbox that keeps what rclpy tells of each message beside it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.infos: deque[MessageInfo] = deque()
+
+    def take(self, message: Message, info: MessageInfo) -> None:
+        """Take one message in."""
+        self.infos.append(info)
+        super().take(message, info)
+
+
 class Received(NamedTuple):
     """A message, bytes where it is not to be read, and when it came, in seconds of the system's clock."""
 
     at: float
     message: Any
+    info: MessageInfo
 
 
 class Listener:
@@ -43,7 +58,7 @@ class Listener:
 
     def __init__(self, options: Namespace, session: Session, topic: str) -> None:
         self._options, self._session, self._topic = options, session, topic
-        self._inbox = Inbox()
+        self._inbox = _Informed()
         self._matches = _filter_of(getattr(options, "filter_expr", None))
 
     def echo(self, layout: Layout) -> None:
@@ -53,9 +68,12 @@ class Listener:
         options = self._options
         self.subscribe(wait=False, raw=options.raw)
         while True:
-            shown = self._field(self.next().message)
+            received = self.next()
+            shown = self._field(received.message)
             if not self._matches(shown):
                 continue
+            if options.include_message_info:
+                print(f"---Got new message, message info:---\n{received.info}\n---Message data:---", flush=True)
             if not hasattr(shown, "get_fields_and_field_types"):
                 print(f"{shown}\n---", flush=True)
             elif options.csv:
@@ -94,7 +112,8 @@ class Listener:
             if waited >= _WORD_AFTER and not told:
                 told = True
                 sys.stderr.write(f"{self._silence(_WORD_AFTER)} Still listening; Ctrl-C ends it.\n")
-        return Received(self._inbox.times.popleft(), self._inbox.messages.popleft())
+        inbox = self._inbox
+        return Received(inbox.times.popleft(), inbox.messages.popleft(), inbox.infos.popleft())
 
     def next_matching(self) -> Received:
         """The next message for which the filter holds."""

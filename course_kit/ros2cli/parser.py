@@ -51,6 +51,10 @@ _ONLY_IN_ROS = {
     "pkg": ("create", "xml"),
     "doctor": ("hello",),
 }
+_OPTIONS_ONLY_IN_ROS = {
+    "launch": "-d --debug -p --print -a --show-all-subprocesses-output --launch-prefix --launch-prefix-filter",
+    "topic": "--qos-liveliness --qos-liveliness-lease-duration-seconds",
+}
 _INSTEAD = {
     "create": "a folder with your program in it is enough: `ros2 run` finds it",
 }
@@ -88,6 +92,8 @@ class _Help(argparse.HelpFormatter):
 class Parser(argparse.ArgumentParser):
     """An ArgumentParser whose errors are one line."""
 
+    command = ""  # of the words being read
+
     def __init__(self, **options: Any) -> None:
         if sys.version_info >= (3, 14):
             options = {"color": False, **options}
@@ -105,15 +111,27 @@ class Parser(argparse.ArgumentParser):
             near = did_you_mean(wrong["word"], choices) or f" There are: {', '.join(choices)}."
             message = f"{message[: wrong.start()]}there is no {wrong['word']!r}.{near}"
         elif unknown := re.fullmatch(r"unrecognized arguments: (.*)", message):
-            message = f"unknown: {unknown[1]} (--help shows what there is)"
+            message = _unknown(self.command, unknown[1])
         sys.stderr.write(f"{self.prog}: {message}\n")
         raise SystemExit(2)
+
+
+def _unknown(command: str, words: str) -> str:
+    """What to say of words that nobody takes."""
+    if "}" in words or "{" in words:
+        return f"the shell has taken the values apart at their blanks (left over: {words}): put '...' around {{...}}"
+    option = words.split(maxsplit=1)[0].partition("=")[0]
+    if option in _OPTIONS_ONLY_IN_ROS.get(command, "").split():
+        return f"{option} exists in ROS 2; this course does not have it. It is in a full installation of ROS 2."
+    return f"unknown: {words} (--help shows what there is)"
 
 
 def command_parser(arguments: Sequence[str]) -> Parser:
     """A parser for these arguments, with only the verbs of the command that is meant; all when none is."""
     named = next((word for word in arguments if not word.startswith("-")), None)
-    return build([named] if named in COMMANDS else [])
+    parser = build([named] if named in COMMANDS else [])
+    parser.command = named or ""
+    return parser
 
 
 def build(commands: Sequence[str]) -> Parser:
@@ -155,6 +173,13 @@ def add_timeout(
     verb.add_argument(
         "--timeout", type=_seconds, default=default, metavar="SECONDS", help=f"{purpose} (default: {usual})"
     )
+
+
+def add_values(verb: argparse.ArgumentParser, name: str, purpose: str) -> None:
+    """The fields of a message, typed or from standard input."""
+    what = verb.add_mutually_exclusive_group()
+    what.add_argument(name, nargs="?", help=purpose)
+    what.add_argument("--stdin", action="store_true", help="read the fields from standard input")
 
 
 def add_node_options(verb: argparse.ArgumentParser) -> None:

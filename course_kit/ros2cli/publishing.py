@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from typing import TYPE_CHECKING
 
@@ -10,7 +9,7 @@ from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli import qos, types
 from course_kit.ros2cli.errors import CommandError
-from course_kit.ros2cli.values import TypedValues
+from course_kit.ros2cli.values import TypedValues, typed
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -31,7 +30,7 @@ def publish(options: Namespace, session: Session, topic: str) -> None:
     if not wanted and options.max_wait is not None:
         raise CommandError("--max-wait-time-secs needs --wait-matching-subscriptions, --once or --times.")
     message_type = types.find_type(options.message_type, "msg")
-    values = TypedValues(sys.stdin.read() if options.stdin else options.values, type_name(message_type))
+    values = TypedValues(typed(options, "values"), type_name(message_type))
     message = message_type()
     values.put_into(message)
     if options.node_name:

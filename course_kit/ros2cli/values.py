@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.errors import CommandError
 
 if TYPE_CHECKING:
+    from argparse import Namespace
+
     from course_kit.ros.messages import Message
 
 _OF_THE_MOMENT = ("now", "auto")  # what a time and a header may be given as
@@ -41,6 +44,12 @@ class TypedValues:
 def fill(message: Message, text: str | None, owner: str) -> None:
     """Set the fields of a message from YAML text such as '{a: 1, b: 2}'."""
     TypedValues(text, owner).put_into(message)
+
+
+def typed(options: Namespace, name: str) -> str | None:
+    """What was typed as the values, or comes from standard input with `--stdin`."""
+    text: str | None = sys.stdin.read() if options.stdin else getattr(options, name)
+    return text
 
 
 def _holds(value: object, words: tuple[str, ...]) -> bool:

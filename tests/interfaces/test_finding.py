@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import subprocess
 import sys
@@ -83,7 +84,7 @@ def test_the_finder_costs_nothing_at_the_start_of_python() -> None:
         finder.install()
         print([name for name in {HEAVY!r} if name in sys.modules])
         names = [getattr(each, "__name__", type(each).__name__) for each in sys.meta_path]
-        print(names.count("LiveFinder"), names.index("LiveFinder") > names.index("PathFinder"))
+        print(names.count("LiveFinder"), names.index("LiveFinder") > names.index("PackagesFirst"))
         """)
     assert printed == "[]\n1 True\n"
 
@@ -287,3 +288,51 @@ def test_the_public_names_are_loaded_when_they_are_used() -> None:
     assert set(interfaces.__all__) <= set(dir(interfaces))
     with pytest.raises(AttributeError, match="no_such_name"):
         _ = interfaces.no_such_name
+
+
+def in_folder(folder: Path, package: str, file: str, text: bytes) -> Path:
+    path = folder / package / file
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(text)
+    return path
+
+
+def test_a_folder_beside_a_program_does_not_hide_its_interfaces(tmp_path: Path) -> None:
+    """`python -c` and `python program.py` look beside themselves first, where the folder is a namespace package."""
+    in_folder(tmp_path, "door_interfaces", "srv/Open.srv", b"int32 width\n---\nbool done\n")
+    in_folder(tmp_path, "plain_folder", "data.txt", b"")
+    here = f"import os, sys; os.chdir({str(tmp_path)!r}); sys.path.insert(0, '')\n"
+    program = "from door_interfaces.srv import Open; import plain_folder; print(Open.Request(width=2), plain_folder)"
+    printed = run(here + program, COURSE_KIT_INTERFACE_PATH=str(tmp_path))
+    assert "Open_Request(width=2) <module 'plain_folder' (" in printed
+    in_folder(tmp_path, "door_interfaces", "__init__.py", b"made = 'by its author'")
+    program = "import door_interfaces; print(door_interfaces.made)"
+    assert "by its author" in run(here + program, COURSE_KIT_INTERFACE_PATH=str(tmp_path))
+
+
+def test_a_definition_that_is_not_utf8_is_named_with_its_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = "bool on\nfloat64 value # °C\n---\n".encode("latin-1")
+    path = in_folder(tmp_path, "heat_interfaces", "srv/Heat.srv", text)
+    monkeypatch.setenv("COURSE_KIT_INTERFACE_PATH", str(tmp_path))
+    for ask in (interfaces.text_of, interfaces.get_type):
+        with pytest.raises(interfaces.InterfaceDefinitionError, match=r"^heat_interfaces/srv/Heat, line 2: ") as caught:
+            ask("heat_interfaces/srv/Heat")
+        assert str(caught.value).endswith(f"Expected UTF-8, and byte 0xb0 is none: save {path} with this encoding.")
+
+
+@pytest.mark.parametrize("name", ["robot_state", "Robot_State"])
+def test_a_definition_whose_file_has_a_name_that_no_type_can_have(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    in_folder(tmp_path, "box_interfaces", f"msg/{name}.msg", b"int32 a\n")
+    monkeypatch.setenv("COURSE_KIT_INTERFACE_PATH", str(tmp_path))
+    for ask in (interfaces.text_of, interfaces.get_type, imported):
+        with pytest.raises(
+            interfaces.InterfaceDefinitionError, match=f"'{name}' cannot name an interface: .*RobotState"
+        ):
+            ask(f"box_interfaces/msg/{name}")
+    assert interfaces.types("box_interfaces") == []
+
+
+def imported(name: str) -> object:
+    return getattr(importlib.import_module("box_interfaces.msg"), name.rpartition("/")[2])

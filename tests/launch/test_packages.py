@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import subprocess
+import sys
 import sysconfig
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
@@ -169,3 +170,19 @@ def installing_into(prefix: Path) -> dict[str, str]:
         AMENT_PREFIX_PATH=str(prefix),
         ROS_DOMAIN_ID=os.environ["ROS_DOMAIN_ID"],
     )
+
+
+def test_a_program_imports_from_another_python_package_of_its_workspace(run: Run, folder: Path) -> None:
+    """As in a workspace that colcon has built and somebody has sourced, by `ros2 launch` and `ros2 run` alike."""
+    for name, text in (("shape_tools", "def square(side): return side * side"), ("shape_node", "")):
+        package = make_package(folder / "src", name)
+        (package / name).mkdir(exist_ok=True)
+        (package / name / "__init__.py").touch()
+        (package / name / "areas.py").write_text(text)
+        (package / "setup.py").write_text(f"setup(entry_points={{'console_scripts': ['area = {name}.area:main']}})")
+    program = "from shape_tools.areas import square\ndef main(): print('area', square(3))\n"
+    (folder / "src" / "shape_node" / "shape_node" / "area.py").write_text(program)
+    assert "area 9\n" in run("Node(package='shape_node', executable='area', output='screen')")
+    command = [sys.executable, "-m", "course_kit.ros2cli", "run", "shape_node", "area"]
+    done = subprocess.run(command, env=environment.child_environment(), capture_output=True, text=True, check=True)
+    assert done.stdout == "area 9\n"

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
+import yaml
 from geometry_msgs.msg import Point, Pose
+from std_msgs.msg import Byte, ByteMultiArray, UInt8MultiArray
 
 from course_kit.ros.errors import BadFieldError
 from course_kit.ros.filling import fill_from_yaml, make
@@ -57,3 +59,23 @@ def test_only_what_was_typed_is_made_to_fit() -> None:
 def test_what_a_message_inside_refuses_is_said_of_that_message() -> None:
     with pytest.raises(BadFieldError, match=r"'x' in position, a geometry_msgs/Point, has the type float64"):
         make(Pose, {"position": {"x": "far"}}, "a pose")
+
+
+def test_a_byte_is_what_yaml_calls_binary() -> None:
+    """ros2cli issue 760: the only way to fill a byte in ROS 2, which refuses numbers."""
+    one, many = Byte(), ByteMultiArray()
+    fill_from_yaml(one, yaml.safe_load("{data: !!binary Aw==}"), "a byte")
+    fill_from_yaml(many, yaml.safe_load("{data: [!!binary AQ==, !!binary Ag==]}"), "bytes")
+    assert (one.data, many.data) == (b"\3", [b"\1", b"\2"])
+    image = UInt8MultiArray()
+    fill_from_yaml(image, yaml.safe_load("{data: !!binary AQI=}"), "an image")
+    assert list(image.data) == [1, 2]
+    with pytest.raises(BadFieldError, match=r"'data' is a byte; 3 is an integer\. Write !!binary Aw== in its place"):
+        fill_from_yaml(Byte(), {"data": 3}, "a byte")
+    with pytest.raises(BadFieldError, match=r"'data\[0\]' is a byte; 1 is an integer\. Write !!binary AQ=="):
+        fill_from_yaml(ByteMultiArray(), {"data": [1]}, "bytes")
+
+
+def test_a_colon_without_a_blank_behind_it_is_said() -> None:
+    with pytest.raises(BadFieldError, match=r"YAML wants a blank behind the colon: write x: 1, not x:1"):
+        fill_from_yaml(Pose(), {"position": yaml.safe_load("{x:1, y: 2}")}, "a pose")

@@ -8,6 +8,7 @@ import textwrap
 from typing import TYPE_CHECKING
 
 import pytest
+import yaml
 
 from course_kit import environment
 from course_kit.ros2cli import text
@@ -37,6 +38,7 @@ class Guide(Node):
         self.declare_parameter("speed", 1.0)
         self.declare_parameter("name", "rover")
         self.declare_parameter("arm.reach", 2)
+        self.declare_parameter("arm.reach.most", 3)
         self.declare_parameter("later", Parameter.Type.INTEGER)
         self.words = self.create_publisher(String, "words", 10)
         self.numbers = self.create_publisher(Int32MultiArray, "numbers", 10)
@@ -142,6 +144,16 @@ def test_a_parameter_that_is_declared_without_a_value(guide: Ros2) -> None:
     assert "has no 'latr'. Did you mean later?" in guide("param", "get", "/tour/guide", "latr").stderr
 
 
+def test_a_dump_of_a_parameter_whose_name_is_that_of_a_group_too(guide: Ros2) -> None:
+    dumped = yaml.safe_load(output(guide, "param", "dump", "/tour/guide", "--include-hidden-nodes"))
+    assert sorted(dumped["/tour/guide"]["ros__parameters"]["arm"]) == ["reach", "reach.most"]
+
+
+def test_a_parameter_without_limits_is_described_as_by_the_real_one(guide: Ros2) -> None:
+    described = output(guide, "param", "describe", "/tour/guide", "name")
+    assert described == "Parameter name: name\n  Type: string\n  Constraints:\n"
+
+
 def test_dots_at_the_end_of_a_text_stay(guide: Ros2) -> None:
     shown = output(guide, "topic", "echo", "--once", "--filter", "m.data.startswith('wait')", "/tour/words")
     assert shown == "data: wait...\n---\n"
@@ -163,6 +175,7 @@ def _string(content: str) -> object:
         (("--csv",), "0,1,7\n"),
         (("--no-arr", "--flow-style"), "<sequence type: int32, length: 2>"),
         (("--raw",), "b'\\x00\\x01\\x00\\x00"),
+        (("-i",), "---Got new message, message info:---\n{'source_timestamp': "),
     ],
 )
 def test_echo_shows_messages_as_the_real_one_does(guide: Ros2, options: tuple[str, ...], wanted: str) -> None:
@@ -244,6 +257,11 @@ def test_standard_input(guide: Ros2) -> None:
         words, input="data: typed\n", env=guide.environ, capture_output=True, text=True, timeout=60, check=True
     )
     assert "std_msgs.msg.String(data='typed')" in done.stdout
+    words = [*OURS, "service", "call", "/tour/power", "std_srvs/srv/SetBool", "--stdin"]
+    done = subprocess.run(
+        words, input="{data: true}", env=guide.environ, capture_output=True, text=True, timeout=60, check=True
+    )
+    assert "SetBool_Request(data=True)" in done.stdout
 
 
 @pytest.mark.parametrize(
@@ -285,6 +303,12 @@ def test_interfaces_of_a_package_by_kind(guide: Ros2) -> None:
         (("bag", "record"), "'bag' exists in ROS 2; this course does not have it"),
         (("pkg", "create", "x"), "'create' exists in ROS 2; this course does not have it"),
         (("topc", "list"), "Did you mean topic?"),
+        (("launch", "-d", "it.launch.py"), "-d exists in ROS 2; this course does not have it"),
+        (("topic", "echo", "/x", "--qos-liveliness", "automatic"), "--qos-liveliness exists in ROS 2"),
+        (
+            ("service", "call", "/x", "std_srvs/srv/SetBool", "{data:", "true}"),
+            "the shell has taken the values apart at their blanks (left over: true}): put '...' around {...}",
+        ),
     ],
 )
 def test_what_only_the_real_one_has_is_told_apart_from_a_typo(guide: Ros2, words: tuple[str, ...], wanted: str) -> None:

@@ -25,7 +25,7 @@ from course_kit.ros2cli.errors import CommandError
         (Float32(), "data: 1", "data", 1.0),
         (Float32(), "data: 1e3", "data", 1000.0),
         (UInt8MultiArray(), "data: [1, 255]", "data", [1, 255]),
-        (ByteMultiArray(), "data: [0, 255]", "data", [b"\x00", b"\xff"]),
+        (ByteMultiArray(), "data: [!!binary AA==, !!binary /w==]", "data", [b"\x00", b"\xff"]),
     ],
 )
 def test_values_that_fit(message: object, text: str, field: str, wanted: object) -> None:
@@ -73,6 +73,7 @@ def test_not_a_number_is_a_float() -> None:
         (UInt8(), "{data: -1}", "The field 'data' is a uint8, from 0 to 255; -1 is out of range."),
         (Float32(), "{data: 1.0e+39}", "The field 'data' is a float32; 1e+39 is out of range."),
         (Float32(), "{data: fast}", "The field 'data' is a float32; 'fast' is a string."),
+        (Int8(), "{data:1}", "YAML wants a blank behind the colon: write data: 1, not data:1."),
         (String(), "{data: [1]}", "The field 'data' is a string; [1] is a list."),
         (String(), "hello", "m takes its fields as '{data: ...}', not 'hello'."),
         (Twist(), "{linear: {w: 1}}", "There is no field 'w' in linear, a geometry_msgs/Vector3; it has x, y, z."),

@@ -9,7 +9,7 @@ from course_kit.ros.graph import RUNS, SENDS_GOALS
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.graph import Graph, visible
-from course_kit.ros2cli.parser import add_graph_options, add_named, add_timeout, add_verbs
+from course_kit.ros2cli.parser import add_graph_options, add_named, add_timeout, add_values, add_verbs
 from course_kit.ros2cli.verbs._listing import add_about, add_list, add_type, checked_name, graph_of, print_names
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def add_to(place: ArgumentParser) -> None:
     add_graph_options(info)
     goal = add_about(verbs, "action", "send_goal", _send_goal, "Send a goal; Ctrl-C cancels it")
     add_named(goal, "action_type", "action_types", help="such as example_interfaces/action/Fibonacci")
-    goal.add_argument("goal", nargs="?", help="the goal's fields as YAML, such as '{order: 5}'")
+    add_values(goal, "goal", "the goal's fields as YAML, such as '{order: 5}'")
     goal.add_argument("-f", "--feedback", action="store_true", help="show the feedback as it comes")
     add_timeout(goal, "seconds to wait at most for the server, its decision, and between two signs of life")
 
@@ -59,7 +59,7 @@ def _send_goal(options: Namespace, session: Session) -> None:
     node = session.node  # before the type is imported: the graph is being discovered meanwhile
     action_type = types.find_type(options.action_type, "action")
     goal = action_type.Goal()
-    values.fill(goal, options.goal, f"{type_name(action_type)}_Goal")
+    values.fill(goal, values.typed(options, "goal"), f"{type_name(action_type)}_Goal")
     sending = SentGoal(session, node, action_type, name, options.timeout)
     try:
         sending.run(goal, show_feedback=options.feedback)

@@ -53,6 +53,7 @@ def _add(verbs: Verbs, name: str, run: Run, purpose: str, *, node: bool = True) 
     verb = add_verb(verbs, name, run, purpose)
     if node:
         add_of_kind(verb, "node")
+        verb.add_argument("--include-hidden-nodes", action="store_true", help="accepted; a named node is always found")
     add_graph_options(verb)
     return verb
 
@@ -133,8 +134,7 @@ def _describe(options: Namespace, session: Session) -> None:
         print(f"  Type: {type_in_words(descriptor)}")
         if descriptor.description:
             print(f"  Description: {descriptor.description}")
-        if constraints := list(_constraints(descriptor)):
-            print("  Constraints:", *constraints, sep="\n    ")
+        print("  Constraints:", *_constraints(descriptor), sep="\n    ")
 
 
 def _constraints(descriptor: Message) -> list[str]:
@@ -156,11 +156,10 @@ def _dump(options: Namespace, session: Session) -> None:
     names = sorted(client.ask(parameters.names()))
     found: dict[str, Any] = {}
     for name, value in zip(names, client.ask(parameters.values(names)), strict=True):
-        *groups, last = name.split(".")
-        place = found
-        for group in groups:
-            place = place.setdefault(group, {})
-        place[last] = plain_value(value)
+        place, groups = found, name.split(".")
+        while len(groups) > 1 and isinstance(place.get(groups[0], {}), dict):  # else a parameter has the group's name
+            place = place.setdefault(groups.pop(0), {})
+        place[".".join(groups)] = plain_value(value)
     print(yaml.safe_dump({checked_name(options.node_name): {"ros__parameters": found}}, default_flow_style=False))
 
 

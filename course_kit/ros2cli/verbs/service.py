@@ -10,7 +10,7 @@ from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
 from course_kit.ros2cli.layout_options import add_layout
-from course_kit.ros2cli.parser import add_graph_options, add_named, add_node_options, add_timeout, add_verbs
+from course_kit.ros2cli.parser import add_graph_options, add_named, add_node_options, add_timeout, add_values, add_verbs
 from course_kit.ros2cli.verbs._listing import (
     add_about,
     add_find,
@@ -39,7 +39,7 @@ def add_to(place: ArgumentParser) -> None:
     _add_echo(add_about(verbs, "service", "echo", _echo, "Show what clients and server of a service send"))
     call = add_about(verbs, "service", "call", _call, "Call a service")
     add_named(call, "service_type", "service_types", help="such as std_srvs/srv/SetBool or std_srvs/SetBool")
-    call.add_argument("values", nargs="?", help="the request's fields as YAML, such as '{a: 1, b: 2}'")
+    add_values(call, "values", "the request's fields as YAML, such as '{a: 1, b: 2}'")
     call.add_argument("-r", "--rate", type=float, metavar="N", help="call again and again, N times a second")
     add_timeout(call, "seconds to wait for the service, and for its answer, at most")
 
@@ -86,7 +86,7 @@ def _call(options: Namespace, session: Session) -> None:
     node = session.node  # before the type is imported: the graph is being discovered meanwhile
     service_type = types.find_type(options.service_type, "srv")
     request = service_type.Request()
-    values.fill(request, options.values, f"{type_name(service_type)}_Request")
+    values.fill(request, values.typed(options, "values"), f"{type_name(service_type)}_Request")
     client = ServiceClient(node, service_type, name)
     print("waiting for service to become available...", flush=True)
     _wait_for_server(client, options.timeout, session)

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.graph import Ends, visible
 from course_kit.ros2cli.layout_options import add_layout, layout_of
-from course_kit.ros2cli.parser import add_graph_options, add_named, add_node_options, add_timeout, add_verbs
+from course_kit.ros2cli.parser import (
+    add_graph_options,
+    add_named,
+    add_node_options,
+    add_timeout,
+    add_values,
+    add_verbs,
+)
 from course_kit.ros2cli.qos import add_qos
 from course_kit.ros2cli.verbs._listing import (
     add_about,
@@ -80,6 +87,7 @@ def _add_echo(verb: ArgumentParser) -> None:
     verb.add_argument("--once", action="store_true", help="only the first message")
     verb.add_argument("--field", metavar="NAME", help="only this field, such as pose.position")
     add_layout(verb)
+    verb.add_argument("-i", "--include-message-info", action="store_true", help="with what came beside each message")
     verb.add_argument("--raw", action="store_true", help="the bytes as they came")
     verb.add_argument("--no-lost-messages", action="store_true", help="accepted; lost messages are not reported")
     _add_filter(verb, "show")
@@ -90,9 +98,7 @@ def _add_echo(verb: ArgumentParser) -> None:
 
 def _add_pub(verb: ArgumentParser) -> None:
     add_named(verb, "message_type", "message_types", help="such as std_msgs/msg/String")
-    what = verb.add_mutually_exclusive_group()
-    what.add_argument("values", nargs="?", help="the message's fields as YAML, such as '{data: hello}'")
-    what.add_argument("--stdin", action="store_true", help="read the fields from standard input")
+    add_values(verb, "values", "the message's fields as YAML, such as '{data: hello}'")
     verb.add_argument("-r", "--rate", type=float, default=1.0, metavar="N", help="messages a second (default: 1)")
     often = verb.add_mutually_exclusive_group()
     often.add_argument("-1", "--once", action="store_true", help="one message")
