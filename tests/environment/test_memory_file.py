@@ -9,7 +9,6 @@ import os
 import pytest
 
 from course_kit.environment.memory_file import file_in_memory
-from course_kit.interfaces.native import loader
 
 
 def take_memfd_away(monkeypatch: pytest.MonkeyPatch, number: int | None) -> None:
@@ -41,8 +40,3 @@ def test_too_many_open_files_are_no_reason_to_use_the_disk(monkeypatch: pytest.M
     take_memfd_away(monkeypatch, errno.EMFILE)
     with pytest.raises(OSError, match="Too many open files"):
         file_in_memory("x")
-
-
-def test_more_types_are_loaded_without_memfd(monkeypatch: pytest.MonkeyPatch) -> None:
-    take_memfd_away(monkeypatch, None)
-    assert loader.load_another_helper() is not None

@@ -2,7 +2,7 @@
 
 It works for every class that follows rosidl_generator_py, compiled ones included, and needs only their SLOT_TYPES;
 so a compiled message inside a live one is part of the same generated code. The wire format is that of the OMG's
-"DDS for Extremely Lightweight" family: XCDR1 is written; XCDR1 and XCDR2, in both byte orders, are read.
+"DDS for Extremely Lightweight" family: little-endian XCDR1, which Fast DDS writes.
 """
 
 from course_kit.interfaces.codec.decoder import make_decoder

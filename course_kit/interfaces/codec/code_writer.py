@@ -17,12 +17,11 @@ HEADER_SIZE = 4  # encapsulation: byte order and options
 class CodeWriter:
     """Writes the body of one function, batching fixed-size values into single struct calls."""
 
-    def __init__(self, max_align: int = 8) -> None:
+    def __init__(self) -> None:
         self.lines: list[str] = []
         self.names: dict[str, object] = {}  # constants the generated code refers to
         self._indent = 1
         self._variables = 0
-        self._max_align = max_align
         # The position is known to be `remainder` modulo `modulus`.
         self.modulus, self.remainder = 8, 0
         self.formats: list[str] = []
@@ -48,7 +47,6 @@ class CodeWriter:
 
     def put(self, code: str, size: int, align: int, argument: str) -> None:
         """Add a value of fixed size to the present batch."""
-        align = min(align, self._max_align)
         if self.modulus >= align:
             padding = -self.remainder % align
             if padding:

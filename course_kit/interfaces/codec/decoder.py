@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import array
 import struct
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING, cast
 
 from numpy import dtype as numpy_dtype
 from numpy import frombuffer
@@ -22,19 +22,14 @@ if TYPE_CHECKING:
 
     Decode = Callable[[bytes | memoryview], Message]
 
-ByteOrder = Literal["<", ">"]
-
-# The second byte of a payload: byte order, and whether 8-byte values are aligned to 4 (XCDR2) or 8.
-_ENCODINGS: dict[int, tuple[ByteOrder, int]] = {0: (">", 8), 1: ("<", 8), 6: (">", 4), 7: ("<", 4)}
-_USUAL = 1
+_LITTLE_ENDIAN = 1  # the second byte of a payload; what Fast DDS on this machine's kind of processor writes
 
 
 class Decoder(CodeWriter):
     """Writes code that reads bytes, or a view of them, `u` from offset `o` on; `end` is the payload's length."""
 
-    def __init__(self, byte_order: ByteOrder = "<", max_align: int = 8) -> None:
-        super().__init__(max_align)
-        self._order = byte_order
+    def __init__(self) -> None:
+        super().__init__()
         self._after: list[str] = []  # lines that need the values of the present batch
 
     def source(self, cls: type[Message]) -> str:
@@ -43,14 +38,13 @@ class Decoder(CodeWriter):
         self.flush()
         self.emit(f"return {result}")
         head = "def decode(u):\n    o, end = 4, len(u)\n"
-        if (self._order, self._max_align) == _ENCODINGS[_USUAL]:
-            head += f"    if u[1] != {_USUAL}: return decode_unusual(u)\n"
+        head += f"    if u[1] != {_LITTLE_ENDIAN} or u[0]: unknown_encoding(u)\n"
         return head + "\n".join(self.lines) + "\n"
 
     def flush(self) -> None:
         """Write out the present batch."""
         if self.formats:
-            batch = struct.Struct(self._order + "".join(self.formats))
+            batch = struct.Struct("<" + "".join(self.formats))
             unpack = self.constant("unpack", batch.unpack_from)
             self.emit(f"{', '.join(self.arguments)}, = {unpack}(u, o)")
             self.emit(f"o += {batch.size}")
@@ -98,7 +92,7 @@ class Decoder(CodeWriter):
         self.emit(f"e = o + 4 * {length}" if wide else f"e = o + {length}")
         self.emit("if e > end: truncated()")
         if wide:
-            units = f"struct_unpack('{self._order}%dI' % {length}, u, o)"
+            units = f"struct_unpack('<%dI' % {length}, u, o)"
             self.emit(f"{value} = struct_pack('<%dH' % {length}, *{units}).decode('utf-16-le')")
         else:
             self.emit(f"{value} = str(u[o:e], 'utf-8', 'replace').partition(NUL)[0]")
@@ -115,9 +109,8 @@ class Decoder(CodeWriter):
         size = count * primitive.size
         self.put(f"{size}s", size, primitive.size, values)
         if primitive.array_code:
-            wire = self.constant("dtype", numpy_dtype(primitive.numpy).newbyteorder(self._order))
-            native = self.constant("dtype", numpy_dtype(primitive.numpy))
-            self._after.append(f"{values} = from_buffer({values}, {wire}).astype({native})")
+            dtype = self.constant("dtype", numpy_dtype(primitive.numpy))
+            self._after.append(f"{values} = from_buffer({values}, {dtype}).copy()")
         else:
             self._after.append(f"{values} = {_elements(primitive, values)}")
         return values
@@ -135,14 +128,12 @@ class Decoder(CodeWriter):
         return values
 
     def _primitives(self, primitive: Primitive, length: str, values: str) -> None:
-        if min(primitive.size, self._max_align) > HEADER_SIZE:  # an empty sequence is not padded
+        if primitive.size > HEADER_SIZE:  # an empty sequence is not padded
             self.emit(f"if {length}: o += (4 - o) & 7")
         self.emit(f"e = o + {length} * {primitive.size}")
         self.emit("if e > end: truncated()")
         if primitive.array_code:
             self.emit(f"{values} = array('{primitive.array_code}'); {values}.frombytes(memoryview(u)[o:e])")
-            if self._order == ">" and primitive.size > 1:
-                self.emit(f"{values}.byteswap()")
         else:
             self.emit(f"{values} = {_elements(primitive, 'u[o:e]')}")
         self.emit("o = e")
@@ -170,22 +161,7 @@ def _elements(primitive: Primitive, data: str) -> str:
 
 def make_decoder(cls: type[Message]) -> Decode:
     """Make the function that turns a CDR payload, header included, into a message of `cls`."""
-    unusual: dict[int, Decode] = {}
-
-    def decode_unusual(payload: bytes | memoryview) -> Message:
-        if len(payload) < HEADER_SIZE:
-            runtime.truncated()
-        encoding = payload[1]
-        if payload[0] or encoding not in _ENCODINGS:
-            raise ValueError(f"unknown encapsulation {bytes(payload[:2]).hex()} of a serialized message")
-        if encoding not in unusual:
-            unusual[encoding] = _compile(Decoder(*_ENCODINGS[encoding]), cls)
-        return unusual[encoding](payload)
-
-    return _compile(Decoder(*_ENCODINGS[_USUAL]), cls, decode_unusual=decode_unusual)
-
-
-def _compile(writer: Decoder, cls: type[Message], **extra: object) -> Decode:
+    writer = Decoder()
     source = writer.source(cls)
     namespace: dict[str, object] = {
         **writer.names,
@@ -199,7 +175,7 @@ def _compile(writer: Decoder, cls: type[Message], **extra: object) -> Decode:
         "checks": checks_by_default(),
         "too_long": runtime.too_long,
         "truncated": runtime.truncated,
-        **extra,
+        "unknown_encoding": runtime.unknown_encoding,
     }
     exec(compile(source, f"<CDR decoder of {cls.__module__}.{cls.__name__}>", "exec"), namespace)  # noqa: S102
     return cast("Decode", namespace["decode"])

@@ -24,6 +24,11 @@ def too_long(length: int, bound: int) -> NoReturn:
     raise ValueError(f"a sequence of {length} elements exceeds its bound of {bound}")
 
 
+def unknown_encoding(payload: bytes | memoryview) -> NoReturn:
+    """Refuse a payload that is not plain little-endian CDR."""
+    raise ValueError(f"unknown encapsulation {bytes(payload[:2]).hex()} of a serialized message")
+
+
 def truncated() -> NoReturn:
     """Refuse a payload that ends too early."""
     raise ValueError("the serialized message is truncated")

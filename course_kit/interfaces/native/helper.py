@@ -1,4 +1,4 @@
-"""Makes C-side types with the native helper, and more copies of the helper as types need them."""
+"""Makes C-side types with the native helper."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.interfaces.codec import make_decoder, make_encoder, validation_program
 from course_kit.interfaces.definition import EMPTY_MEMBER
+from course_kit.interfaces.errors import NativeHelperError
 from course_kit.interfaces.field_types import FieldType
 from course_kit.interfaces.live_record import LiveType
 from course_kit.interfaces.message_fields import MessageField, message_fields
 from course_kit.interfaces.native.description_structs import description_of
-from course_kit.interfaces.native.loader import function_address, load_another_helper, load_helper, ros_library
+from course_kit.interfaces.native.loader import function_address, load_helper, ros_library
 from course_kit.interfaces.native.memory import keep, keep_object, keep_text
 from course_kit.interfaces.type_description import full_name
 
@@ -92,8 +93,7 @@ class Helper:
         arguments = (keep_text(full_name(cls)), keep(words.tobytes()), len(words), codec.encode, codec.decode)
         address = self._helper.live_new_type(*arguments)
         if not address:
-            self._helper = load_another_helper()
-            address = self._helper.live_new_type(*arguments)
+            raise NativeHelperError("This program has defined more messages than it has room for: start Python again.")
         codec.live_type = LiveType(self._helper, address)
         return codec.live_type
 

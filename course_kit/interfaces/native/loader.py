@@ -14,7 +14,6 @@ import zlib
 from pathlib import Path
 from typing import Any
 
-from course_kit.environment.memory_file import file_in_memory
 from course_kit.interfaces.errors import NativeHelperError
 from course_kit.interfaces.native.memory import keep_object
 
@@ -95,12 +94,12 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
 }
 
 
-def load_helper(path: Path = LIBRARY) -> ctypes.PyDLL:
-    """Load a copy of the helper, ready for use."""
+def load_helper(path: Path | None = None) -> ctypes.PyDLL:
+    """Load the helper, ready for use."""
     _refuse_other_middleware()
     try:
         # PyDLL keeps the interpreter's lock during calls: the helper's table of types has no lock of its own.
-        helper = ctypes.PyDLL(str(path))
+        helper = ctypes.PyDLL(str(path or LIBRARY))
         for name, (result, arguments) in _SIGNATURES.items():
             function = getattr(helper, name)
             function.restype, function.argtypes = result, arguments
@@ -113,14 +112,6 @@ def load_helper(path: Path = LIBRARY) -> ctypes.PyDLL:
     _refuse_another_source(helper)
     helper.live_setup(ctypes.byref(_imports()))
     return helper
-
-
-def load_another_helper() -> ctypes.PyDLL:
-    """Load one more copy, with a table of types of its own, when the others are full."""
-    descriptor = file_in_memory("course-kit-helper")
-    copy = Path(f"/proc/self/fd/{descriptor}")
-    copy.write_bytes(LIBRARY.read_bytes())
-    return load_helper(copy)
 
 
 def ros_library(name: str) -> ctypes.CDLL:
