@@ -28,6 +28,8 @@ from course_kit.lab.overrides.patches import Patches
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    CellEnd = Callable[..., None]  # told what names lead to, and whether the cell was `stopped` or has `failed`
+
     from course_kit.lab.awaiting import Pending
     from course_kit.lab.notebook.output import Output, Stream
     from course_kit.ros.compat import Compatibility
@@ -43,6 +45,8 @@ class Notebook:
         self._shell = shell
         self._output = output
         self.nodes_run: Callable[[], bool] = lambda: False
+        self.on_end: CellEnd = lambda *_, **__: None
+        self._stop = interrupts.Stop()
         self._not_awaited = NotAwaited()
         self._limits = {name: CellLimit() for name in _STREAMS}
         self._patches = Patches()
@@ -231,13 +235,16 @@ class Notebook:
             limit.begin()
         self._route()
         self._keep_beating()
-        interrupts.let_stop_repeat()
+        self._stop.listen()
 
     def _after_cell(self, result: object) -> None:
         if self._beat is not None:
             self._beat.cancel()
             self._beat = None
         self._output.end_parts()
+        self._output.drain()
+        failed = getattr(result, "error_in_exec", None) is not None
+        self.on_end(list(self._shell.user_ns.values()), stopped=self._stop.was_pressed(), failed=failed)
         self._output.drain()
         for name, limit in self._limits.items():
             if left_out := limit.end():

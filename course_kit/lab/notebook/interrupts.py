@@ -51,24 +51,45 @@ def tell_briefly(
     patches.set(shell, "showtraceback", tell)
 
 
-def let_stop_repeat() -> None:
-    """Have each further press of Stop cancel the cell that is running once more."""
-    if threading.current_thread() is not threading.main_thread():
-        return
-    first = signal.getsignal(signal.SIGINT)
+class Stop:
+    """The Stop button, while a cell runs.
+
+    Of a cell with `await`, ipykernel cancels the task at the first press and never again. Code may keep that to
+    itself: `asyncio.wait_for` does until Python 3.11, when it comes together with what was waited for. So each further
+    press cancels it once more.
+    """
+
+    def __init__(self) -> None:
+        self._presses = 0
+
+    def was_pressed(self) -> bool:
+        """Whether it was, in the cell that has ended now."""
+        return self._presses > 0
+
+    def listen(self) -> None:
+        """A cell begins; ipykernel puts back what was there before it."""
+        self._presses = 0
+        if threading.current_thread() is not threading.main_thread():
+            return
+        first = signal.getsignal(signal.SIGINT)
+        if not callable(first):
+            return
+        loop, task = _running_task()
+        cancels = task is not None and getattr(first, "__module__", "").startswith("ipykernel")
+
+        def press(number: int, frame: FrameType | None) -> None:
+            self._presses += 1
+            if cancels and self._presses > 1:
+                loop.call_soon_threadsafe(task.cancel)
+            first(number, frame)
+
+        press.of_the_lab = True  # type: ignore[attr-defined] # a terminal keeps it from one command to the next
+        if not hasattr(first, "of_the_lab"):
+            signal.signal(signal.SIGINT, press)
+
+
+def _running_task() -> tuple[Any, Any]:
     try:
-        loop, task = asyncio.get_running_loop(), asyncio.current_task()
+        return asyncio.get_running_loop(), asyncio.current_task()
     except RuntimeError:  # a terminal
-        return
-    if task is None or not callable(first) or not getattr(first, "__module__", "").startswith("ipykernel"):
-        return  # a cell without `await`, which Python itself interrupts
-    again = False
-
-    def press(number: int, frame: FrameType | None) -> None:
-        nonlocal again
-        first(number, frame)
-        if again:
-            loop.call_soon_threadsafe(task.cancel)
-        again = True
-
-    signal.signal(signal.SIGINT, press)  # ipykernel puts back what was there before the cell
+        return None, None

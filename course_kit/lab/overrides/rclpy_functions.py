@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from course_kit.lab.runtime.engine import Engine
     from course_kit.ros.messages import Message
 
+_FOR_EVER = "inside a callback would wait for ever: only the thread that runs this callback can take the answer."
+_TURN = 0.01  # seconds for which an executor of the learner's waits in a callback before the lab runs others
 _SLICE = 0.1  # seconds a wait inside the middleware lasts before Python may see an interrupt
 
 
@@ -39,25 +41,42 @@ def install(patches: Patches, lab: Engine) -> None:
     """Replace rclpy's functions; `patches` takes it back."""
     _guard_context(patches, lab)
     _guard_spinning(patches, lab)
+    _guard_spinning_for_a_while(patches, lab)
     _guard_executors(patches, lab)
     _guard_calls(patches, lab)
 
 
 def check_await(lab: Engine, future: Future) -> None:
     """Raise DeadlockError for an await in a callback whose answer could only be taken after that callback."""
+    if not lab.in_callback() or future.done():
+        return
+    if (client := _held_back(lab, future)) is not None:
+        raise DeadlockError(
+            f"This callback and its client for {client.service_name} share one callback group, so the answer "
+            "would have to wait for the callback, and the callback waits for the answer. Give the client its own: "
+            "create_client(..., callback_group=MutuallyExclusiveCallbackGroup())."
+        )
+
+
+def _held_back(lab: Engine, future: Future) -> Client | ActionClient | None:
+    """Whose answer a future is, if the running callback's own group keeps it from being taken."""
     turn = lab.turn()
-    if not lab.in_callback() or turn is None or turn.entity is None or future.done():
-        return
-    group = turn.entity.callback_group
-    if not isinstance(group, MutuallyExclusiveCallbackGroup) or turn.node is None:
-        return
-    for client in turn.node.clients:
-        if client.callback_group is group and any(one is future for one in client._pending_requests.values()):  # noqa: SLF001
-            raise DeadlockError(
-                f"This callback and its client for {client.service_name} share one callback group, so the answer "
-                "would have to wait for the callback, and the callback waits for the answer. Give the client its own: "
-                "create_client(..., callback_group=MutuallyExclusiveCallbackGroup())."
-            )
+    if turn is None or turn.node is None:
+        return None
+    clients = [*turn.node.clients, *(one for one in turn.node.waitables if isinstance(one, ActionClient))]
+    return next((one for one in clients if _excludes(lab, one) and _waits_for(one, future)), None)
+
+
+def _excludes(lab: Engine, client: Client | ActionClient) -> bool:
+    """Whether no answer for a client can be taken while the running callback lasts, in any executor."""
+    turn = lab.turn()
+    group = turn.entity.callback_group if turn is not None and turn.entity is not None else None
+    return isinstance(group, MutuallyExclusiveCallbackGroup) and client.callback_group is group
+
+
+def _waits_for(client: Client | ActionClient, future: Future) -> bool:
+    pending = [named for name, named in vars(client).items() if name.startswith("_pending_")]
+    return any(one is future for futures in pending if isinstance(futures, dict) for one in futures.values())
 
 
 def _guard_context(patches: Patches, lab: Engine) -> None:
@@ -114,7 +133,7 @@ def _ignored(lab: Engine, args: list[str] | None, domain_id: int | None) -> str:
 
 def _guard_spinning(patches: Patches, lab: Engine) -> None:
     def spin(node: Node, executor: Executor | None = None) -> None:
-        _refuse(lab, "rclpy.spin()")
+        _refuse_to_stay(lab, "rclpy.spin()")
         if lab.is_live(node):
             lab.note(f"rclpy.spin(): the lab spins {node.get_name()} in the background already; nothing to do.")
             return
@@ -133,45 +152,74 @@ def _guard_spinning(patches: Patches, lab: Engine) -> None:
         finally:
             executor.remove_node(node)
 
+    patches.set(rclpy, "spin", spin)
+
+
+def _guard_spinning_for_a_while(patches: Patches, lab: Engine) -> None:
     def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
-        _refuse(lab, "rclpy.spin_once()")
         at_most = _SLICE if timeout_sec is None or timeout_sec < 0 else timeout_sec
-        if lab.is_live(node):
+        if lab.in_callback() and lab.is_live(node):
+            _tell_of_spinning(lab, "rclpy.spin_once()", node)
+            lab.run_others(lambda: False, min(at_most, _SLICE))
+        elif lab.is_live(node):
+            if lab.in_execution():
+                _tell_of_spinning(lab, "rclpy.spin_once()", node)
             lab.wait_for_turn(min(at_most, _SLICE))
             lab.flush_output()
-            return
-        _spin_for(node, executor, lambda executor: executor.spin_once(timeout_sec=at_most))
+        else:
+            _spin_for(node, executor, lambda executor: executor.spin_once(timeout_sec=at_most))
 
     def spin_until_future_complete(
         node: Node, future: Future, executor: Executor | None = None, timeout_sec: float | None = None
     ) -> None:
-        _refuse(lab, "rclpy.spin_until_future_complete()")
-        if lab.is_live(node):
+        what = "rclpy.spin_until_future_complete()"
+        endless = timeout_sec is None or timeout_sec < 0
+        if lab.in_callback() and lab.is_live(node):
+            if endless and not future.done() and _held_back(lab, future) is not None:
+                raise DeadlockError(f"{what} {_FOR_EVER} Return, and let add_done_callback() run what comes next.")
+            _tell_of_spinning(lab, what, node)
+            lab.run_others(future.done, timeout_sec)
+        elif lab.is_live(node):
+            if lab.in_execution():
+                _tell_of_spinning(lab, what, node)
             _has_come(lab, future, timeout_sec)
-            return
-        _spin_for(node, executor, lambda executor: _spin_until(executor, future, timeout_sec))
+        else:
+            _spin_for(node, executor, lambda executor: _spin_until(executor, future, timeout_sec))
 
-    patches.set(rclpy, "spin", spin)
     patches.set(rclpy, "spin_once", spin_once)
     patches.set(rclpy, "spin_until_future_complete", spin_until_future_complete)
 
 
 def _guard_executors(patches: Patches, lab: Engine) -> None:
-    def guard(owner: Any, method: str) -> None:
+    def spin(executor: Executor) -> None:
+        _refuse_to_stay(lab, f"{type(executor).__name__}.spin()")
+        lab.spinning.add(executor)
+        try:
+            while executor.context.ok() and not getattr(executor, "_is_shutdown", False):
+                executor.spin_once(timeout_sec=_SLICE)  # in between Python sees that Stop was pressed
+                lab.flush_output()
+        finally:
+            lab.spinning.discard(executor)
+
+    patches.set(Executor, "spin", spin)
+
+    def let_others_run(owner: Any, method: str) -> None:
+        """In a callback an executor of the learner's, for nodes of its own, may wait for a node of the lab."""
         original = getattr(owner, method)
 
-        def guarded(executor: Executor, *arguments: Any, **options: Any) -> Any:
-            if not lab.is_own_executor(executor):
-                _refuse(lab, f"{type(executor).__name__}.{method}()")
+        def spin_once(executor: Executor, *arguments: Any, **options: Any) -> Any:
+            if lab.in_callback():
+                lab.run_others(lambda: False, 0.0)
+                *first, timeout = (*arguments, options.get("timeout_sec")) if options or not arguments else arguments
+                short = isinstance(timeout, (int, float)) and 0 <= timeout < _TURN
+                return original(executor, *first, timeout if short else _TURN)
             return original(executor, *arguments, **options)
 
-        patches.set(owner, method, guarded)
+        patches.set(owner, method, spin_once)
 
-    guard(Executor, "spin")
-    guard(Executor, "spin_until_future_complete")
     for owner in (SingleThreadedExecutor, MultiThreadedExecutor):
-        guard(owner, "spin_once")
-        guard(owner, "spin_once_until_future_complete")
+        let_others_run(owner, "spin_once")
+        let_others_run(owner, "spin_once_until_future_complete")
     add_node = Executor.add_node
 
     def add_node_kept(executor: Executor, node: Node) -> bool:
@@ -190,9 +238,9 @@ def _guard_calls(patches: Patches, lab: Engine) -> None:
     call = Client.call
 
     def call_guarded(client: Client, request: Message, timeout_sec: float | None = None) -> Message:
-        _refuse_to_wait(lab, f"call() of {client.service_name}", "call_async()")
-        if not lab.in_execution():
+        if not lab.in_callback() and not lab.in_execution():
             return call(client, request, timeout_sec)
+        _require_an_answer(lab, client, f"call() of {client.service_name}", "call_async()")
         future = client.call_async(request)
         if not _has_come(lab, future, timeout_sec):
             client.remove_pending_request(future)
@@ -205,19 +253,19 @@ def guard_goals(patches: Patches, lab: Engine) -> None:
     """Replace those functions of action clients that wait; `patches` takes it back."""
 
     def send_goal(client: ActionClient, goal: Message, **options: Any) -> Message:
-        _refuse_to_wait(lab, "send_goal()", "send_goal_async()")
+        _require_an_answer(lab, client, "send_goal()", "send_goal_async()")
         sent = client.send_goal_async(goal, **options)
         _has_come(lab, sent, None)
         return client._get_result(sent.result())  # noqa: SLF001 - as rclpy's own does
 
     def cancel_goal(client: ActionClient, goal_handle: ClientGoalHandle) -> Message:
-        _refuse_to_wait(lab, "cancel_goal()", "cancel_goal_async()")
+        _require_an_answer(lab, client, "cancel_goal()", "cancel_goal_async()")
         future = client._cancel_goal_async(goal_handle)  # noqa: SLF001
         _has_come(lab, future, None)
         return future.result()
 
     def get_result(client: ActionClient, goal_handle: ClientGoalHandle) -> Message:
-        _refuse_to_wait(lab, "get_result()", "get_result_async()")
+        _require_an_answer(lab, client, "get_result()", "get_result_async()")
         future = client._get_result_async(goal_handle)  # noqa: SLF001
         _has_come(lab, future, None)
         return future.result()
@@ -227,30 +275,38 @@ def guard_goals(patches: Patches, lab: Engine) -> None:
     patches.set(ActionClient, "_get_result", get_result)
 
 
-def _refuse_to_wait(lab: Engine, what: str, instead: str) -> None:
-    if lab.in_callback():
-        raise DeadlockError(
-            f"{what} inside a callback would wait for ever: only the thread that runs this callback "
-            f"can take the answer. Use {instead} and add_done_callback() instead."
-        )
+def _require_an_answer(lab: Engine, client: Client | ActionClient, what: str, instead: str) -> None:
+    """In a callback: raise for a call whose answer nobody could take, and say what any other needs in a program."""
+    if not lab.in_callback():
+        return
+    if _excludes(lab, client):
+        raise DeadlockError(f"{what} {_FOR_EVER} Use {instead} and add_done_callback() instead.")
+    lab.note_once(
+        f"{what} inside a callback: the lab runs other callbacks meanwhile. A separate program needs a "
+        "MultiThreadedExecutor for that; with rclpy.spin() it would wait for ever."
+    )
 
 
-def _refuse(lab: Engine, what: str) -> None:
-    """Raise for a function that spins: in a callback it hangs; in an execute callback it takes the node away."""
+def _refuse_to_stay(lab: Engine, what: str) -> None:
+    """Raise in a callback for a function that does not return."""
     if lab.in_callback():
-        raise DeadlockError(
-            f"{what} inside a callback would wait for ever: only the thread that runs this callback "
-            "can take the answer. Return, and let add_done_callback() run what comes next."
-        )
+        raise DeadlockError(f"{what} {_FOR_EVER} Return, and let add_done_callback() run what comes next.")
     if lab.in_execution():
-        raise DeadlockError(
-            f"{what} inside an execute callback would take the node away from the executor that runs it, for good. "
-            "That executor takes the answer meanwhile: wait for the future with an event that add_done_callback() sets."
-        )
+        raise DeadlockError(f"{what} inside an execute callback never returns, so the goal would never end.")
+
+
+def _tell_of_spinning(lab: Engine, what: str, node: Node) -> None:
+    lab.note_once(
+        f"{what} inside a callback of {node.get_name()}: the lab runs other callbacks meanwhile, as rclpy.spin() does "
+        "in a separate program. An executor of the program's own, such as a MultiThreadedExecutor, would lose the node."
+    )
 
 
 def _has_come(lab: Engine, future: Future, timeout: float | None) -> bool:
     """Wait for a future; False if it is not done within `timeout` seconds."""
+    if lab.in_callback():
+        lab.run_others(future.done, timeout)
+        return future.done()
     done = threading.Event()
     future.add_done_callback(lambda _: done.set())
     _wait_in_slices(lab, done, timeout)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import linecache
 import re
 import traceback
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,8 @@ _GIVEN_TO = {  # what rclpy calls a callback with, by the class of what it belon
 def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str:
     """A sentence or two; empty where there is nothing to add."""
     text = error_text(error)
+    if newer := of_newer_ros(error):
+        return newer
     node = node if node is not None else node_in(error)
     if isinstance(error, TypeError) and (found := _ARGUMENTS.search(text)):
         return _on_arguments(found["name"], node, entity)
@@ -37,6 +40,22 @@ def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str
     if type(error).__name__ == "ParameterNotDeclaredException" and (found := _UNDECLARED.search(text)):
         return _on_parameter(found["name"].strip("'[]"), node)
     return ""
+
+
+def of_newer_ros(error: BaseException) -> str:
+    """What to say of `with rclpy.init():`, which the examples of newer versions have; empty for any other error."""
+    text = error_text(error)
+    if not isinstance(error, (TypeError, AttributeError)) or not ("context manager" in text or "__enter__" in text):
+        return ""
+    lines = [
+        linecache.getline(frame.f_code.co_filename, number) for frame, number in traceback.walk_tb(error.__traceback__)
+    ]
+    if not any("rclpy.init(" in line for line in lines[-1:]):
+        return ""
+    return (
+        "This line belongs to a newer ROS 2. In Jazzy rclpy.init() returns nothing, so `with` cannot use it: write "
+        "rclpy.init() on a line of its own, and rclpy.try_shutdown() where the block ends."
+    )
 
 
 def node_in(error: BaseException) -> Any:

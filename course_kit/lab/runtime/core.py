@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import sys
 import threading
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +37,7 @@ class Lab:
         self.output = Output()
         self._notebook = Notebook.of_this_process(self.output)
         self._notebook.nodes_run = lambda: bool(self.nodes())
+        self._notebook.on_end = self._end_strays
         self._engine: Engine | None = None
         self._scripts: Scripts | None = None
         self._recorder: Recording | None = None
@@ -218,6 +220,21 @@ class Lab:
         self.tell_once(found.sentences())
         _at_exit(self.close)
         return engine
+
+    def _end_strays(self, named: Iterable[object], *, stopped: bool, failed: bool) -> None:
+        """A cell has ended. One that was stopped or has failed takes the nodes along that it has made by itself."""
+        if "rclpy.node" not in sys.modules:
+            return
+        ended = []
+        if self._engine is None:  # rclpy.init() shuts ROS down at the press of Stop, under every node
+            from course_kit.lab.runtime import nodes
+
+            ended = nodes.end_strays(lambda node: not node.context.ok())
+        elif stopped or failed:
+            ended = self._engine.end_strays(() if stopped else named)
+        if ended:
+            verb = "are" if len(ended) > 1 else "is"
+            self.output.put(f"{', '.join(ended)}, which the lab did not run, {verb} gone, as when a program ends.\n")
 
     def _script_nodes(self) -> dict[str, str]:
         return self._scripts.nodes() if self._scripts is not None else {}

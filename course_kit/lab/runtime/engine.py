@@ -20,7 +20,7 @@ from course_kit.lab.overrides import callbacks, rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
 from course_kit.lab.recording.execution_hooks import hook_execution
 from course_kit.lab.recording.hooks import MessageHooks
-from course_kit.lab.runtime import actions, goal_callbacks, timeout_reasons
+from course_kit.lab.runtime import actions, goal_callbacks, nodes, timeout_reasons
 from course_kit.lab.runtime.describe import actions_of
 from course_kit.lab.runtime.execution import Executions, abort_goals, turn_of
 from course_kit.lab.runtime.executor import Turn
@@ -31,7 +31,7 @@ from course_kit.lab.runtime.surroundings import Surroundings
 from course_kit.ros import compat_names
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from rclpy.executors import Executor
     from rclpy.node import Node
@@ -58,6 +58,8 @@ class Engine:
         self.output = output
         self.on_server_gone: Callable[[], None] = lambda: None
         self.guests: set[Node] = set()
+        self.spinning: set[Executor] = set()  # the learner's own executors that run at this moment
+        self._noted: set[str] = set()
         self._locate = notebook.locate
         self._found = found
         self._notebook = notebook
@@ -216,6 +218,23 @@ class Engine:
         if self._notebook.present:
             self.output.put(text + "\n")
             self.flush_output()
+
+    def note_once(self, text: str) -> None:
+        """Tell it the first time only."""
+        if text not in self._noted:
+            self._noted.add(text)
+            self.note(text)
+
+    def run_others(self, done: Callable[[], bool], timeout: float | None) -> None:
+        """Inside a callback: run other callbacks until `done`, or for so many seconds."""
+        self.executor_thread.executor.run_others(done, timeout)
+
+    def end_strays(self, kept: Iterable[object]) -> list[str]:
+        """Destroy the nodes that neither the lab nor an executor of the learner's runs; returns their names."""
+        run = [node for live in self.nodes for node in (live.node, *live.helpers)]
+        run += [node for executor in list(self.spinning) for node in executor.get_nodes()]
+        ids = set(map(id, (*run, *self.guests, *kept)))
+        return nodes.end_strays(lambda node: id(node) not in ids)
 
     def stop_soon(self, node: Node) -> None:
         """Stop a node when its callback has ended."""

@@ -15,9 +15,12 @@ from rclpy.executors import (
     TimeoutException,
 )
 
-from course_kit.lab.errors import CallbackStopped
+from course_kit.lab.errors import CallbackStopped, DeadlockError
+from course_kit.lab.runtime.describe import is_alive
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rclpy.client import Client
     from rclpy.context import Context
     from rclpy.node import Node
@@ -30,6 +33,7 @@ if TYPE_CHECKING:
     from course_kit.lab.recording.spans import Work
     from course_kit.lab.runtime.failures import Failures
 
+_DEEPEST = 8  # callbacks that wait inside each other; a MultiThreadedExecutor's threads are no more
 _BREATH = 0.1  # seconds between attempts while the middleware itself fails
 
 
@@ -50,6 +54,7 @@ class LabExecutor(Executor):
         super().__init__(context=context)
         self._running: Turn | None = None
         self._begun: dict[Task, Turn] = {}  # what has not ended, by its task, oldest first
+        self._waiting: list[Task] = []  # what waits inside its callback while others run, outermost first
         self.turned = threading.Event()
         self._failures = failures
         self._stop = threading.Event()
@@ -59,7 +64,7 @@ class LabExecutor(Executor):
         """The callback that is running."""
         if self._running is not None and self._running.entity is None:
             for task, turn in list(self._begun.items()):
-                if turn.entity is not None and task.executing():
+                if turn.entity is not None and task.executing() and task not in self._waiting:
                     return turn
         return self._running
 
@@ -72,6 +77,27 @@ class LabExecutor(Executor):
         """Have `run` return after the callback that is running."""
         self._stop.set()
         self.wake()
+
+    def run_others(self, done: Callable[[], bool], timeout: float | None) -> None:
+        """Inside a callback: run other callbacks, as their groups allow, until `done` or for so many seconds."""
+        if len(self._waiting) >= _DEEPEST:
+            raise DeadlockError(f"{_DEEPEST} callbacks wait inside each other: no thread is left for the answer.")
+        turn, waiting = self._running, self._waiting
+        deadline = None if timeout is None or timeout < 0 else time.monotonic() + timeout
+        self._waiting = [task for task in self._begun if task.executing()]
+        try:
+            while not done() and not self._stop.is_set():
+                left = _BREATH if deadline is None else min(_BREATH, max(0.0, deadline - time.monotonic()))
+                self._spin_safely(left)
+                self._running = turn
+                if turn is not None and turn.node is not None and not is_alive(turn.node):
+                    raise CallbackStopped
+                if deadline is not None and time.monotonic() >= deadline:
+                    return
+            if self._stop.is_set():
+                raise CallbackStopped
+        finally:
+            self._running, self._waiting = turn, waiting
 
     def forget(self, nodes: list[Node]) -> None:
         """Nodes are about to be destroyed: their callbacks that await something will not go on."""
@@ -91,9 +117,9 @@ class LabExecutor(Executor):
         del future
         self.spin_once(timeout_sec)
 
-    def _spin_safely(self) -> None:
+    def _spin_safely(self, timeout: float | None = None) -> None:
         try:
-            self.spin_once()
+            self.spin_once(timeout)
         except (ShutdownException, ExternalShutdownException):
             self._stop.set()
         except (InvalidHandle, CallbackStopped):  # destroyed while it was waited on; or the callback had just ended
@@ -121,7 +147,7 @@ class LabExecutor(Executor):
 
     def _drop_broken(self, error: BaseException, turn: Turn) -> None:
         """What rclpy's tasks do not catch has broken the callback, and the task that went on with it."""
-        broken = [task for task in self._begun if task.executing()]
+        broken = [task for task in self._begun if task.executing() and task not in self._waiting]
         if broken:
             turn = self._begun[broken[0]]
         for task in broken:

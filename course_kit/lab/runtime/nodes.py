@@ -13,6 +13,7 @@ One class started with arguments that lead to different node names gives nodes s
 from __future__ import annotations
 
 import contextlib
+import gc
 import re
 import threading
 from dataclasses import dataclass, field
@@ -23,7 +24,7 @@ from rclpy.action import ActionClient, ActionServer
 from course_kit.lab.clients import HIDDEN_NAME, incompatible
 from course_kit.lab.errors import LabError
 from course_kit.lab.runtime.advice import without_self
-from course_kit.lab.runtime.describe import channels_of
+from course_kit.lab.runtime.describe import channels_of, is_alive
 from course_kit.ros.names import full_name
 
 if TYPE_CHECKING:
@@ -207,6 +208,20 @@ class NodeList(list[LiveNode]):
         if others := getattr(self, "others", []):
             lines += ["In other notebooks (lab.stop_others() stops them):", *(f"    {one}" for one in others)]
         return "\n".join(lines)
+
+
+def end_strays(is_stray: Callable[[Node], bool]) -> list[str]:
+    """Destroy nodes of this process, wherever they were made; returns their names."""
+    from rclpy.node import Node
+
+    ended = []
+    for node in [one for one in gc.get_objects() if issubclass(type(one), Node)]:
+        if is_alive(node) and not (name := node.get_name()).startswith(HIDDEN_NAME) and is_stray(node):
+            _destroy_actions(node)
+            with contextlib.suppress(Exception):  # a part of it was destroyed by hand
+                node.destroy_node()
+            ended.append(name)
+    return sorted(ended)
 
 
 def _destroy_actions(node: Node) -> None:

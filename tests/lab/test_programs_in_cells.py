@@ -1,0 +1,195 @@
+"""What strangers' programs do, run in a cell: the lab does what the program would, and leaves nothing behind."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.lab.kernel import Kernel
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+OTHER = """
+from course_kit import lab
+from rclpy.node import Node
+class Other(Node):
+    def __init__(self):
+        super().__init__("other")
+lab.start(Other)
+"""
+LIGHT = """
+import time
+import rclpy
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+class Light(Node):
+    def __init__(self):
+        super().__init__("light")
+        self.srv = self.create_service(Trigger, "flash", self.cb)
+
+    def cb(self, request, response):
+        response.success = True
+        return response
+
+def main(args=None):
+    rclpy.init(args=args)
+    node = Light()
+    print("up")
+    {spin}
+"""
+SPIN = "rclpy.spin(node)"
+CAUGHT = "try:\n        rclpy.spin(node)\n    except KeyboardInterrupt:\n        pass"
+OWN = "executor = MultiThreadedExecutor()\n    executor.add_node(node)\n    executor.spin()"
+SLEEPS = "time.sleep(60)"
+
+
+@pytest.fixture
+def fresh(tmp_path: Path) -> Iterator[Kernel]:
+    with Kernel(cwd=tmp_path) as running:
+        assert running.run("%load_ext course_kit").ok
+        yield running
+
+
+def nodes_after_stop(kernel: Kernel, cell: str) -> tuple[str, str]:
+    """What a cell with an endless program has shown when it was stopped, and the nodes that are there then."""
+    message = kernel.send(cell)
+    kernel.finish(message, until="up")
+    kernel.manager.interrupt_kernel()
+    shown = kernel.finish(message)
+    return shown.stdout, kernel.run("%ros2 node list").stdout
+
+
+@pytest.mark.parametrize("spin", [SPIN, CAUGHT, OWN, SLEEPS])
+def test_a_program_that_is_stopped_in_a_cell_takes_its_node_along(fresh: Kernel, spin: str) -> None:
+    assert fresh.run(OTHER + LIGHT.replace("{spin}", spin)).ok
+    for _ in range(2):
+        said, listed = nodes_after_stop(fresh, "main()")
+        assert "light, which the lab did not run, is gone, as when a program ends.\n" in said
+        assert listed == "/other\n"
+
+
+@pytest.mark.parametrize("spin", [SPIN, CAUGHT])
+def test_it_does_so_before_the_lab_has_begun_and_by_run(fresh: Kernel, spin: str) -> None:
+    (fresh.cwd / "light.py").write_text(LIGHT.replace("{spin}", spin) + "\nmain()\n")
+    assert nodes_after_stop(fresh, "%run light.py")[1] == ""
+    assert fresh.run(OTHER).ok
+    assert nodes_after_stop(fresh, "%run light.py")[1] == "/other\n"
+
+
+def test_a_program_that_fails_in_a_cell_takes_its_node_along(fresh: Kernel) -> None:
+    assert fresh.run(OTHER + LIGHT.replace("{spin}", "1 / 0")).ok
+    assert not fresh.run("main()").ok
+    assert fresh.run("%ros2 node list").stdout == "/other\n"
+    assert not fresh.run("import rclpy\nmine = rclpy.create_node('mine')\n1 / 0").ok  # a name leads to it
+    assert fresh.run("%ros2 node list").stdout == "/mine\n/other\n"
+
+
+ASKER = """
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from course_kit import lab
+import rclpy
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+class Server(Node):
+    def __init__(self):
+        super().__init__("server")
+        self.create_service(Trigger, "answer", self.cb)
+
+    def cb(self, request, response):
+        response.message = "yes"
+        return response
+
+class Asker(Node):
+    def __init__(self):
+        super().__init__("asker")
+        self.cli = self.create_client(Trigger, "answer", callback_group={group})
+        self.timer = self.create_timer(0.1, self.tick, callback_group={timers})
+
+    def tick(self):
+        self.timer.cancel()
+        {ask}
+
+lab.start(Server)
+lab.start(Asker)
+"""
+CALL = 'print("got", self.cli.call(Trigger.Request()).message)'
+SPIN_UNTIL = """future = self.cli.call_async(Trigger.Request())
+        rclpy.spin_until_future_complete(self, future)
+        print("got", future.result().message)"""
+OWN_NODE = """node = rclpy.create_node("helper")
+        future = node.create_client(Trigger, "answer").call_async(Trigger.Request())
+        rclpy.spin_until_future_complete(node, future)
+        print("got", future.result().message)"""
+OWN_EXECUTOR = """from rclpy.executors import SingleThreadedExecutor
+        node, executor = rclpy.create_node("helper"), SingleThreadedExecutor()
+        executor.add_node(node)
+        future = node.create_client(Trigger, "answer").call_async(Trigger.Request())
+        executor.spin_until_future_complete(future)
+        print("got", future.result().message)"""
+GROUP, REENTRANT = "MutuallyExclusiveCallbackGroup()", "ReentrantCallbackGroup()"
+
+
+@pytest.mark.parametrize(
+    ("ask", "group", "timers", "said"),
+    [
+        (CALL, GROUP, "None", "MultiThreadedExecutor"),
+        (CALL, REENTRANT, "None", "MultiThreadedExecutor"),
+        (SPIN_UNTIL, GROUP, "None", "would lose the node"),
+        (OWN_NODE, "None", "None", ""),
+        (OWN_EXECUTOR, "None", "None", ""),
+    ],
+)
+def test_a_callback_waits_for_an_answer_where_a_program_could(
+    fresh: Kernel, ask: str, group: str, timers: str, said: str
+) -> None:
+    cell = ASKER.replace("{ask}", ask).replace("{group}", group).replace("{timers}", timers)
+    message = fresh.send(f"{cell}\nimport asyncio\nwhile True: await asyncio.sleep(0.05)")
+    shown = fresh.finish(message, until="got yes")
+    assert "got yes" in shown.stdout, shown
+    assert said in shown.stdout
+    fresh.manager.interrupt_kernel()
+    fresh.finish(message)
+
+
+def test_an_execute_callback_may_spin_its_node(fresh: Kernel) -> None:
+    shown = fresh.run(
+        """
+import rclpy
+from course_kit import lab
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionServer
+from rclpy.node import Node
+
+class Server(Node):
+    def __init__(self):
+        super().__init__("server")
+        self.server = ActionServer(self, Fibonacci, "fibonacci", self.execute)
+
+    def execute(self, goal_handle):
+        rclpy.spin_once(self, timeout_sec=0.01)
+        goal_handle.succeed()
+        return Fibonacci.Result(sequence=[1])
+
+lab.start(Server)
+goal = await lab.send_goal("/fibonacci", Fibonacci, order=1)
+print((await goal.result()).sequence)
+"""
+    )
+    assert shown.ok, shown.error
+    assert shown.stdout.endswith("[1])\n"), shown
+    assert "would lose the node" in shown.stdout
+
+
+def test_a_line_of_a_newer_ros_is_called_so(fresh: Kernel) -> None:
+    program = "import rclpy\nwith rclpy.init():\n    pass"
+    said = "This line belongs to a newer ROS 2."
+    assert said in fresh.run(program).stderr
+    assert fresh.run("from course_kit import lab\nlab.current().engine").ok
+    assert said in fresh.run(program).stderr
+    assert said in fresh.run(f"%%ros_script newer\n{program}").stdout
