@@ -188,6 +188,7 @@ def test_spinning_for_ever_in_an_execute_callback_is_refused(capsys: pytest.Capt
     class Spinning(Fibonaccis):
         def execute(self, goal: Any) -> Any:
             rclpy.spin(self)
+            return super().execute(goal)
 
     lab.start(Spinning)
     goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=2)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+import re
+from pathlib import Path
 
 import pytest
 
 from course_kit import panels
+from course_kit.panels import guess_panel
 from course_kit.quiz import guesses
 from tests.course_copy import Course
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 NAME = "01_services/late_display"
 
@@ -86,3 +85,9 @@ def test_the_list_counts_first_tries(progress: Path) -> None:
     assert "01_services: guesses right: 1 of 11 (1 answered)" in course.run("list").stdout
     [score] = json.loads(course.run("list", "--format", "json").stdout)["questions"]
     assert (score["lesson"], score["right"]) == ("01_services", 1)
+
+
+def test_it_is_as_large_as_the_text_around_it_also_on_a_projector() -> None:
+    css = (Path(guess_panel.__file__).parent / "guess_panel.css").read_text()
+    assert "font-size: var(--jp-content-font-size1" in css
+    assert not re.search(r"font(-size)?: *[0-9.]+px", css)

@@ -10,6 +10,7 @@ import inspect
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from course_kit.grading.diagnosis import exits
 from course_kit.grading.errors import GradingError
 from course_kit.grading.exchange_log import GRADER
 from course_kit.ros.arrows import Arrow
@@ -186,6 +187,9 @@ def _run(one: Check, context: CheckContext) -> Result:
     except Failed as verdict:
         seen = verdict.evidence
         status, diagnosis, message = "failed", verdict.diagnosis, verdict.message
+        if seen.got.startswith("no ") and (line := context.lost_in()):
+            diagnosis = "node.lost"
+            message = f"A callback spins its own node in {exits.source_line(context.job, line)}."
         steps = verdict.steps or _exchange(context, seen)
     except GradingError:
         raise

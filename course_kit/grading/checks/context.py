@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 _STEP_S = 0.02  # how often a condition is looked at beside each message: looking costs computing, which others need
 GRAPH_STEP_S = 0.01  # the same for what a change of the graph makes true: rclpy has no event for that
+_LOST_S = 2.0  # for an answer of a node that no executor runs any more; it may be on its way
 _WATCH_S = 0.05  # how often it is asked whether the submission lives, while an answer is waited for
 PHASES = ("start", "discovery")  # where time goes beside checking: the program's making, and its way onto the graph
 _MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a very busy machine, twelve times as long
@@ -224,6 +225,11 @@ class CheckContext:
             return ProcessStatus(running=True)
         return ProcessStatus.from_mapping(self._ask("facts" if fresh else "state"))
 
+    def lost_in(self) -> int:
+        """The line by which the program's node has lost its executor; 0 where it has not."""
+        line = str(self.process().notes.get("lost_in", ""))
+        return int(line) if line.isdecimal() else 0
+
     def computed(self) -> float:
         """Seconds for which the program that was started last has computed, as of now or a moment ago."""
         return self._state.lately().submission.cpu_s - self._used_before.cpu_s
@@ -261,7 +267,8 @@ class CheckContext:
                 watched = clock.wall()
                 if of_the_living:
                     self.require_running()
-                if clock.past(seconds) or self.time_is_up():
+                patience = min(seconds, _LOST_S) if of_the_living and self.lost_in() else seconds
+                if clock.past(patience) or self.time_is_up():
                     return False
             self.grader_node.spin_once(step_s)
         return True

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _FIELD = re.compile(r"'(?P<field>\w+)' field must be (?:a sub message )?of type '(?P<type>[\w.]+)'")
 _NO_MODULE = re.compile(r"No module named '(?P<module>[\w.]+)'")
+_NO_CONTEXT = re.compile(r"__enter__|context manager")
 _NO_NAME = re.compile(r"cannot import name '(?P<name>\w+)' from '(?P<module>[\w.]+)'")
 # The grader's call of the class is no line of the submission, so that Python's words about it stand without a frame.
 _NEEDS_ARGUMENTS = re.compile(r"TypeError: (?P<name>\w+)\.__init__\(\) missing .* arguments?: (?P<missing>.*)")
@@ -89,6 +90,8 @@ def of_start(process: ProcessStatus, job: Job) -> Cause:
     where = in_line(job, raised.own)
     if raised.type in ("ModuleNotFoundError", "ImportError"):
         return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
+    if _NO_CONTEXT.search(raised.text) and raised.own and "rclpy.init(" in source_line(job, raised.own.line):
+        return "start.newer_ros", f"Your program uses `with` for rclpy.init(){where}."
     return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
 
 

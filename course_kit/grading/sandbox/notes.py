@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import threading
@@ -46,6 +47,24 @@ def exception(problem: BaseException, evidence: int) -> None:
         note, variable = _RETURNED.get(frame.f_code.co_name, ("", ""))
         if variable in frame.f_locals:
             send(evidence, **{note: _type_name(frame.f_locals[variable])})
+
+
+def watch_lost_nodes(evidence: int, program: str) -> None:
+    """Note the line of a callback that spins its node by another executor than the one that runs it: for good."""
+    from rclpy.executors import Executor
+
+    add_node = Executor.add_node
+
+    def add_node_watched(executor: Executor, node: Any) -> bool:
+        before = node.executor
+        if before is not None and before is not executor and node in before.get_nodes():
+            frames = list(traceback.walk_stack(sys._getframe(1)))  # noqa: SLF001 - with None it skips some
+            own = [line for frame, line in frames if frame.f_code.co_filename == program]
+            if own and any(frame.f_code.co_name == "await_or_execute" for frame, _ in frames):
+                send(evidence, lost_in=str(own[0]))
+        return bool(add_node(executor, node))
+
+    Executor.add_node = add_node_watched
 
 
 def in_callback(problem: BaseException) -> bool:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _CHUNK = 65536
 _LISTS = ("node_classes", "classes", "functions", "set_names")
-_TEXTS = ("returned", "result", "value")
+_TEXTS = ("returned", "result", "value", "lost_in")
 _FACTS = ("exit_in_callback", "ended_itself", "too_large")
 _NOTE_ITEMS, _NOTE_LENGTH = 20, 80
 _ENDS = {"exit_code", "signal", "limit"}  # one of these facts says how a program has ended

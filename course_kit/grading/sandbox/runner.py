@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 # Ignored unless handled: harmless to a program that has replaced itself by another (exec).
 STACKS_SIGNAL = signal.SIGURG
 _THREADS = 4
+_TURN_S = 0.1
 _FIRST_HIGH_DESCRIPTOR = 200
 
 
@@ -179,6 +180,7 @@ def _run(program: Program, evidence: int) -> None:
     if program.variable:
         values.run(code, module, program.variable, partial(notes.send, evidence))
         return
+    notes.watch_lost_nodes(evidence, program.name)
     default = _default_context()  # rclpy forgets one that was shut down, and with it that there was a node
     exec(code, module.__dict__)  # noqa: S102
     if _has_made_nodes():
@@ -235,18 +237,39 @@ def _spin(node_class: type) -> None:
     from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 
     class Executor(MultiThreadedExecutor):
-        """Ends with a callback's exception at once; the stock one notices it with the next event only."""
+        """Ends with a callback's exception at once; the stock one notices it with the next event only.
+
+        A callback may spin its node, as it may below `rclpy.spin()`: the other threads run what it waits for.
+        """
+
+        turned = threading.Event()
 
         def wait_for_ready_callbacks(self, *args: Any, **kwargs: Any) -> Any:
             found: tuple[Any, Any, Any] = super().wait_for_ready_callbacks(*args, **kwargs)
             task, entity, _ = found
+            task.add_done_callback(lambda _: self.turned.set())
             if entity is not None:  # a callback; what follows is a task itself and must not be followed again
                 task.add_done_callback(lambda _: None)  # its own event: wakes the executor, which then looks
             return found
 
+        def spin_once(self, timeout_sec: float | None = None) -> None:
+            if threading.current_thread() is threading.main_thread():
+                super().spin_once(timeout_sec)
+            else:
+                self.turned.clear()
+                self.turned.wait(None if timeout_sec is None or timeout_sec < 0 else timeout_sec)
+
+        def spin_once_until_future_complete(self, future: Any, timeout_sec: Any = None) -> None:
+            future.add_done_callback(lambda _: self.turned.set())
+            self.turned.clear()
+            seconds = timeout_sec if isinstance(timeout_sec, (int, float)) and timeout_sec >= 0 else _TURN_S
+            if not future.done():
+                self.turned.wait(min(seconds, _TURN_S))
+
     if not rclpy.ok():
         rclpy.init(args=sys.argv)
     executor = Executor(num_threads=max(_THREADS, len(os.sched_getaffinity(0))))
+    rclpy.get_global_executor = lambda: executor
     executor.add_node(node_class())
     try:
         executor.spin()
