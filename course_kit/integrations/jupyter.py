@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jupyter_core import paths
+
 from course_kit import environment
 from course_kit.grading import exercise_folders
-from course_kit.integrations import first_screen, jupyter_folders, terminals
+from course_kit.integrations import terminals
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.learner import workspace
 from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 FIRST_LESSON = "notebooks/00_welcome.ipynb"
 _CONFIG_PATH, _WORKSPACES = "JUPYTER_CONFIG_PATH", "JUPYTERLAB_WORKSPACES_DIR"
@@ -110,7 +114,7 @@ def make_ready(root: Path, folder: Path) -> None:
         return
     is_new = not folder.exists()
     workspace.make_copy(root, folder)
-    first_screen.prepare(_workspaces(folder))
+    prepare(_workspaces(folder))
     if environment.checkout() is not None and environment.is_shared(root):
         tell(f"{root} is read-only for you, so JupyterLab opens your copy: {folder}. Your changes there are kept.")
     elif is_new:
@@ -129,8 +133,8 @@ def _interfaces() -> dict[str, str]:
 
 
 def _folders() -> dict[str, str]:
-    """The variables of `jupyter_folders`; says so when there are any."""
-    found = jupyter_folders.replacements()
+    """What is put in place of Jupyter's own folders; says so when there are any."""
+    found = replacements()
     if found:
         spare = environment.state_dir()
         tell(f"Jupyter's folders in your home directory cannot be written; it keeps its files below {spare} instead.")
@@ -144,3 +148,64 @@ def _terminals() -> list[str]:
         return []
     settings = {"shell_command": command}
     return [f"--ServerApp.terminado_settings={settings}"]
+
+
+_WORKSPACE = "default"
+_LEFT = ("filebrowser", "running-sessions", "@jupyterlab/toc:plugin", "extensionmanager.main-view")
+_CONTENTS = "@jupyterlab/toc:plugin"
+_LAYOUT = {
+    "main": {"dock": {"type": "tab-area", "currentIndex": 0, "widgets": []}},
+    "left": {"collapsed": False, "visible": True, "current": _CONTENTS, "widgets": list(_LEFT)},
+    "right": {"collapsed": True, "visible": True, "widgets": []},
+    "relativeSizes": [0.2, 0.8, 0],
+}
+
+
+def prepare(workspaces: Path) -> None:
+    """Write the first workspace of a folder, unless it has one; where that fails, Jupyter's own default counts."""
+    with suppress(OSError):
+        if workspaces.is_dir() and any(workspaces.iterdir()):
+            return
+        from jupyterlab_server.workspaces_handler import WorkspacesManager  # takes half a second
+
+        workspaces.mkdir(parents=True, exist_ok=True)
+        data = {"layout-restorer:data": _LAYOUT, "file-browser-filebrowser:cwd": {"path": "notebooks"}}
+        WorkspacesManager(str(workspaces)).save(_WORKSPACE, json.dumps({"data": data, "metadata": {"id": _WORKSPACE}}))
+
+
+def _ipython_dir() -> str:
+    return os.environ.get("IPYTHONDIR") or str(Path.home() / ".ipython")
+
+
+# Which variable sets a folder, where it usually is, and the variable by which an old one is still read.
+_FOLDERS: dict[str, tuple[Callable[[], str], str]] = {
+    "JUPYTER_CONFIG_DIR": (paths.jupyter_config_dir, "JUPYTER_CONFIG_PATH"),
+    "JUPYTER_DATA_DIR": (paths.jupyter_data_dir, "JUPYTER_PATH"),
+    "JUPYTER_RUNTIME_DIR": (paths.jupyter_runtime_dir, ""),
+    "IPYTHONDIR": (_ipython_dir, ""),
+}
+
+
+def replacements() -> dict[str, str]:
+    """Variables for a Jupyter server and its kernels; empty where the usual folders can be written."""
+    spare = environment.state_dir() / "jupyter"
+    found: dict[str, str] = {}
+    for name, (usual, search_path) in _FOLDERS.items():
+        old = _where(usual)
+        if old is not None and environment.is_writable(old):
+            continue
+        found[name] = str(spare / name.lower())
+        if search_path and old is not None and old.is_dir():
+            before = os.environ.get(search_path)
+            found[search_path] = f"{before}{os.pathsep}{old}" if before else str(old)
+    if _where(lambda: str(Path.home())) is None:
+        found["HOME"] = str(environment.state_dir())  # without any, Jupyter itself does not start
+    return found
+
+
+def _where(usual: Callable[[], str]) -> Path | None:
+    """The folder; None where nobody knows the home directory that it lies in."""
+    try:
+        return Path(usual())
+    except RuntimeError:
+        return None

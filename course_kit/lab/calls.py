@@ -12,10 +12,10 @@ from abc import ABC, abstractmethod
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from course_kit.lab.clients import AT_ONCE
 from course_kit.lab.errors import FieldError, NoAnswerError, ServiceFailedError
 from course_kit.lab.graph import WantedServer, not_found
 from course_kit.lab.messages import message_of
-from course_kit.lab.request_queue import AT_ONCE
 from course_kit.ros.graph import SERVES
 from course_kit.ros.messages import is_service_type, type_name, with_article
 
@@ -51,7 +51,7 @@ class PendingCall(ABC):
     def may_send(self) -> bool:
         """Whether the server is there."""
         if self._is_there():
-            self._lab.surroundings.tell_who_answers(self._wanted.role, self._wanted.name)
+            self._lab.neighbours.tell_who_answers(self._wanted.role, self._wanted.name)
             return True
         waited = min(_APPEARANCE, self._timeout)
         if time.monotonic() - self._start < waited:

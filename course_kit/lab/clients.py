@@ -5,21 +5,22 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from typing import TYPE_CHECKING, Any
 
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
+from rclpy.qos import qos_profile_services_default
 from rclpy.validate_topic_name import validate_topic_name
 
 from course_kit.lab.errors import LabError, error_text
 from course_kit.lab.graph import WantedServer, not_found
-from course_kit.lab.request_queue import QueuedClient
 from course_kit.ros import graph
 from course_kit.ros.compat import rcl_error
 from course_kit.ros.goal import GoalClient
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name
 from course_kit.ros.node import quiet_node
+from course_kit.ros.service import ServiceClient
 from course_kit.ros.topic import types_of
 
 if TYPE_CHECKING:
@@ -218,3 +219,45 @@ def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
         raise OtherTypeError(f"{name} is already in use with a different type than {type_name(interface)}.") from error
     except AttributeError as error:  # what rclpy says of a class that is no interface
         raise LabError(f"{type_name(interface)} cannot be used on {name}: {error}") from error
+
+
+AT_ONCE: int = qos_profile_services_default.depth
+
+
+class RequestQueue:
+    """Lets so many requests be on their way at once; used from any thread."""
+
+    def __init__(self) -> None:
+        self._changing = threading.Lock()
+        self._under_way: set[object] = set()
+        self._waiting: deque[tuple[object, Callable[[], None]]] = deque()
+
+    def enter(self, request: object, send: Callable[[], None]) -> None:
+        """Send a request now, or as soon as another one has left."""
+        with self._changing:
+            if len(self._under_way) >= AT_ONCE:
+                self._waiting.append((request, send))
+                return
+            self._under_way.add(request)
+        send()
+
+    def leave(self, request: object) -> None:
+        """The request is answered, or nobody waits for it any more; harmless if it has left already."""
+        with self._changing:
+            if request not in self._under_way:
+                self._waiting = deque(one for one in self._waiting if one[0] is not request)
+                return
+            self._under_way.discard(request)
+            follower = self._waiting.popleft() if self._waiting else None
+            if follower is not None:
+                self._under_way.add(follower[0])
+        if follower is not None:
+            follower[1]()
+
+
+class QueuedClient(ServiceClient):
+    """A client of one service, with the queue of those who use it."""
+
+    def __init__(self, node: Node, service_type: ServiceType, service: str) -> None:
+        super().__init__(node, service_type, service)
+        self.queue = RequestQueue()

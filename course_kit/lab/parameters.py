@@ -7,7 +7,9 @@ notebook and by a wait in a program.
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, TypeVar
+import re
+import threading
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_kit.lab.awaiting import to_be_awaited
 from course_kit.lab.errors import (
@@ -17,12 +19,13 @@ from course_kit.lab.errors import (
     ParameterNotFoundError,
     ServiceNotFoundError,
 )
-from course_kit.lab.parameter_events import ParameterEventWait
-from course_kit.lab.parameter_values import Descriptors, Outcome, Values
+from course_kit.lab.singleton import current
 from course_kit.ros import errors, graph, names, parameters
+from course_kit.ros.parameters import Descriptor
 
 if TYPE_CHECKING:
     from rclpy.node import Node
+    from rclpy.subscription import Subscription
 
     from course_kit.ros.messages import Message
     from course_kit.ros.parameters import Question, Steps
@@ -225,3 +228,109 @@ def _no_node(node: str) -> NodeNotFoundError:
     if having:
         return NodeNotFoundError(f"There is no node {node}. On the graph: {', '.join(having[:5])}.")
     return NodeNotFoundError(f"There is no node {node}, nor any other with parameters: has it been started?")
+
+
+_HEARING = 1.0  # seconds
+
+
+class ParameterEventWait:
+    """Waits for the lab's subscriptions to /parameter_events, so that what they print stands where it was caused."""
+
+    def __init__(self) -> None:
+        self._engine = current().engine
+        self._counts: dict[Subscription, int] = {}
+        self._expected = 0
+        self._complete = threading.Event()
+
+    def __enter__(self) -> ParameterEventWait:  # noqa: PYI034 - typing.Self is newer than Python 3.10
+        from rcl_interfaces.msg import ParameterEvent
+
+        if self._engine.tells_deliveries():
+            self._counts = dict.fromkeys(self._engine.subscriptions("/parameter_events", ParameterEvent), 0)
+        self._engine.listen_for_deliveries(self._heard, listen=True)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._engine.listen_for_deliveries(self._heard, listen=False)
+        self._engine.flush_output()
+
+    def expects(self, count: int) -> bool:
+        """Whether anybody has still to hear of so many changes."""
+        self._expected = count
+        return not self._all_heard()
+
+    def wait(self) -> None:
+        """Return when all have heard, or after a second."""
+        if not self._all_heard():
+            self._complete.wait(_HEARING)
+        self._engine.flush_output()
+
+    def _heard(self, subscription: Subscription) -> None:
+        if subscription in self._counts:
+            self._counts[subscription] += 1
+            if self._expected and self._all_heard():
+                self._complete.set()
+
+    def _all_heard(self) -> bool:
+        return all(count >= self._expected for count in self._counts.values())
+
+
+class Values(dict[str, Any]):
+    """Values by name that print one a line."""
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name}: {value!r}" for name, value in self.items()) or "no parameters"
+
+    __str__ = __repr__
+
+
+class Outcome:
+    """What came of setting parameters; true if all were set."""
+
+    def __init__(self, node: str, values: dict[str, object], reasons: dict[str, str], *, atomically: bool) -> None:
+        self.node = node
+        self.values = values
+        self.reasons = reasons
+        self._atomically = atomically
+
+    @property
+    def successful(self) -> bool:
+        """Whether every parameter was set."""
+        return not self.reasons
+
+    @property
+    def events(self) -> int:
+        """How many messages on /parameter_events tell of it."""
+        return int(self.successful) if self._atomically else len(self.values) - len(self.reasons)
+
+    def __bool__(self) -> bool:
+        return self.successful
+
+    def __repr__(self) -> str:
+        if self._atomically and self.reasons:
+            reason = next(iter(self.reasons.values()))
+            return f"nothing was set, because one value was refused: {reason}"
+        return "\n".join(self._line(name) for name in self.values)
+
+    def _line(self, name: str) -> str:
+        value = self.values[name]
+        if name not in self.reasons:
+            return f"{name}: set to {value!r}"
+        reason = self.reasons[name]
+        return f"{name}: {value!r} was refused: {reason}{_hint(value, reason)}"
+
+
+class Descriptors(list[Descriptor]):
+    """Descriptors that print one after the other."""
+
+    def __repr__(self) -> str:
+        return "\n".join(str(one) for one in self) or "no parameters"
+
+    __str__ = __repr__
+
+
+def _hint(value: object, reason: str) -> str:
+    """For the slip everybody makes: 1 is an integer, and a double does not take it."""
+    if type(value) is int and re.match(r"wrong parameter type.*double", reason, re.IGNORECASE):
+        return f". {value} is an integer: write {float(value)}"
+    return ""

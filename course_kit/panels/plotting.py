@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+import re
 import threading
 import time
 from collections import deque
+from itertools import pairwise
+from statistics import median
 from typing import TYPE_CHECKING
 
 import anywidget
@@ -12,19 +16,22 @@ import numpy as np
 import traitlets
 
 from course_kit import lab
+from course_kit.lab.errors import FieldError
 from course_kit.lab.topics import Subscription
 from course_kit.panels.base import Latest, Panel, of_files
-from course_kit.panels.number_field import NumberField
-from course_kit.panels.plot_picture import plot_svg
-from course_kit.panels.still import still
-from course_kit.ros.messages import type_name
+from course_kit.panels.still import drawn, still
+from course_kit.ros.filling import unknown_field
+from course_kit.ros.messages import is_message_type, type_name
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy.typing as npt
     from rclpy.qos import QoSProfile
 
-    Samples = npt.NDArray[np.float64]
     from course_kit.ros.messages import Message
+
+    Samples = npt.NDArray[np.float64]
 
 _KEPT = 20_000  # samples, however fast they come
 _DRAWN = 600  # points a line has at most; a screen has hardly more
@@ -126,3 +133,126 @@ def _quality(topic: str) -> QoSProfile:
     publishers = lab.current().engine.node.count_publishers("/" + str(topic).strip("/"))
     reliability = ReliabilityPolicy.BEST_AVAILABLE if publishers else ReliabilityPolicy.BEST_EFFORT
     return QoSProfile(depth=_DEPTH, reliability=reliability)
+
+
+_PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
+_NUMBER = re.compile(r"(u?int\d+|float|double|boolean)")
+
+
+class NumberField:
+    """A path to a number in messages of a type."""
+
+    def __init__(self, message_type: type[Message], path: str) -> None:
+        if not is_message_type(message_type):
+            raise FieldError(f"{getattr(message_type, '__name__', message_type)!r} is not a message type.")
+        self.path = path
+        self._steps: list[str | int] = []
+        self._check(message_type)
+
+    def of(self, message: Message) -> float | None:
+        """The number; None in a message whose array is too short."""
+        for step in self._steps:
+            if isinstance(step, int):
+                if step >= len(message):
+                    return None
+                message = message[step]
+            else:
+                message = getattr(message, step)
+        return float(message)
+
+    def _check(self, message_type: type[Message]) -> None:
+        kind = type_name(message_type)
+        current: type[Message] | None = message_type
+        for part in self.path.split("."):
+            found = _PART.fullmatch(part)
+            if found is None:
+                raise FieldError(
+                    f"{self.path!r} is not a path to a field, such as 'data' or 'linear.x' or 'ranges[0]'."
+                )
+            name, indices = found[1], [int(one) for one in re.findall(r"\d+", found[2])]
+            fields = current.get_fields_and_field_types() if current is not None else {}
+            if name not in fields:
+                raise FieldError(unknown_field(name, fields, f"a {kind}"))
+            self._steps += [name, *indices]
+            kind = _element_type(fields[name]) if indices else fields[name]
+            current = _class_of(current, name, kind) if current is not None and "/" in kind else None
+        if not _NUMBER.fullmatch(kind):
+            raise FieldError(self._no_number(kind, current))
+
+    def _no_number(self, kind: str, current: type[Message] | None) -> str:
+        text = f"{self.path!r} is not a number but a {kind}."
+        if current is not None:
+            inside = list(current.get_fields_and_field_types())
+            return f"{text} In it: {', '.join(f'{self.path}.{name}' for name in inside)}."
+        return f"{text} Take one element: '{self.path}[0]'." if "[" in kind or "sequence" in kind else text
+
+
+def _element_type(kind: str) -> str:
+    """The type of an element of an array or a sequence; another type as it is."""
+    sequence = re.fullmatch(r"sequence<([^,>]+)(?:, *\d+)?>", kind)
+    return sequence[1] if sequence else re.sub(r"\[\d+\]$", "", kind)
+
+
+def _class_of(owner: type[Message], name: str, kind: str) -> type[Message]:
+    """The class of a message inside a message."""
+    held = getattr(owner(), name)
+    if is_message_type(type(held)):
+        return type(held)
+    from course_kit.interfaces import get_type
+
+    package, _, bare = kind.partition("/")
+    return get_type(f"{package}/msg/{bare.rpartition('/')[2]}")
+
+
+_LEFT, _RIGHT, _TOP, _BOTTOM = 58, 626, 12, 200  # of the frame, in the template's user units
+_LEAST_GAP = 0.5  # seconds without a message that the line never goes across
+
+
+def plot_svg(samples: Sequence[Sequence[float]], span: float, field: str) -> str:
+    """The drawing as an `svg` element, which templates take as it is."""
+    finite = [value for _, value in samples if math.isfinite(value)]
+    marks = _marks(*_range(finite))
+    low, high = marks[0], marks[-1]
+    now = samples[-1][0] if samples else 0.0
+
+    def x_of(seconds: float) -> float:
+        return round(_LEFT + (seconds + span) / span * (_RIGHT - _LEFT), 1)
+
+    def y_of(value: float) -> float:
+        return round(_TOP + (high - value) / (high - low) * (_BOTTOM - _TOP), 1)
+
+    gap = max([_LEAST_GAP, *([8 * median(b[0] - a[0] for a, b in pairwise(samples))] if len(samples) > 1 else [])])
+    line, before = "", -math.inf
+    for at, value in samples:
+        if math.isfinite(value):
+            line += f"{'L' if at - before <= gap else 'M'}{x_of(at - now)} {y_of(value)}"
+            before = at
+        else:
+            before = -math.inf
+    said = f"The latest value is {finite[-1]:.4g}." if finite else "No message yet."
+    return drawn(
+        "still_plot.svg",
+        summary=f"{field} against time. {said}",
+        field=field,
+        rows=[(y_of(mark), f"{mark:.4g}") for mark in marks],
+        columns=[(x_of(mark), f"{mark:.4g}") for mark in _marks(-span, 0.0) if mark >= -span],
+        line=line,
+    )
+
+
+def _range(values: Sequence[float]) -> tuple[float, float]:
+    """What the vertical axis has to cover; never nothing."""
+    low, high = (min(values), max(values)) if values else (0.0, 1.0)
+    if high > low:
+        return low, high
+    room = abs(low) * 0.2 or 1.0
+    return low - room, high + room
+
+
+def _marks(low: float, high: float) -> list[float]:
+    """Round numbers that cover a stretch in about four steps."""
+    exact = (high - low) / 4
+    power = 10.0 ** math.floor(math.log10(exact))
+    step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= exact * 0.999)
+    first, last = math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9)
+    return [float(f"{number * step:.12g}") for number in range(first, last + 1)]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from jupyterlab_server.workspaces_handler import WorkspacesManager
 
-from course_kit.integrations import first_screen
+from course_kit.integrations import jupyter
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
 
 def test_the_table_of_contents_is_open_until_the_learner_has_it_otherwise(tmp_path: Path) -> None:
     workspaces = tmp_path / "workspaces"
-    first_screen.prepare(workspaces)
+    jupyter.prepare(workspaces)
     made = WorkspacesManager(str(workspaces)).load("default")
     assert made["data"]["layout-restorer:data"]["left"]["current"] == "@jupyterlab/toc:plugin"
     [file] = workspaces.iterdir()
     file.write_text("the learner's")
-    first_screen.prepare(workspaces)
+    jupyter.prepare(workspaces)
     assert file.read_text() == "the learner's"
 
 
 def test_where_it_cannot_be_written_jupyters_own_counts(tmp_path: Path) -> None:
     (tmp_path / "workspaces").write_text("no folder")
-    first_screen.prepare(tmp_path / "workspaces")
+    jupyter.prepare(tmp_path / "workspaces")
     assert (tmp_path / "workspaces").read_text() == "no folder"

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from course_kit import environment
-from course_kit.integrations import jupyter, jupyter_folders
+from course_kit.integrations import jupyter
 from tests.course_copy import Course
 from tests.jupyter_server import allow_root, started
 
@@ -82,12 +82,12 @@ def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_with_a_home_nothing_is_replaced(state: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert state
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert jupyter_folders.replacements() == {}
+    assert jupyter.replacements() == {}
 
 
 def test_without_one_each_folder_is_among_the_state(state: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", NOWHERE)
-    found = jupyter_folders.replacements()
+    found = jupyter.replacements()
     assert set(found) == set(OF_JUPYTER)
     assert all(Path(folder).is_relative_to(state) for folder in found.values())
 
@@ -100,10 +100,10 @@ def test_one_folder_that_cannot_be_written_is_replaced_and_still_read(
     (home / ".local" / "share").mkdir(parents=True)
     (home / ".local" / "share" / "jupyter").touch()
     monkeypatch.setenv("HOME", str(home))
-    assert set(jupyter_folders.replacements()) == {"JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR"}
+    assert set(jupyter.replacements()) == {"JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR"}
     monkeypatch.setenv("JUPYTER_DATA_DIR", "/proc/self")  # a folder that is there, and nobody can write
     monkeypatch.setenv("JUPYTER_PATH", "/mine")
-    found = jupyter_folders.replacements()
+    found = jupyter.replacements()
     assert found["JUPYTER_PATH"] == "/mine:/proc/self"
     assert Path(found["JUPYTER_DATA_DIR"]).is_relative_to(state)
 
@@ -114,7 +114,7 @@ def test_where_nobody_knows_the_home_there_is_one(state: Path, monkeypatch: pyte
 
     monkeypatch.setattr(Path, "home", unknown)
     monkeypatch.setenv("HOME", NOWHERE)
-    assert jupyter_folders.replacements()["HOME"] == str(state)
+    assert jupyter.replacements()["HOME"] == str(state)
 
 
 def test_jupyterlab_starts_without_a_home(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit import environment
 from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
@@ -49,10 +50,12 @@ SLEEPS = "time.sleep(60)"
 
 
 @pytest.fixture
-def fresh(tmp_path: Path) -> Iterator[Kernel]:
-    with Kernel(cwd=tmp_path) as running:
-        assert running.run("%load_ext course_kit").ok
-        yield running
+def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Kernel]:
+    with environment.exclusive_domain() as domain_id:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(domain_id))
+        with Kernel(cwd=tmp_path) as running:
+            assert running.run("%load_ext course_kit").ok
+            yield running
 
 
 def nodes_after_stop(kernel: Kernel, cell: str) -> tuple[str, str]:

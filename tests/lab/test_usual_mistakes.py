@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.lab.notebook.limits import CHARACTERS, LINES
+from course_kit.lab.notebook.cells import CHARACTERS, LINES
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:

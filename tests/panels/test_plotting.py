@@ -14,8 +14,7 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64, String
 
 from course_kit import lab, panels
-from course_kit.panels.number_field import NumberField
-from course_kit.panels.plotting import thinned
+from course_kit.panels.plotting import NumberField, thinned
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.usefixtures("live_lab")

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from std_msgs.msg import Float64
 
 from course_kit import interfaces, lab, panels, quiz
-from course_kit.panels.plot_picture import plot_svg
+from course_kit.panels.plotting import plot_svg
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:

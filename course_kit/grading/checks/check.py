@@ -188,7 +188,7 @@ def _run(one: Check, context: CheckContext) -> Result:
         seen = verdict.evidence
         status, diagnosis, message = "failed", verdict.diagnosis, verdict.message
         if seen.got.startswith("no ") and (line := context.lost_in()):
-            diagnosis = "node.lost"
+            diagnosis = "action.node_lost"
             message = f"A callback spins its own node in {exits.source_line(context.job, line)}."
         steps = verdict.steps or _exchange(context, seen)
     except GradingError:

@@ -91,7 +91,7 @@ def of_start(process: ProcessStatus, job: Job) -> Cause:
     if raised.type in ("ModuleNotFoundError", "ImportError"):
         return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
     if _NO_CONTEXT.search(raised.text) and raised.own and "rclpy.init(" in source_line(job, raised.own.line):
-        return "start.newer_ros", f"Your program uses `with` for rclpy.init(){where}."
+        return "ros.newer", f"Your program uses `with` for rclpy.init(){where}."
     return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
 
 

@@ -64,7 +64,7 @@ def watch_lost_nodes(evidence: int, program: str) -> None:
                 send(evidence, lost_in=str(own[0]))
         return bool(add_node(executor, node))
 
-    Executor.add_node = add_node_watched
+    setattr(Executor, "add_node", add_node_watched)  # noqa: B010 - mypy forbids to assign to a method
 
 
 def in_callback(problem: BaseException) -> bool:

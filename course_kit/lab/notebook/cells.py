@@ -11,26 +11,27 @@ import asyncio
 import builtins
 import contextvars
 import os
+import select
 import sys
 import threading
 import warnings
+from collections import deque
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_kit.lab.errors import InputError
+from course_kit.lab.errors import InputError, LabError
 from course_kit.lab.notebook import interrupts
-from course_kit.lab.notebook.cell_end import NotAwaited, tell_meaning
-from course_kit.lab.notebook.limits import CellLimit
-from course_kit.lab.notebook.shell_commands import show_all_output
 from course_kit.lab.overrides.patches import Patches
+from course_kit.lab.runtime.advice import advice_on
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from course_kit.lab.awaiting import Pending
+
     CellEnd = Callable[..., None]  # told what names lead to, and whether the cell was `stopped` or has `failed`
 
-    from course_kit.lab.awaiting import Pending
     from course_kit.lab.notebook.output import Output, Stream
     from course_kit.ros.compat import Compatibility
 
@@ -281,3 +282,111 @@ class _LogCapture:
         if threading.current_thread() is threading.main_thread():
             self._output.drain()
         self._module.rclpy_logging_rcutils_log(severity, name, message, *caller)
+
+
+class NotAwaited:
+    """The verbs that the running cell has called and not awaited."""
+
+    def __init__(self) -> None:
+        self._verbs: list[Pending[Any]] = []
+
+    def expect(self, verb: Pending[Any], *, awaited: bool) -> None:
+        """A verb was called, or awaited."""
+        if awaited:
+            self._verbs = [one for one in self._verbs if one is not verb]
+        else:
+            self._verbs.append(verb)
+
+    def tell(self) -> None:
+        """The cell has ended: say which ones nothing has awaited, nor will."""
+        verbs, self._verbs = self._verbs, []
+        coming: list[Any] = []
+        with suppress(RuntimeError):  # a terminal has no loop
+            coming = [task.get_coro() for task in asyncio.all_tasks()]
+        missing = [verb for verb in verbs if not verb.told and not any(one is verb for one in coming)]
+        for sentence in dict.fromkeys(map(repr, missing)):
+            sys.stderr.write(f"{sentence}\n")
+
+
+def tell_meaning(result: Any) -> None:
+    """Say what a cell's error means, where Python's or rclpy's words do not."""
+    error = getattr(result, "error_in_exec", None)
+    if not isinstance(error, BaseException) or isinstance(error, LabError):
+        return
+    if meant := advice_on(error):
+        sys.stderr.write(f"{meant}\n")
+
+
+def show_all_output(patches: Patches) -> None:
+    """Have pexpect look for output once more when a program has ended."""
+    try:
+        from pexpect import EOF, spawn
+    except ImportError:  # IPython needs it only where there are pseudoterminals
+        return
+    read = spawn.read_nonblocking
+
+    def read_to_the_end(program: Any, size: int = 1, timeout: float | None = -1) -> Any:
+        try:
+            return read(program, size, timeout)
+        except EOF:
+            if not _has_more(program.child_fd):
+                raise
+            return super(spawn, program).read_nonblocking(size)
+
+    patches.set(spawn, "read_nonblocking", read_to_the_end)
+
+
+def _has_more(descriptor: int) -> bool:
+    poll = select.poll()
+    poll.register(descriptor, select.POLLIN)
+    return any(event & select.POLLIN for _, event in poll.poll(0))
+
+
+LINES = 2_000
+CHARACTERS = 200_000
+_LAST = 20  # lines shown of what was left out
+
+
+class CellLimit:
+    """What the running cell has printed to one stream."""
+
+    def __init__(self) -> None:
+        self.begin()
+
+    def begin(self) -> None:
+        """A cell begins."""
+        self._lines = self._characters = 0
+        self._left_out = 0
+        self._last: deque[str] = deque(maxlen=_LAST)
+
+    def take(self, text: str) -> str:
+        """What of this text is shown."""
+        if self._lines >= LINES or self._characters >= CHARACTERS:
+            self._leave_out(text)
+            return ""
+        lines = text.splitlines(keepends=True)[: LINES - self._lines]
+        shown = "".join(lines)[: CHARACTERS - self._characters]
+        self._lines += shown.count("\n")
+        self._characters += len(shown)
+        if self._lines < LINES and self._characters < CHARACTERS:
+            return shown
+        self._leave_out(text[len(shown) :])
+        ending = "" if shown.endswith("\n") else "\n"
+        return f"{shown}{ending}... This cell has printed {self._how_much()}: the rest is left out.\n"
+
+    def _leave_out(self, text: str) -> None:
+        self._left_out += text.count("\n")
+        self._last.extend(text[-CHARACTERS:].splitlines(keepends=True)[-_LAST:])
+
+    def end(self) -> str:
+        """What is said at the end of the cell: how much was left out, and the last of it."""
+        if not self._left_out:
+            return ""
+        last = "".join(self._last)[-CHARACTERS // 10 :]
+        left_out = max(self._left_out - last.count("\n"), 0)
+        self._left_out = 0
+        self._last.clear()
+        return f"... {left_out:,} lines were left out. The last ones:\n{last}"
+
+    def _how_much(self) -> str:
+        return f"{LINES:,} lines" if self._lines >= LINES else f"{CHARACTERS:,} characters"

@@ -51,8 +51,9 @@ def check_await(lab: Engine, future: Future) -> None:
     if not lab.in_callback() or future.done():
         return
     if (client := _held_back(lab, future)) is not None:
+        name = getattr(client, "service_name", "the action")
         raise DeadlockError(
-            f"This callback and its client for {client.service_name} share one callback group, so the answer "
+            f"This callback and its client for {name} share one callback group, so the answer "
             "would have to wait for the callback, and the callback waits for the answer. Give the client its own: "
             "create_client(..., callback_group=MutuallyExclusiveCallbackGroup())."
         )
@@ -63,7 +64,7 @@ def _held_back(lab: Engine, future: Future) -> Client | ActionClient | None:
     turn = lab.turn()
     if turn is None or turn.node is None:
         return None
-    clients = [*turn.node.clients, *(one for one in turn.node.waitables if isinstance(one, ActionClient))]
+    clients: list[Any] = [*turn.node.clients, *(one for one in turn.node.waitables if isinstance(one, ActionClient))]
     return next((one for one in clients if _excludes(lab, one) and _waits_for(one, future)), None)
 
 
@@ -306,7 +307,7 @@ def _has_come(lab: Engine, future: Future, timeout: float | None) -> bool:
     """Wait for a future; False if it is not done within `timeout` seconds."""
     if lab.in_callback():
         lab.run_others(future.done, timeout)
-        return future.done()
+        return bool(future.done())
     done = threading.Event()
     future.add_done_callback(lambda _: done.set())
     _wait_in_slices(lab, done, timeout)

@@ -7,6 +7,8 @@ What a server reports as sent is reported before it is sent: whoever has it can 
 
 from __future__ import annotations
 
+import functools
+import inspect
 import time
 import uuid
 from collections import deque
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.recording.events import Kind
     from course_kit.lab.recording.hooks import MessageHooks
-    from course_kit.lab.recording.spans import Where
+    from course_kit.lab.recording.spans import CallbackSpans, Where
     from course_kit.ros.messages import ActionType, Message
 
 _WHERE = "_course_kit_where"  # on a client or server: its node, the action's full name and its type
@@ -218,3 +220,42 @@ def _answer(agreed: bool) -> dict[str, bool]:
 
 def _result(response: Message) -> dict[str, object]:
     return {"status": status_name(response.status), "result": response.result}
+
+
+def hook_execution(patches: Patches, hooks: MessageHooks) -> None:
+    """Have execute callbacks of goals reported, wherever they run."""
+    from rclpy.action import ActionServer
+
+    execute_goal = ActionServer._execute_goal  # noqa: SLF001 - all of a server's goals pass here
+
+    async def execute_goal_seen(
+        server: ActionServer, execute_callback: Callable[..., Any], goal_handle: ServerGoalHandle
+    ) -> None:
+        where = where_of(server)
+        seen = _reported(execute_callback, where, hooks.spans) if hooks.events and where else execute_callback
+        await execute_goal(server, seen, goal_handle)
+
+    patches.set(ActionServer, "_execute_goal", execute_goal_seen)
+
+
+def _reported(callback: Callable[..., Any], where: Where, spans: CallbackSpans) -> Callable[..., Any]:
+    if inspect.iscoroutinefunction(callback):
+
+        @functools.wraps(callback)
+        async def execute_in_steps(goal_handle: ServerGoalHandle) -> Any:
+            return await spans.steps(callback(goal_handle), where, "goal")
+
+        return execute_in_steps
+
+    @functools.wraps(callback)
+    def execute(goal_handle: ServerGoalHandle) -> Any:
+        number = spans.begin(where, "goal")
+        failed = True
+        try:
+            result = callback(goal_handle)
+            failed = False
+        finally:
+            spans.end(number, where, failed=failed)
+        return result
+
+    return execute

@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import sys
 import threading
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from course_kit.lab import graph
@@ -12,14 +13,15 @@ from course_kit.lab.errors import LabError
 from course_kit.lab.notebook.cells import Notebook
 from course_kit.lab.notebook.output import Output
 from course_kit.lab.recording.events import EventStream
-from course_kit.lab.runtime.slow_start import told_if_slow
+from course_kit.lab.runtime.callback_errors import where_is
 from course_kit.ros import graph as ros_graph
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable
+    from collections.abc import Callable, Hashable, Iterable, Iterator
 
     from course_kit.lab.awaiting import Pending
     from course_kit.lab.recording.recording import Recording
+    from course_kit.lab.runtime.callback_errors import Locate
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.neighbours import OtherNotebook
     from course_kit.lab.runtime.nodes import NodeList
@@ -84,7 +86,7 @@ class Lab:
         engine = self.engine
         with told_if_slow(node_class, self._notebook.locate, engine.note):
             node = engine.nodes.start(node_class, arguments, options)
-        engine.surroundings.node_started()
+        engine.neighbours.node_started()
         self.output.drain()
         return node
 
@@ -117,7 +119,7 @@ class Lab:
 
     def others(self) -> list[OtherNotebook]:
         """See `course_kit.lab.others`."""
-        return self.engine.surroundings.neighbours.others()
+        return self.engine.neighbours.others()
 
     def stop_others(self, title: str | None) -> None:
         """See `course_kit.lab.stop_others`."""
@@ -126,7 +128,7 @@ class Lab:
         if title is not None and not others:
             known = ", ".join(one.title for one in self.others()) or "none"
             raise LabError(f"{title} runs no nodes on this graph. Other notebooks that do: {known}.")
-        if left := self.engine.surroundings.neighbours.stop(others):
+        if left := self.engine.neighbours.stop(others):
             raise LabError(
                 f"{left[0].title} has not stopped its nodes: a callback of theirs does not end. Restart its kernel."
             )
@@ -148,6 +150,13 @@ class Lab:
         """Wait until the nodes of a script are on the graph as this process sees it, or are not; with a deadline."""
         if self._engine is not None and not self._engine.in_callback():
             graph.wait_for_nodes(self._engine.node, names, {live.name for live in self._engine.nodes}, there=there)
+
+    @property
+    def mark(self) -> str:
+        """By what other notebooks know the processes of this one."""
+        from course_kit.lab.runtime.neighbours import mark_of
+
+        return mark_of(self._notebook.title)
 
     @property
     def recorder(self) -> Recording | None:
@@ -214,8 +223,8 @@ class Lab:
         found = compat.check()
         engine = Engine(self.events, self.output, self._notebook, found)
         engine.on_server_gone = self._let_scripts_end
-        engine.surroundings.on_stop_asked = self._stop_for
-        engine.surroundings.script_nodes = self._script_nodes
+        engine.neighbours.on_stop_asked = self._stop_for
+        engine.neighbours.script_nodes = self._script_nodes
         self._notebook.attach(engine.executor_thread.thread_id, found)
         self.tell_once(found.sentences())
         _at_exit(self.close)
@@ -245,11 +254,6 @@ class Lab:
         if self._scripts is not None:
             self._scripts.stop(None)
         self.engine.note(f"{title} has stopped this notebook's nodes.")
-
-    def announce(self) -> None:
-        """Tell other notebooks which nodes this one has; a lab that needs no ROS so far has none to tell of."""
-        if self._engine is not None:
-            self._engine.surroundings.announce()
 
     def _let_scripts_end(self) -> None:
         if self._scripts is not None and self._engine is not None:
@@ -282,3 +286,29 @@ def _at_exit(function: Callable[[], None]) -> None:
         register(function)
     except RuntimeError:  # the interpreter is ending already
         atexit.register(function)
+
+
+_SLOW = 3.0  # seconds
+
+
+@contextmanager
+def told_if_slow(node_class: object, locate: Locate, tell: Callable[[str], None]) -> Iterator[None]:
+    """Say where `__init__` is when it takes longer than any needs."""
+    starting = threading.get_ident()
+
+    def look() -> None:
+        at = where_is(sys._current_frames().get(starting), locate)  # noqa: SLF001 - the documented way to look
+        where = f" ({at[0]}: {at[1]})" if at else ""
+        name = getattr(node_class, "__name__", "The class")
+        tell(
+            f"{name}.__init__ has not ended after {_SLOW:g} s{where}. lab.start() waits for it. Is it a loop? Press "
+            "Stop, and move what repeats into a timer: self.create_timer(seconds, self.method)."
+        )
+
+    timer = threading.Timer(_SLOW, look)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()

@@ -7,8 +7,9 @@ calls, and what to say when a callback fails.
 from __future__ import annotations
 
 import contextlib
+import sys
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import rclpy.utilities
 from rclpy.action import ActionServer
@@ -18,20 +19,21 @@ from course_kit.lab.errors import CallbackStopped, DeadlockError
 from course_kit.lab.notebook import asyncio_bridge
 from course_kit.lab.overrides import callbacks, rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
-from course_kit.lab.recording.execution_hooks import hook_execution
+from course_kit.lab.recording.action_hooks import hook_execution
 from course_kit.lab.recording.hooks import MessageHooks
-from course_kit.lab.runtime import actions, goal_callbacks, nodes, timeout_reasons
+from course_kit.lab.runtime import actions, nodes
+from course_kit.lab.runtime.callback_errors import where_is
 from course_kit.lab.runtime.describe import actions_of
 from course_kit.lab.runtime.execution import Executions, abort_goals, turn_of
 from course_kit.lab.runtime.executor import Turn
 from course_kit.lab.runtime.executor_thread import ExecutorThread
 from course_kit.lab.runtime.failures import Failures
+from course_kit.lab.runtime.neighbours import Neighbours
 from course_kit.lab.runtime.nodes import Nodes
-from course_kit.lab.runtime.surroundings import Surroundings
 from course_kit.ros import compat_names
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
     from rclpy.executors import Executor
     from rclpy.node import Node
@@ -41,6 +43,8 @@ if TYPE_CHECKING:
     from course_kit.lab.notebook.cells import Notebook
     from course_kit.lab.notebook.output import Output
     from course_kit.lab.recording.events import EventStream
+    from course_kit.lab.runtime.callback_errors import Locate
+    from course_kit.lab.runtime.nodes import LiveNode
     from course_kit.ros.compat import Compatibility
     from course_kit.ros.messages import Message
 
@@ -71,7 +75,7 @@ class Engine:
         self.nodes = Nodes(self.executor_thread, self._end_goals, self._forget)
         self.clients = Clients(self.executor_thread, self._hooks, LAB_NAME)
         self._install()
-        self.surroundings = Surroundings(self, notebook.title)
+        self.neighbours = Neighbours(self, notebook.title)
 
     def _install(self) -> None:
         quieten_finalizers(self._patches)
@@ -85,7 +89,7 @@ class Engine:
             ActionHooks(self._hooks, self._patches)  # before the sending of goals is held back
         if self._found.has(compat_names.EXECUTIONS):
             actions.execute_apart(self._patches, self.executions, self._failures.callback_crashed)
-            goal_callbacks.answer_for_broken_ones(self._patches, self._failures.callback_crashed)
+            actions.answer_for_broken_ones(self._patches, self._failures.callback_crashed)
             hook_execution(self._patches, self._hooks)  # after it, so that it sees the thread of the callback itself
         if self._found.has(compat_names.REPLIES):
             actions.keep_replies(self._patches)
@@ -103,7 +107,7 @@ class Engine:
 
     def close(self) -> bool:
         """End everything; False if a callback could not be ended."""
-        self.surroundings.close()
+        self.neighbours.close()
         self._end_goals([live.node for live in self.nodes], _LAST_JOIN)
         try:
             return self.executor_thread.close(self._destroy_nodes)
@@ -164,11 +168,11 @@ class Engine:
 
     def why_no_answer(self, service: str) -> str:
         """What is known about a server that does not answer."""
-        return timeout_reasons.no_answer(self.nodes, self._running(), service, self._locate)
+        return no_answer(self.nodes, self._running(), service, self._locate)
 
     def why_no_result(self, action: str) -> str:
         """What is known about an action server that does not answer."""
-        return timeout_reasons.no_result(self.nodes, self._running(), action, self._locate, self.executions)
+        return no_result(self.nodes, self._running(), action, self._locate, self.executions)
 
     def not_in_callback(self, what: str) -> None:
         """Raise DeadlockError if the caller is a callback on the lab's thread."""
@@ -178,9 +182,9 @@ class Engine:
                 f"{'send_goal_async' if 'goal' in what else 'call_async'}() there."
             )
 
-    def _running(self) -> timeout_reasons.Running:
+    def _running(self) -> Running:
         executor = self.executor_thread.executor
-        return timeout_reasons.Running(executor.turn, self.executor_thread.thread_id, executor.unfinished())
+        return Running(executor.turn, self.executor_thread.thread_id, executor.unfinished())
 
     def before_blaming(self) -> None:
         """A server has gone: let a script that is about to end say why first."""
@@ -292,4 +296,56 @@ class Engine:
                 channels |= {subscription.topic_name for subscription in node.subscriptions}
                 channels |= actions_of(node)
         self.clients.forget(channels)
-        self.surroundings.announce()
+
+
+class Running(NamedTuple):
+    """What runs on a thread of the lab."""
+
+    turn: Turn | None
+    thread_id: int
+    unfinished: Sequence[Any] = ()
+
+
+def no_answer(nodes: Iterable[LiveNode], running: Running, service: str, locate: Locate) -> str:
+    """What is known about a service's server that does not answer."""
+    if running.turn is not None and running.turn.entity is not None:
+        return f"{_still_in(running, locate)}; while a callback runs, no other does."
+    for live in nodes:
+        serving = [one for one in live.node.services if one.service_name == service]
+        if any(one is unfinished for one in serving for unfinished in running.unfinished):
+            return f"A callback of {live.node.get_name()} for this service has not finished: it awaits something."
+        if serving:
+            return (
+                f"{live.node.get_name()} serves it and none of its callbacks is at work: the request or its response "
+                "was lost. Of what waits for a service, or for its client, the newest 10 are kept."
+            )
+    return (
+        "Its server runs outside this notebook; its callback may still be running, or have raised an exception, "
+        "or have returned nothing. Look at the server's own output."
+    )
+
+
+def no_result(nodes: Iterable[LiveNode], running: Running, action: str, locate: Locate, executions: Executions) -> str:
+    """What is known about an action server that does not answer."""
+    if running.turn is not None and running.turn.entity is not None:
+        return f"{_still_in(running, locate)}; while a callback runs, no other does."
+    for live in nodes:
+        if action in actions_of(live.node):
+            execution = executions.of(live.node)
+            if execution is not None and execution.thread is not None:
+                return f"{_still_in(Running(turn_of(execution), execution.thread.ident or 0), locate)}."
+            if execution is None:  # a server may have no execute callback, or begin with the goal later
+                return f"{live.node.get_name()} has not ended the goal, and no execute callback is running."
+            return f"{live.node.get_name()} has not finished the goal: its execute callback awaits something."
+    return "Its server runs outside this notebook and may still be busy with the goal. Look at the server's own output."
+
+
+def _still_in(running: Running, locate: Locate) -> str:
+    turn: Any = running.turn
+    callback = turn.callback if turn.entity is None else getattr(turn.entity, "callback", None)
+    name = getattr(callback, "__name__", "a callback")
+    frame = sys._current_frames().get(running.thread_id)  # noqa: SLF001 - the documented way to look
+    at = where_is(frame, locate)
+    where = f" ({at[0]}: {at[1]})" if at else ""
+    owner = turn.node.get_name() if turn.node is not None else "a node"
+    return f"{owner} has been in {name}{where} for {time.monotonic() - turn.since:.0f} s"

@@ -1,22 +1,26 @@
-"""Other notebooks on the same graph: what each runs, and the request that it stop that.
+"""What surrounds a notebook's nodes: other notebooks, and whoever offers what this one's nodes offer, too.
 
-ROS does not tell whose a node is. So each lab announces its nodes and those of its scripts on a hidden topic, where who
-comes later hears it as well, and listens to another one for the request to stop them. What nobody has announced belongs
-to some other program.
+Two servers of one name both answer every request, and a server left in another notebook answers where this one's has
+been forgotten. Both look like success, so the learner is told.
+
+ROS does not tell whose a node is. So each lab's hidden node, and a node of each of its scripts, has a publisher on a
+hidden topic whose name tells the notebook. A node is that notebook's whose mark comes out of the same process.
 """
 
 from __future__ import annotations
 
-import json
+import contextlib
+import os
 import threading
 import time
 from typing import TYPE_CHECKING, NamedTuple
 
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
+from course_kit.lab.runtime.describe import actions_of
 from course_kit.ros import graph
-from course_kit.ros.names import full_name
+from course_kit.ros.names import full_name, is_of_every_node, short_name
 from course_kit.ros.topic import NO_PUBLISHER_EVENTS, NO_SUBSCRIPTION_EVENTS
 
 if TYPE_CHECKING:
@@ -24,21 +28,33 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
+    from course_kit.lab.runtime.engine import Engine
+    from course_kit.lab.runtime.nodes import LiveNode
     from course_kit.ros.messages import Message
 
-NODES_TOPIC, STOP_TOPIC = "/_lab/nodes", "/_lab/stop"
+MARK_VARIABLE = "COURSE_KIT_LAB_MARK"  # in the environment of scripts
+_MARK, _STOP = "/_lab/of/", "/_lab/stop"
 # Without ROS's prefix on the name, so that no `ros2 topic list` shows a learner what no lesson speaks of.
-_KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, avoid_ros_namespace_conventions=True)
-# A reader's depth is for all writers together: with 1 a notebook's own word would take the place of another's.
-_HEARD = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL, avoid_ros_namespace_conventions=True)
-_PASSING = QoSProfile(depth=10, avoid_ros_namespace_conventions=True)
+_HIDDEN = QoSProfile(depth=10, avoid_ros_namespace_conventions=True)
+_OF_EVERY_NODE = "/parameter_events"
+_LONGEST = 60  # bytes of a title
 _STOPPING = 8.0  # seconds another notebook is given: its scripts have 4 to end, and a callback may run
 _POLL = 0.02
-_OF_EVERY_NODE = "/parameter_events"
+_PAUSE = 0.1  # seconds between two looks. What follows counts looks: a machine that sleeps or is busy takes none
+_LOOKING = 60  # another program is found within ten of them, unless the machine is busy
+_UNKNOWN = 40  # a program that was killed stays visible for 2 s
+_ENDING = 6.0  # seconds for a look to end
+_GOALS = "/_action/send_goal"
 
 
 class OtherNotebook(NamedTuple):
-    """Another notebook, or a program with a lab, that has nodes on this graph."""
+    """Another notebook, or a program with a lab, that has nodes on this graph.
+
+    Attributes:
+        title: the notebook's file, such as "02_actions.ipynb".
+        nodes: the full names of its nodes, its scripts' included.
+        key: by which it is told to stop.
+    """
 
     title: str
     nodes: tuple[str, ...]
@@ -48,86 +64,177 @@ class OtherNotebook(NamedTuple):
         return f"{self.title}: {', '.join(name.lstrip('/') for name in self.nodes)}"
 
 
+def mark_of(title: str) -> str:
+    """The topic by which other notebooks know those processes of this one."""
+    return f"{_MARK}p{os.getpid()}/t{title.encode()[:_LONGEST].hex()}"
+
+
+def mark_as(topic: str, node: Node) -> None:
+    """Have the nodes in the process of `node` be known as a notebook's."""
+    node.create_publisher(String, topic, _HIDDEN, event_callbacks=NO_PUBLISHER_EVENTS)
+
+
 class Neighbours:
-    """What one lab knows of the others."""
+    """Tells the learner what other notebooks and programs have to do with this one's nodes.
 
-    def __init__(self, node: Node, title: str, stop: Callable[[str], None]) -> None:
-        self._node = node
-        self._key = node.get_fully_qualified_name()
-        self._title = title
-        self._stop = stop
-        self._heard: dict[str, OtherNotebook] = {}
-        self._asked: set[tuple[graph.Role, str]] = set()
-        self._announced: list[str] | None = None
-        self._nodes_out = node.create_publisher(String, NODES_TOPIC, _KEPT, event_callbacks=NO_PUBLISHER_EVENTS)
-        self._stop_out = node.create_publisher(String, STOP_TOPIC, _PASSING, event_callbacks=NO_PUBLISHER_EVENTS)
-        for topic, hear, qos in ((NODES_TOPIC, self._hear, _HEARD), (STOP_TOPIC, self._hear_stop, _PASSING)):
-            node.create_subscription(String, topic, hear, qos, event_callbacks=NO_SUBSCRIPTION_EVENTS)
+    Other programs are found some time after a node is made, so a thread looks for some seconds after each start.
 
-    def announce(self, nodes: Iterable[str]) -> None:
-        """Tell the others which nodes this notebook has now."""
-        names = sorted(nodes)
-        if names == self._announced:
-            return
-        self._announced = names
-        self._asked.clear()
-        self._nodes_out.publish(String(data=json.dumps({"key": self._key, "title": self._title, "nodes": names})))
+    Attributes:
+        on_stop_asked: called, on a thread of its own, when another notebook asks this one to stop its nodes.
+        script_nodes: tells the full names of the nodes of scripts, each with the script's name.
+    """
+
+    def __init__(self, lab: Engine, title: str) -> None:
+        self.on_stop_asked: Callable[[str], None] = lambda _: None
+        self.script_nodes: Callable[[], dict[str, str]] = dict
+        self._mark = mark_of(title)
+        self._lab, self._node, self._title = lab, lab.node, title
+        mark_as(self._mark, self._node)
+        self._stop_out = self._node.create_publisher(String, _STOP, _HIDDEN, event_callbacks=NO_PUBLISHER_EVENTS)
+        self._node.create_subscription(String, _STOP, self._hear_stop, _HIDDEN, event_callbacks=NO_SUBSCRIPTION_EVENTS)
+        self._told: set[tuple[str, str]] = set()
+        self._answered: set[tuple[str, str]] = set()
+        self._seen: dict[tuple[str, str], int] = {}  # in how many looks
+        self._left = 0  # looks
+        self._news, self._ended = threading.Event(), threading.Event()
+        self._thread: threading.Thread | None = None
 
     def others(self) -> list[OtherNotebook]:
         """The other notebooks that have nodes, by title."""
-        if not self._heard:
+        topics = [name for name, _ in self._node.get_topic_names_and_types(no_demangle=True)]
+        marks = [name for name in topics if name.startswith(_MARK) and name != self._mark]
+        if not marks:
             return []
-        there = set(graph.nodes(self._node))  # one that was killed said nothing
-        found = [one for one in list(self._heard.values()) if one.key in there and one.nodes]
-        return sorted(found, key=lambda one: one.title)
-
-    def may_announce(self, node: str) -> bool:
-        """Whether a node is in one process with the lab of some other notebook, which will announce it."""
-        labs = self._node.get_publishers_info_by_topic(NODES_TOPIC, no_mangle=True)
-        ends = self._node.get_publishers_info_by_topic(_OF_EVERY_NODE)
-        others = {graph.process_of(lab) for lab in labs if full_name(lab.node_name, lab.node_namespace) != self._key}
-        of_node = {graph.process_of(end) for end in ends if full_name(end.node_name, end.node_namespace) == node}
-        return bool(others & of_node)
-
-    def answering(self, role: graph.Role, name: str) -> str:
-        """Whose server answers where none of this notebook does; told once, until some notebook has other nodes."""
-        if not self._heard or (role, name) in self._asked:
-            return ""
-        self._asked.add((role, name))
-        whose = {node: other.title for other in self.others() for node in other.nodes}
-        if any(self._offers(node, role, name) for node in self._announced or ()):
-            return ""
-        return next((f"{node.lstrip('/')} of {whose[node]}" for node in whose if self._offers(node, role, name)), "")
-
-    def _offers(self, node: str, role: graph.Role, name: str) -> bool:
-        return any(use.channel == name for use in graph.uses_of(self._node, node, role))
+        marked = {
+            graph.process_of(end): mark
+            for mark in marks
+            for end in self._node.get_publishers_info_by_topic(mark, no_mangle=True)
+        }
+        nodes: dict[str, set[str]] = {}
+        for end in self._node.get_publishers_info_by_topic(_OF_EVERY_NODE):
+            mark = marked.get(graph.process_of(end))
+            if mark is not None and not end.node_name.startswith("_"):
+                nodes.setdefault(mark, set()).add(full_name(end.node_name, end.node_namespace))
+        return sorted(OtherNotebook(_title_of(mark), tuple(sorted(names)), mark) for mark, names in nodes.items())
 
     def stop(self, others: list[OtherNotebook]) -> list[OtherNotebook]:
-        """Have others stop their nodes, and wait until they have."""
+        """Have others stop their nodes; returns those that have not within some seconds."""
         keys = {one.key for one in others}
         for key in keys:
-            self._stop_out.publish(String(data=json.dumps({"key": key, "by": self._title})))
+            self._stop_out.publish(String(data=f"{key} {self._title}"))
         deadline = time.monotonic() + _STOPPING
-        pause = threading.Event()  # what is heard comes on another thread, and the graph has no event to wait for
+        pause = threading.Event()  # the graph has no event to wait for
         while (left := [one for one in self.others() if one.key in keys]) and time.monotonic() < deadline:
             pause.wait(_POLL)
         return left
 
-    def _hear(self, message: Message) -> None:
-        try:
-            told = json.loads(message.data)
-            one = OtherNotebook(str(told["title"]), tuple(map(str, told["nodes"])), str(told["key"]))
-        except (ValueError, KeyError, TypeError):  # no lab has written it
-            return
-        if one.key != self._key:
-            self._heard[one.key] = one
-            self._asked.clear()
-
     def _hear_stop(self, message: Message) -> None:
-        try:
-            told = json.loads(message.data)
-            key, by = told["key"], str(told["by"])
-        except (ValueError, KeyError, TypeError):
+        key, _, by = message.data.partition(" ")
+        if key == self._mark:  # ending scripts takes seconds, in which callbacks go on
+            threading.Thread(target=self.on_stop_asked, args=(by,), name="lab-stop", daemon=True).start()
+
+    def tell_who_answers(self, role: graph.Role, name: str) -> None:
+        """Say so once where another notebook's node answers, in place of one that this one has forgotten to start."""
+        if any((name, role) in set(_offered_by(live)) for live in self._lab.nodes):
             return
-        if key == self._key:  # ending scripts takes seconds, in which callbacks go on
-            threading.Thread(target=self._stop, args=(by,), name="lab-stop", daemon=True).start()
+        whose = {node: other.title for other in self.others() for node in other.nodes}
+        if not whose or any(self._offers(node, role, name) for node in self.script_nodes()):
+            return
+        node = next((node for node in whose if self._offers(node, role, name)), "")
+        if node and (node, name) not in self._answered:
+            self._answered.add((node, name))
+            self._lab.note(
+                f"{name} is answered by {node.lstrip('/')} of {whose[node]}, not by a node of this notebook. "
+                "lab.stop_others() stops what other notebooks run."
+            )
+
+    def node_started(self) -> None:
+        """A node was started: look now, and for some seconds, who offers the same."""
+        self._told.clear()
+        self._seen.clear()
+        self._left = _LOOKING
+        self._look()
+        self._news.set()
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._watch, name="lab-neighbours", daemon=True)
+            self._thread.start()
+
+    def close(self) -> None:
+        """Look no more."""
+        self._ended.set()
+        self._news.set()
+        if self._thread is not None:
+            self._thread.join(_ENDING)
+
+    def _watch(self) -> None:
+        while not self._ended.is_set():
+            self._news.wait()
+            self._news.clear()
+            while self._left > 0 and not self._ended.wait(_PAUSE):
+                self._left -= 1
+                with contextlib.suppress(Exception):  # a node that is destroyed at this very moment
+                    self._look()
+
+    def _look(self) -> None:
+        for name, role in list(self._doubled()):
+            for node in self._offering(name, role):
+                self._tell_once(node, f"{name} is also offered by {{}}: both answer every request.")
+        running = graph.nodes(self._node)
+        for name in {live.name for live in self._lab.nodes}:
+            if running.count(name) > 1:
+                self._tell_once(name, f"Two nodes have the name {short_name(name)}. The other one is {{}}.")
+
+    def _tell_once(self, node: str, sentence: str) -> None:
+        """Say it with whose node it is; one that is no notebook's may have been killed just now."""
+        key = (node, sentence)
+        self._seen[key] = looks = self._seen.get(key, 0) + 1
+        whose = self._whose(node)
+        if key in self._told:
+            return
+        if whose is None and looks <= _UNKNOWN:
+            self._left = max(self._left, 2)
+            return
+        self._told.add(key)
+        who, remedy = whose or (f"{short_name(node)} in another program", "")
+        self._lab.note(f"{sentence.format(who)} {remedy}".rstrip())
+
+    def _doubled(self) -> Iterable[tuple[str, graph.Role]]:
+        """What this lab's nodes offer and somebody else as well."""
+        own: dict[tuple[str, graph.Role], int] = {}
+        for live in self._lab.nodes:
+            for name, role in _offered_by(live):
+                own[name, role] = own.get((name, role), 0) + 1
+        for (name, role), count in own.items():
+            if self._node.count_services(name if role == graph.SERVES else f"{name}{_GOALS}") > count:
+                yield name, role
+
+    def _offering(self, name: str, role: graph.Role) -> list[str]:
+        own = {live.name for live in self._lab.nodes} | self._lab.own_names
+        found = [one for one in sorted(set(graph.nodes(self._node)) - own) if self._offers(one, role, name)]
+        return found or sorted(own & {node for other in self.others() for node in other.nodes})
+
+    def _offers(self, node: str, role: graph.Role, name: str) -> bool:
+        return any(use.channel == name for use in graph.uses_of(self._node, node, role))
+
+    def _whose(self, node: str) -> tuple[str, str] | None:
+        """Whose node it is, and what stops it; None where it is no notebook's."""
+        shown = short_name(node)
+        if script := self.script_nodes().get(node):
+            return f"{shown} of your script {script}", f"%ros_stop {script} stops it."
+        for other in self.others():
+            if node in other.nodes:
+                return f"{shown} of {other.title}", "lab.stop_others() stops what other notebooks run."
+        return None
+
+
+def _title_of(mark: str) -> str:
+    return bytes.fromhex(mark.rpartition("/t")[2]).decode(errors="ignore")
+
+
+def _offered_by(live: LiveNode) -> Iterable[tuple[str, graph.Role]]:
+    for node in (live.node, *live.helpers):
+        for service in node.services:
+            if not is_of_every_node(service.service_name):
+                yield service.service_name, graph.SERVES
+        for action in actions_of(node):
+            yield action, graph.RUNS

@@ -78,7 +78,9 @@ def report(reports: Reports) -> None:
     from rclpy.node import Node
 
     from course_kit.lab.overrides.patches import Patches, quieten_finalizers
+    from course_kit.lab.runtime.neighbours import MARK_VARIABLE, mark_as
 
+    mark = os.environ.pop(MARK_VARIABLE, "")
     patches = Patches()
     quieten_finalizers(patches)
     _record(patches, reports)
@@ -86,7 +88,11 @@ def report(reports: Reports) -> None:
     wait = Executor.wait_for_ready_callbacks
 
     def initialise_seen(node: Node, *arguments: Any, **options: Any) -> None:
+        nonlocal mark
         initialise(node, *arguments, **options)
+        if mark:
+            mark_as(mark, node)
+            mark = ""
         reports.send(node=node.get_fully_qualified_name())
 
     reported = ""
@@ -123,7 +129,7 @@ def _record(patches: Patches, reports: Reports) -> None:
 
         ActionHooks(hooks, patches)
     if found.has(compat_names.EXECUTIONS):
-        from course_kit.lab.recording.execution_hooks import hook_execution
+        from course_kit.lab.recording.action_hooks import hook_execution
 
         hook_execution(patches, hooks)
     if not found.has(compat_names.RECORDING):

@@ -126,6 +126,7 @@ class Scripts:
                 RCUTILS_CONSOLE_OUTPUT_FORMAT=LOG_FORMAT,
                 RCUTILS_COLORIZED_OUTPUT="0",
                 PYTHON_COLORS="0",  # kernels set FORCE_COLOR, and Python 3.13 would colour what it complains of
+                COURSE_KIT_LAB_MARK=self._lab.mark,
                 PYTHONIOENCODING="utf-8",  # as it is read here, whatever the locale
             ),
         )
@@ -141,7 +142,6 @@ class Scripts:
         self.pump()
         if self._running.get(script.name) is script:
             del self._running[script.name]
-        self._lab.announce()
         if not self._running:
             self._end_line()
         if code not in {0, 1} and not script.stopping:  # 1 has just shown its traceback
@@ -216,7 +216,6 @@ class Scripts:
             return
         if script is not None and "node" in report and "event" not in report:
             script.nodes.append(str(report["node"]))
-            self._lab.announce()
         elif script is not None and "spins" in report:
             script.spins = str(report["spins"])
             self._output.poke()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pexpect
 
-from course_kit.lab.notebook.shell_commands import show_all_output
+from course_kit.lab.notebook.cells import show_all_output
 from course_kit.lab.overrides.patches import Patches
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-# start.newer_ros: rclpy.init() as a context manager, which newer versions have
+# ros.newer: rclpy.init() as a context manager, which newer versions have
 """Exercise 1, solved: a service that converts temperatures between Celsius and Fahrenheit."""
 
 import math

@@ -1,4 +1,4 @@
-# node.lost: execute spins the node, which a MultiThreadedExecutor runs
+# action.node_lost: execute spins the node, which a MultiThreadedExecutor runs
 """Exercise 2, solved: an action server that drives a robot to a point, with feedback, one goal at a time."""
 
 import math
