@@ -53,7 +53,6 @@ SLOW = (
     "tests/cli/",
     "tests/course_setup/",
     "tests/dev/",
-    "tests/graders/robot_parameters/test_correct.py",
     "tests/graders/robot_parameters/test_starts.py",
     "tests/graders/test_move_robot.py",
     "tests/graders/test_strange_answers.py",

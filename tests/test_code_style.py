@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests import sizes
+
 REPOSITORY = Path(__file__).resolve().parent.parent
 MOST_LINES = 450
 
@@ -53,3 +55,8 @@ def test_no_two_public_classes_share_a_name() -> None:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 places.setdefault(node.name, []).append(str(path.relative_to(REPOSITORY)))
     assert {name: where for name, where in places.items() if len(where) > 1} == {}
+
+
+def test_what_is_left_out_of_a_run_is_there() -> None:
+    named = {test.partition("::")[0] for test in (*sizes.WEEKLY, *sizes.SLOW)}
+    assert {path for path in named if not (REPOSITORY / path).exists()} == set()

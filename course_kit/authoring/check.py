@@ -97,7 +97,7 @@ def check(  # noqa: PLR0913 - the options of one verb
     found = [fault for one in chosen for fault in rules.faults(one, _of_exercise(runs[0], one))]
     found += list(_unstable(runs))
     if not exercises:
-        found += rules.codes_without_submission({one.name for each in chosen for one in each.of("broken")})
+        found += rules.codes_without_submission({one.name for each in chosen for one in each.submissions})
     return ProofOutcome(chosen, runs, tuple(found), busy, time.monotonic() - began, partial=bool(exercises))
 
 

@@ -130,8 +130,8 @@ def _cell(found: ProofOutcome, one: Corpus, name: str) -> str:
 
 
 def _codes(found: ProofOutcome) -> str:
-    named = {one.name for each in found.sets for one in each.of("broken")} & set(catalogue.catalogue())
-    text = "diagnoses have a submission in tests/broken that gets exactly that code"
+    named = {one.name for each in found.sets for one in each.submissions} & set(catalogue.catalogue())
+    text = "diagnoses have a submission named after them that gets exactly that code"
     if found.partial:
         return f"{len(named)} {text} (of {len(catalogue.catalogue())}, all exercises together)"
     mark = "✗" if len(named) < len(catalogue.catalogue()) else "✓"

@@ -180,8 +180,8 @@ def _where(one: ProofSubmission, task: Exercise) -> str:
 
 
 def codes_without_submission(names: set[str]) -> list[Fault]:
-    """The codes of the catalogue after which no broken program is named."""
-    text = "no submission in tests/broken is named after it, so nothing shows that a learner gets it."
+    """The codes of the catalogue after which no broken program or slip is named."""
+    text = "no broken program and no slip is named after it, so nothing shows that a learner gets it."
     return [Fault("", "codes", "", f"{code}: {text}") for code in catalogue.catalogue() if code not in names]
 
 

@@ -78,6 +78,14 @@ def test_what_is_gone_counts_nowhere_and_is_kept(inbox: Path) -> None:
     assert "bob" not in (out / "grades.csv").read_text(encoding="utf-8-sig")
 
 
+def test_a_page_whose_record_was_never_written_is_taken_away(inbox: Path) -> None:
+    page = inbox.parent / "out/students/zoe/temperature_service.html"
+    page.parent.mkdir(parents=True)
+    page.write_text("a run was killed after this")
+    again(inbox)
+    assert not page.exists()
+
+
 def test_what_has_changed_is_graded_again_and_the_result_of_before_is_kept(inbox: Path) -> None:
     out = inbox.parent / "out"
     again(inbox)

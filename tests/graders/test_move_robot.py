@@ -1,8 +1,7 @@
-"""Exercise 2 in other files, and graded without being started by us; styles, mistakes and checks: tests/proof."""
+"""Exercise 2 graded without being started by us; styles, mistakes and checks: tests/proof."""
 
 from __future__ import annotations
 
-import json
 import re
 import shlex
 import signal
@@ -11,49 +10,18 @@ import sys
 from importlib import metadata
 from typing import TYPE_CHECKING
 
-import pytest
-
 from course_kit import environment, grading
 from tests.grading.conftest import ROOT
-from tests.reading import read
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 EXERCISE = "move_robot"
-STARTER = ROOT / "exercises" / EXERCISE / f"{EXERCISE}.py"
-NOTEBOOK = STARTER.with_suffix(".ipynb")
 SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
-
-
-def made_files(folder: Path) -> dict[str, Path]:
-    """The solution in other guises."""
-    text = SOLUTION.read_text()
-    imports, middle, rest = text.partition("TOLERANCE =")
-    cells = [
-        {"cell_type": "markdown", "source": ["# Exercise\n"]},
-        {"cell_type": "code", "source": [f"%%submission {EXERCISE}\n", *imports.splitlines(keepends=True)]},
-        {"cell_type": "code", "source": f"%%submission {EXERCISE}\n{middle}{rest}"},
-    ]
-    windows, notebook = folder / "windows.py", folder / "notebook.ipynb"
-    windows.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
-    notebook.write_text(json.dumps({"cells": cells}))
-    return {"windows": windows, "notebook": notebook}
 
 
 def failures(report: grading.Report) -> list[tuple[str, str, str]]:
     return [(check.id, check.status, check.message) for check in report.checks if check.status != "passed"]
-
-
-@pytest.mark.parametrize("guise", ["windows", "notebook"])
-def test_solution_in_any_file_gets_full_marks(guise: str, worker: grading.Worker, tmp_path: Path) -> None:
-    assert failures(grading.grade(EXERCISE, made_files(tmp_path)[guise], worker=worker)) == []
-
-
-def test_starter_notebook_holds_the_starter() -> None:
-    program = read(STARTER, EXERCISE).source
-    cell = read(NOTEBOOK, EXERCISE).source
-    assert program[program.index("class MoveRobotServer") : program.index("\n\ndef main")].rstrip() in cell
 
 
 def test_exec_grades_a_command() -> None:

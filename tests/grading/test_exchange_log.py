@@ -9,6 +9,7 @@ from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
 
 from course_kit import grading
+from course_kit.authoring import corpus
 from course_kit.grading.checks.check import Evidence
 from course_kit.grading.exchange_log import GRADER, NODE, ExchangeLog, in_one_line
 from course_kit.ros.arrows import Arrow
@@ -96,6 +97,18 @@ def steps_of(report: grading.Report, check: str) -> list[str]:
     return [str(step) for one in report.checks if one.id == check for step in one.steps]
 
 
+@pytest.fixture
+def grade_wrong(worker: grading.Worker, tmp_path: Path) -> Callable[[str, str], grading.Report]:
+    """Grades the submission that is named after a diagnosis."""
+
+    def run(exercise: str, code: str) -> grading.Report:
+        wrong = next(one for one in corpus.load(exercise, ROOT).submissions if one.name == code)
+        (tmp_path / "answer.py").write_text(wrong.text())
+        return grading.grade(exercise, tmp_path / "answer.py", worker=worker, seed=3)
+
+    return run
+
+
 @pytest.mark.parametrize(
     ("exercise", "code", "check", "told"),
     [
@@ -129,9 +142,9 @@ def steps_of(report: grading.Report, check: str) -> list[str]:
     ],
 )
 def test_a_failed_check_carries_its_exchange(
-    exercise: str, code: str, check: str, told: list[str], worker: grading.Worker
+    exercise: str, code: str, check: str, told: list[str], grade_wrong: Callable[[str, str], grading.Report]
 ) -> None:
-    report = grading.grade(exercise, ROOT / "tests" / "broken" / exercise / f"{code}.py", worker=worker, seed=3)
+    report = grade_wrong(exercise, code)
     steps = steps_of(report, check)
     for words in told:
         assert any(words in line for line in steps), steps

@@ -26,11 +26,9 @@ class Proofs:
     def reports(self) -> dict[corpus.ProofSubmission, Report]:
         return self.outcome.runs[0].reports
 
-    def of(self, exercise: str, kind: str) -> dict[str, Report]:
-        """The reports of one kind of submission, by their names."""
-        return {
-            one.name: report for one, report in self.reports.items() if (one.exercise, one.kind) == (exercise, kind)
-        }
+    def of(self, exercise: str, name: str) -> Report:
+        """The report of the first submission of that name."""
+        return next(report for one, report in self.reports.items() if (one.exercise, one.name) == (exercise, name))
 
 
 @pytest.fixture(scope="session", params=[1, pytest.param(2, marks=pytest.mark.weekly)], ids="seed {}".format)

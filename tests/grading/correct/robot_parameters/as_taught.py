@@ -1,4 +1,4 @@
-# field.type: an int put into a float64 field
+# As the lessons teach it, and short: the slips that are named after a diagnosis are made from it.
 import rclpy
 from geometry_msgs.msg import Twist
 from rcl_interfaces.msg import SetParametersResult
@@ -44,8 +44,6 @@ class VelocityLimiter(Node):
             limited = command
             highest = self.get_parameter("max_velocity").value
             limited.linear.x = max(-highest, min(highest, command.linear.x))
-        else:
-            limited.linear.x = 0
         self.cmd_vel.publish(limited)
         diameter = self.get_parameter("wheel_diameter").value
         self.wheel_speed.publish(Float64(data=limited.linear.x / (diameter / 2.0)))
