@@ -140,7 +140,7 @@ def test_message_names_the_fact(exercise: str, code: str, fact: str, proofs: Pro
 def test_each_drill_names_the_cause_of_its_symptom(proofs: Proofs) -> None:
     for drill, said in SYMPTOMS.items():
         for name in (f"{drill}.py", f"{drill}.ipynb"):
-            report = proofs.of(drill, name)
+            report = proofs.of(drill, name, "starter")
             [failed] = [one for one in report.checks if one.status == "failed"]
             assert said in failed.message
 
