@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2cli import types
-from course_kit.ros2cli.layout_options import layout_of
 from course_kit.ros2cli.listening import Listener
-from course_kit.ros2cli.text import dumped, to_csv, to_plain
+from course_kit.ros2cli.text import dumped, layout_of, to_csv, to_plain
 
 if TYPE_CHECKING:
     from argparse import Namespace

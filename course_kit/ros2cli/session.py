@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 import time
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.errors import CommandError
-from course_kit.ros2cli.light_imports import leave_out_the_generator
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 _SPIN = 0.05  # seconds in C between two looks for a Ctrl-C
 _LOOK_EVERY = 0.003
+_GENERATOR = "rosidl_generator_py.generate_py_impl"
 _LAST_WORDS = 0.5  # seconds for an answer that was under way when its server left
 
 
@@ -135,9 +137,15 @@ class Session:
             from course_kit import environment
 
             environment.apply()  # before rclpy, also where the autoload is turned off
-            leave_out_the_generator()
+            _leave_out_the_generator()
             import rclpy
 
             self._context = rclpy.Context()
             self._context.init([])
         return self._context
+
+
+def _leave_out_the_generator() -> None:
+    """Import rclpy's type support without the generator of message classes, which reads grammars at its import."""
+    if _GENERATOR not in sys.modules:
+        sys.modules[_GENERATOR] = ModuleType(_GENERATOR)  # without `generate_py`: an ImportError for those who ask

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import array
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
 
 _END = "...\n"
 TRUNCATE = 128  # elements and characters, unless told otherwise
@@ -92,3 +95,23 @@ def to_csv(value: object, layout: Layout) -> str:
 
     collect(plain)
     return ",".join(parts)
+
+
+def add_layout(verb: ArgumentParser) -> None:
+    """The options of every verb that shows messages."""
+    verb.add_argument("-f", "--full-length", action="store_true", help="long strings and arrays in full")
+    verb.add_argument("-l", "--truncate-length", type=int, default=TRUNCATE, metavar="N", help="where they are cut")
+    verb.add_argument("--no-arr", action="store_true", help="no elements of arrays")
+    verb.add_argument("--no-str", action="store_true", help="no strings")
+    verb.add_argument("--flow-style", action="store_true", help="in one line")
+    verb.add_argument("--csv", action="store_true", help="values separated by commas")
+
+
+def layout_of(options: Namespace) -> Layout:
+    """How much those options ask for."""
+    return Layout(
+        truncate=None if options.full_length else options.truncate_length,
+        arrays=not options.no_arr,
+        strings=not options.no_str,
+        flow=options.flow_style,
+    )

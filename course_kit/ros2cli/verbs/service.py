@@ -9,8 +9,8 @@ from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
-from course_kit.ros2cli.layout_options import add_layout
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_node_options, add_timeout, add_values, add_verbs
+from course_kit.ros2cli.text import add_layout
 from course_kit.ros2cli.verbs._listing import (
     add_about,
     add_find,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.ros2cli.graph import Ends, visible
-from course_kit.ros2cli.layout_options import add_layout, layout_of
 from course_kit.ros2cli.parser import (
     add_graph_options,
     add_named,
@@ -15,6 +14,7 @@ from course_kit.ros2cli.parser import (
     add_verbs,
 )
 from course_kit.ros2cli.qos import add_qos
+from course_kit.ros2cli.text import add_layout, layout_of
 from course_kit.ros2cli.verbs._listing import (
     add_about,
     add_find,
