@@ -163,7 +163,7 @@ def _names(cls: type) -> tuple[str, str, str]:
 
 
 # Type descriptions as rosidl_runtime_c lays them out in memory: a String is (data, size, capacity), a sequence the
-# same, and a Field is its name, its FieldType (id, capacity, string capacity, nested type's name) and its default value.
+# same, and a Field is its name, its FieldType (id, capacity, string capacity, nested type) and its default value.
 
 
 def description_of(cls: type) -> int:
