@@ -135,7 +135,10 @@ class Neighbours:
 
     def tell_who_answers(self, role: graph.Role, name: str) -> None:
         """Say so once where another notebook's node answers, in place of one that this one has forgotten to start."""
-        if any((name, role) in set(_offered_by(live)) for live in self._lab.nodes):
+        own = [node for live in self._lab.nodes for node in (live.node, *live.helpers)]
+        if any(service.service_name == name for node in own for service in node.services) or (
+            role == graph.RUNS and any(name in actions_of(node) for node in own)
+        ):
             return
         whose = {node: other.title for other in self.others() for node in other.nodes}
         if not whose or any(self._offers(node, role, name) for node in self.script_nodes()):
