@@ -18,7 +18,6 @@ WEEKLY = (
     "tests/classroom/test_interrupted_runs.py::test_killed_at_twenty_random_moments",
     "tests/classroom/test_killed_roles.py",
     "tests/cli/test_locale.py::test_the_commands_work_in_a_folder_with_an_umlaut",
-    "tests/dev/test_site.py::test_the_pages_ask_no_other_host",
     "tests/grading/checks/test_fairness.py::test_starving_itself_buys_a_slow_program_no_patience[with",
     "tests/grading/checks/test_sending_attacks.py::test_writing_without_end",
     "tests/grading/checks/test_sending_attacks.py::test_service_answers_of_8_mb[not",
@@ -28,8 +27,6 @@ WEEKLY = (
     "tests/grading/sandbox/test_trusted_path.py::test_class_loads_nothing_from_the_folder_it_grades[script]",
     "tests/grading/test_reading_attacks.py::test_the_rest_of_a_class_is_graded",
     "tests/interfaces/test_reference_build.py",
-    "tests/learner/test_shared_course.py::test_what_only_reads_works",
-    "tests/presentation/test_present_command.py::test_two_at_a_time",
     "tests/test_wheel.py",
 )
 # More than some seconds each: whole classes, set-ups, editions, kernels, attacks, and all submissions.
