@@ -70,7 +70,7 @@ STILL_ABOVE = {
     "course_kit/launch": 2700,
     "course_kit/panels": 3200,
     "course_kit/ros2cli": 4000,
-    "course_kit/grading": 15900,  # checks/declared beside what replaces it, until the last exercise has moved
+    "course_kit/grading": 16400,  # checks/declared beside what replaces it, until the last exercise has moved
     "course_kit/graders": 3100,
     "course_kit/classroom": 7250,
     "course_kit/learner": 1600,
@@ -80,7 +80,7 @@ STILL_ABOVE = {
     "course_kit/dev": 1700,
     "course_kit/cli": 1950,
     "course_setup": 1350,
-    "tests": 50900,
+    "tests": 51500,
     "benchmarks": 2850,
 }
 NEVER = {("grading", "lab"), ("graders", "lab"), ("classroom", "lab")}  # grading runs on a bare server
