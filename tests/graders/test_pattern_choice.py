@@ -188,11 +188,6 @@ def test_notebook_in_several_cells(grade: Callable[..., grading.Report], answers
     assert failed(grade(json.dumps({"cells": cells}), "answer.ipynb")) == []
 
 
-def test_windows_line_ends_and_byte_order_mark(grade: Callable[..., grading.Report]) -> None:
-    data = b"\xef\xbb\xbf" + SOLUTION.read_text().replace("\n", "\r\n").encode()
-    assert failed(grade(data)) == []
-
-
 @pytest.mark.parametrize("options", [{"attach": True}, {"exec_command": "ls"}])
 def test_there_is_no_node_to_grade(options: dict[str, Any]) -> None:
     with pytest.raises(grading.GradingError, match="answered in a file"):
