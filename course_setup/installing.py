@@ -150,8 +150,12 @@ class Installer:
             command = [self.uv, "pip", "install", "--python", str(environment.python)]
         else:
             command = [str(environment.python), "-m", "pip", "install", "--disable-pip-version-check"]
-            if not sys.stderr.isatty():
-                command += ["--quiet", "--progress-bar", "off"]
+            command += [
+                "--quiet",
+                "--quiet",
+                "--progress-bar",
+                "off",
+            ]  # not even its warnings
         if self.find_links:
             command += ["--no-index", "--find-links", self.find_links]
         self._run([*command, *wanted], environment, ("the installation did not finish", self._source()))

@@ -136,6 +136,7 @@ def test_a_sourced_jazzy_is_used_instead_of_the_wheels(clone: Clone) -> None:
     log = clone.log.read_text()
     assert "--system-site-packages" in log
     assert "-r course_setup/locked/numpy-1.txt" in log
+    assert log.count("--quiet --quiet") == log.count("--disable-pip-version-check")  # pip's warnings are hidden
     assert "[ros" not in log
 
 
