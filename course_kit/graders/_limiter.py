@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
-
-from geometry_msgs.msg import Twist
-
-from course_kit.grading.checks.parameters import yaml
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
+    from geometry_msgs.msg import Twist
     from std_msgs.msg import Float64
 
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9
 _UNIT = "m/s"
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
-_FIELDS = [f"{part}.{axis}" for part in ("linear", "angular") for axis in "xyz"]
-_OTHERS = _FIELDS[1:]
+FIELDS = [(part, axis) for part in ("linear", "angular") for axis in "xyz"]
+_NAMES = [".".join(field) for field in FIELDS]
+TYPES = {"robot_name": "string", "max_velocity": "double", "wheel_diameter": "double", "enabled": "bool"}
+_PYTHON = {"string": str, "double": float, "bool": bool}
+BOUNDS = {"max_velocity": (0.0, 5.0), "wheel_diameter": (0.01, 1.0)}
+RANGES = {
+    "robot_name": "not empty",
+    "max_velocity": "0.0 < max_velocity <= 5.0",
+    "wheel_diameter": "0.01 <= wheel_diameter <= 1.0",
+}
 
 
 @dataclass(frozen=True)
-class LimiterSettings:
+class Settings:
     """The values of the four parameters; the defaults are those of the exercise."""
 
     robot_name: str = "default_robot"
@@ -32,19 +38,39 @@ class LimiterSettings:
     wheel_diameter: float = 0.1  # m
     enabled: bool = True
 
-    def to_mapping(self) -> dict[str, object]:
+    def to_mapping(self) -> dict[str, Any]:
         """The values by name."""
         return asdict(self)
 
+    def of(self, name: str) -> Any:
+        """The value of one parameter."""
+        return getattr(self, name)
 
-TYPES = {"robot_name": "string", "max_velocity": "double", "wheel_diameter": "double", "enabled": "bool"}
-BOUNDS = {"max_velocity": (0.0, 5.0), "wheel_diameter": (0.01, 1.0)}
-BEYOND = 9.0  # m/s, above every valid limit
-RANGES = {
-    "robot_name": "not empty",
-    "max_velocity": "0.0 < max_velocity <= 5.0",
-    "wheel_diameter": "0.01 <= wheel_diameter <= 1.0",
-}
+    def with_some(self, refused: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Settings, Mapping[str, Any]]]:
+        """The settings of a node which keeps some of these refused values, each with the last change it has kept."""
+        kept: dict[str, list[tuple[Any, int]]] = {name: [(self.of(name), -1)] for name in TYPES}
+        for number, values in enumerate(refused):
+            for name, value in values.items():
+                if type(value) is _PYTHON[TYPES[name]]:
+                    kept[name].append((value, number))
+        for some in itertools.product(*kept.values()):
+            last = max(number for _, number in some)
+            if last >= 0:
+                yield Settings(*(value for value, _ in some)), refused[last]
+
+
+DEFAULTS = Settings()
+
+
+def is_valid(name: str, value: object) -> bool:
+    """Whether a parameter may have a value."""
+    if type(value) is not _PYTHON[TYPES[name]]:
+        return False
+    if name == "max_velocity":
+        return 0.0 < value <= BOUNDS[name][1]  # type: ignore[operator]
+    if name == "wheel_diameter":
+        return BOUNDS[name][0] <= value <= BOUNDS[name][1]  # type: ignore[operator]
+    return value != ""
 
 
 @dataclass(frozen=True)
@@ -57,66 +83,24 @@ class Reaction:
     @classmethod
     def of(cls, twist: Twist, wheel: Float64) -> Reaction:
         """From the messages."""
-        return cls(fields_of(twist), float(wheel.data))
+        return cls(tuple(float(getattr(getattr(twist, part), axis)) for part, axis in FIELDS), float(wheel.data))
 
     def shown(self) -> str:
         """As the learner is shown it."""
-        return f"/cmd_vel {_shown(self.fields)}; /wheel_speed {self.wheel:.6g}"
+        return f"/cmd_vel {self.shown_fields()}; /wheel_speed {self.wheel:.6g}"
+
+    def shown_fields(self) -> str:
+        """The fields of /cmd_vel that are not 0."""
+        told = [f"{name}={value:.6g}" for name, value in zip(_NAMES, self.fields, strict=True) if value != 0.0]
+        return ", ".join(told) or "all fields 0"
 
 
-def command(linear_x: float, **others: float) -> Twist:
-    """A command; `others` by name with an underscore, `angular_z=0.3`, in m/s and rad/s."""
-    twist = Twist()
-    twist.linear.x = linear_x
-    for name, value in others.items():
-        part, _, axis = name.partition("_")
-        setattr(getattr(twist, part), axis, value)
-    return twist
-
-
-def shown(twist: Twist) -> str:
-    """A command as the learner is shown it."""
-    return f"/cmd_vel_in {_shown(fields_of(twist))}"
-
-
-def fields_of(twist: Twist) -> tuple[float, ...]:
-    """The six numbers of a Twist."""
-    return tuple(float(getattr(part, axis)) for part in (twist.linear, twist.angular) for axis in "xyz")
-
-
-def right_fields(settings: LimiterSettings, twist: Twist) -> tuple[float, ...]:
-    """What has to come out on /cmd_vel."""
-    linear_x, *others = fields_of(twist)
+def right_reaction(settings: Settings, fields: Sequence[float]) -> Reaction:
+    """What has to come out for a command with these fields."""
     if not settings.enabled:
-        return (0.0,) * len(_FIELDS)
-    return (min(max(linear_x, -settings.max_velocity), settings.max_velocity), *others)
-
-
-def right_wheel(settings: LimiterSettings, published: float) -> float:
-    """What has to come out on /wheel_speed, in rad/s, for the linear.x that was published, in m/s."""
-    return _over(published, settings.wheel_diameter / 2.0) if settings.enabled else 0.0
-
-
-def right_reaction(settings: LimiterSettings, twist: Twist) -> Reaction:
-    """What has to come out."""
-    fields = right_fields(settings, twist)
-    return Reaction(fields, right_wheel(settings, fields[0]))
-
-
-def velocity_fits(settings: LimiterSettings, twist: Twist, got: Reaction) -> bool:
-    """Whether /cmd_vel is right.
-
-    Args:
-        settings: what the parameters were set to.
-        twist: the command.
-        got: what came for it.
-    """
-    return all(_same(one, two) for one, two in zip(right_fields(settings, twist), got.fields, strict=True))
-
-
-def wheel_fits(settings: LimiterSettings, got: Reaction) -> bool:
-    """Whether /wheel_speed is right for the /cmd_vel beside it."""
-    return _same(got.wheel, right_wheel(settings, got.fields[0]))
+        return Reaction((0.0,) * len(FIELDS), 0.0)
+    limited = min(max(fields[0], -settings.max_velocity), settings.max_velocity)
+    return Reaction((limited, *fields[1:]), _over(limited, settings.wheel_diameter / 2.0))
 
 
 def same_reaction(one: Reaction, two: Reaction) -> bool:
@@ -124,43 +108,44 @@ def same_reaction(one: Reaction, two: Reaction) -> bool:
     return all(_same(a, b) for a, b in zip((*one.fields, one.wheel), (*two.fields, two.wheel), strict=True))
 
 
-def explain_velocity(settings: LimiterSettings, twist: Twist, got: Reaction) -> tuple[str | None, str]:
-    """What is wrong with a /cmd_vel: the diagnosis, if there is one, and a sentence.
+def same_velocity(one: Reaction, two: Reaction) -> bool:
+    """Whether two reactions have the same /cmd_vel."""
+    return all(map(_same, one.fields, two.fields))
+
+
+def cause_of(
+    settings: Settings, fields: Sequence[float], got: Reaction, *, floors: bool
+) -> tuple[bool, str | None, str]:
+    """What is wrong with a reaction: whether /wheel_speed alone is, the diagnosis, and a sentence.
 
     Args:
         settings: what the parameters were set to.
-        twist: the command.
+        fields: of the command.
         got: what came for it.
-    """
-    asked, right = fields_of(twist)[0], right_fields(settings, twist)
-    if not settings.enabled:
-        return None, "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."
-    pairs = zip(_OTHERS, right[1:], got.fields[1:], strict=True)
-    if changed := [name for name, one, two in pairs if not _same(one, two)]:
-        return (
-            None,
-            f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(changed)}.",
-        )
-    if _same(got.fields[0], asked):
-        return (
-            "math.formula",
-            f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}.",
-        )
-    if _same(got.fields[0], -right[0]):
-        return "math.formula", "The size is right but the sign is wrong: a command to drive backwards has to stay one."
-    return "math.formula", f"linear.x has to be {right[0]:g} here, with max_velocity={settings.max_velocity:g}."
-
-
-def explain_wheel(settings: LimiterSettings, twist: Twist, got: Reaction, *, floors: bool) -> tuple[str, str]:
-    """What is wrong with a /wheel_speed: the diagnosis and a sentence.
-
-    Args:
-        settings: the settings in force.
-        twist: the command.
-        got: what came out for it.
         floors: whether the learner's program uses `//`.
     """
-    speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields_of(twist)[0]
+    right = right_reaction(settings, fields)
+    if all(map(_same, right.fields, got.fields)):
+        return (True, *_cause_of_wheel(settings, fields, got, floors=floors))
+    if not settings.enabled:
+        return False, None, "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."
+    pairs = zip(_NAMES[1:], right.fields[1:], got.fields[1:], strict=True)
+    if changed := [name for name, one, two in pairs if not _same(one, two)]:
+        told = f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(changed)}."
+        return False, None, told
+    if _same(got.fields[0], fields[0]):
+        told = f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}."
+    elif _same(got.fields[0], -right.fields[0]):
+        told = "The size is right but the sign is wrong: a command to drive backwards has to stay one."
+    else:
+        told = f"linear.x has to be {right.fields[0]:g} here, with max_velocity={settings.max_velocity:g}."
+    return False, "math.formula", told
+
+
+def _cause_of_wheel(settings: Settings, fields: Sequence[float], got: Reaction, *, floors: bool) -> tuple[str, str]:
+    speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields[0]
+    if not settings.enabled:
+        return "math.formula", "With enabled=False the robot stands still, and so do its wheels."
     slips = (
         (_over(speed, diameter), "This is the speed divided by the diameter; the radius is half of it."),
         (speed * diameter / 2.0, "This is the speed times the radius; the smaller a wheel, the faster it turns."),
@@ -169,12 +154,10 @@ def explain_wheel(settings: LimiterSettings, twist: Twist, got: Reaction, *, flo
         (_over(-speed, diameter / 2.0), "The sign is wrong: a wheel that turns backwards has a negative speed."),
         (speed, "This is the speed itself, in m/s; the topic wants rad/s."),
     )
-    if not settings.enabled:
-        return "math.formula", "With enabled=False the robot stands still, and so do its wheels."
     for value, told in slips:
         if _same(got.wheel, value):
             return "math.formula", told
-    off = abs(got.wheel - right_wheel(settings, speed))
+    off = abs(got.wheel - _over(speed, diameter / 2.0))
     if off <= 1.0 and (got.wheel == round(got.wheel) or floors):
         return "math.integer_division", "Digits were lost in the calculation: look for //, int() and round()."
     return "math.formula", "It matches none of the usual mistakes; work it out by hand: rad/s = (m/s) / radius in m."
@@ -201,37 +184,40 @@ def read_status(text: str) -> tuple[str, float] | None:
         return None
 
 
-def status_fits(settings: LimiterSettings, text: str) -> bool:
-    """Whether a status line tells the name and the velocity, the latter compared as a number, with all its digits."""
-    return read_status(text) == (settings.robot_name, settings.max_velocity)
-
-
-def status_line(settings: LimiterSettings) -> str:
+def status_line(settings: Settings) -> str:
     """A right status line."""
     return f"{settings.robot_name}: {settings.max_velocity!r} m/s"
 
 
-def missing_in_reason(name: str, reason: str) -> str:
-    """What a reason for refusing a value of the parameter `name` lacks, in words; nothing when it is complete."""
+def what_is_wrong_with_status(settings: Settings, line: str) -> str:
+    """What a status line does not tell, for the learner."""
+    read = read_status(line)
+    if read is None:
+        return "The line has to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
+    if read[0] != settings.robot_name.strip():
+        return f"The line begins with {read[0]!r}; robot_name is {settings.robot_name!r}."
+    return f"The line says {read[1]!r} m/s; max_velocity is {settings.max_velocity!r}, unrounded."
+
+
+def missing_in_reason(name: str, value: Any, reason: str) -> str:
+    """What a reason for refusing a value lacks, in words; nothing when it is complete.
+
+    Args:
+        name: the parameter's.
+        value: the invalid value.
+        reason: what the node says.
+    """
     if not reason.strip():
         return "It is empty."
     if name not in reason:
         return f"It does not name the parameter, {name}."
     numbers = {float(number) for number in _NUMBER.findall(reason)}
-    if name in BOUNDS and not numbers & set(BOUNDS[name]):
-        return f"It does not give the range: {RANGES[name]}."
+    if name in BOUNDS:
+        low, high = BOUNDS[name]
+        broken = {low} if value <= low else {high} if value > high else {low, high}
+        if not numbers & broken:
+            return f"It does not give, as a number, the end of the range that {value!r} breaks: {RANGES[name]}."
     return ""
-
-
-def parameter_file(node: str, values: Mapping[str, object]) -> str:
-    """A YAML file of parameters for a node, as `--params-file` reads it (ROS 2: Node arguments)."""
-    lines = [f"    {name}: {yaml(value)}" for name, value in values.items()]
-    return "\n".join([f"{node.lstrip('/')}:", "  ros__parameters:", *lines]) + "\n"
-
-
-def _shown(fields: tuple[float, ...]) -> str:
-    told = [f"{name}={value:.6g}" for name, value in zip(_FIELDS, fields, strict=True) if value != 0.0]
-    return ", ".join(told) or "all fields 0"
 
 
 def _over(one: float, other: float) -> float:
@@ -240,4 +226,4 @@ def _over(one: float, other: float) -> float:
 
 
 def _same(one: float, other: float) -> bool:
-    return math.isclose(one, other, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)
+    return math.isclose(one, other, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE) or (math.isnan(one) and math.isnan(other))

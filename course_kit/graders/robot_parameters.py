@@ -1,155 +1,664 @@
-"""Exercise 3: the node /velocity_limiter, its parameters set and its topics watched from outside.
+"""Exercise 3: the node /velocity_limiter, in a conversation with a model; and its starts.
 
-What a parameter does is judged by what comes out on the topics. The values that count are those in force, as the
-node's own services report them, so that a wrong default costs the points for defaults and no others.
+What a parameter does is judged by what comes out on the topics, 0.2 s after a change was confirmed.
 """
 
 from __future__ import annotations
 
-import random
+import math
+import re
+import time
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
 
-from course_kit.graders import _limiter_changes as changes
-from course_kit.graders import _limiter_starts as starts
-from course_kit.graders._limiter import BEYOND, command, shown
-from course_kit.graders._limiter_node import (
-    NODE,
-    VELOCITY,
-    WHEELS,
-    Limiter,
-    drawn,
-    endpoints,
-    rest,
+from course_kit.graders._limiter import (
+    DEFAULTS,
+    FIELDS,
+    RANGES,
+    TYPES,
+    Reaction,
+    Settings,
+    cause_of,
+    is_valid,
+    missing_in_reason,
+    read_status,
+    right_reaction,
+    same_reaction,
+    same_velocity,
+    status_line,
+    what_is_wrong_with_status,
 )
-from course_kit.graders._limiter_status import expect_status
-from course_kit.grading.checks.check import Check, Evidence, Failed, check
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
-from course_kit.grading.checks.parameters import expect_served
+from course_kit.grading.checks.parameters import expect_served, shown, start_arguments
+from course_kit.grading.checks.vocabulary import (
+    Change,
+    Check,
+    Evidence,
+    Failed,
+    GradedNode,
+    Model,
+    between,
+    check,
+    conversation,
+    drawn,
+    either,
+    offered,
+    part,
+    rule,
+)
+from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:
+    import random
+    from collections.abc import Mapping
+
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.ros.topic import Inbox
 
 INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
-_AT_START = {"max_velocity": (2.1, 4.9), "wheel_diameter": (0.2, 0.9)}  # m/s, m: unlike the defaults
-_COMMANDS = 5  # one after the other: a queue may have any depth, 1 included
-
-
-@check(points=0.5, deadline_s=12.0, proves=["node", "only_a_class", "a_program", "start"])
-def node_up(context: CheckContext) -> Evidence:
-    """The node velocity_limiter comes up and can be asked."""
-    endpoints(context)
-    return expect_served(context, NODE)
-
-
-@check(
-    points=0.5, depends_on=["types", "topics"], proves=["within_3_s", "topic_command", "topic_velocity", "topic_wheel"]
+NODE, COMMAND, LIMITED, WHEEL, STATUS = "/velocity_limiter", "/cmd_vel_in", "/cmd_vel", "/wheel_speed", "/status"
+_ACTS_S = 0.2  # after a change was confirmed it acts on every command that is sent
+_ANSWER_S = 1.0  # of a change
+_LINE_S, _SILENT_S = 1.0, 2.0  # a change shows on /status; four periods
+_TOLD_S = 1.0  # what a program has printed arrives within milliseconds
+_RATE = (0.42, 0.6)  # seconds between two lines, on average
+_LINES = 4
+_BEYOND = 9.0  # m/s, above every valid limit
+_ENDED = ("start.crash", "start.exit")
+_SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$", re.MULTILINE)
+_WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
+_NAN, _INF = math.nan, math.inf
+_ONCE = "Publish once for each command, in the callback that receives it, and never without one."
+_SOON_S, _LATE_S = 0.15, 0.6  # how long what was not asked for is waited for: when something is wrong, and at the end
+_VELOCITIES = (-1.0, 0.0, 5.0001, 7.5, _NAN, _INF, -_INF)
+_DIAMETERS = (0.0, -0.1, 0.0099, 1.0001, 20.0, _NAN, _INF, -_INF)
+_NAMES = ("rover_7", "my robot", "Zo\u00eb", "\u83ef: 3", " ")
+_INVALID = (
+    *({"max_velocity": value} for value in _VELOCITIES),
+    *({"wheel_diameter": value} for value in _DIAMETERS),
+    {"robot_name": ""},
 )
-def reacts(context: CheckContext) -> Evidence:
-    """A command on /cmd_vel_in brings a message on /cmd_vel and on /wheel_speed."""
-    with Limiter(context) as limiter:
-        limiter.driving()
-        twist = command(0.1)
-        expected = "a message on /cmd_vel and one on /wheel_speed"
-        limiter.react(twist, Evidence(shown(twist), expected))
-        return Evidence(shown(twist), expected, expected)
+_TOGETHER = (
+    {"max_velocity": 2.5, "wheel_diameter": 2.0},
+    {"wheel_diameter": 0.5, "max_velocity": 6.0},
+    {"wheel_diameter": 0.5, "max_velocity": 0.0},
+    {"wheel_diameter": _NAN, "max_velocity": 0.7},
+    {"max_velocity": _NAN, "robot_name": "half"},
+    {"max_velocity": 1.5, "robot_name": ""},
+    {"robot_name": "half_2", "wheel_diameter": 0.0},
+    {"robot_name": "half_3", "max_velocity": 9.0},
+    {"enabled": False, "max_velocity": -1.0},
+    {"enabled": False, "robot_name": "off", "wheel_diameter": 0.3, "max_velocity": 8.0},
+    {"max_velocity": 8.0, "enabled": False},
+    {"robot_name": "", "wheel_diameter": 0.4},
+)
 
 
-@check(points=1.5, depends_on=["reacts"], proves=["limited", "sign_and_rest"])
-def limits(context: CheckContext) -> Evidence:
-    """linear.x is limited in both directions, and nothing else is changed."""
-    with Limiter(context) as limiter:
-        settings = limiter.driving()
-        within = settings.max_velocity * context.random.uniform(0.2, 0.9)
-        limiter.expect(settings, command(within, **rest(context)), VELOCITY)
-        limiter.expect(settings, command(-within, **rest(context)), VELOCITY)
-        limiter.expect(settings, command(-BEYOND, **rest(context)), VELOCITY)
-        return limiter.expect(settings, command(BEYOND, **rest(context)), VELOCITY)
+def _command(rng: random.Random) -> tuple[str, float, list[float]]:
+    """A command: its linear.x, by itself or as a share of max_velocity, and the other fields."""
+    kind = rng.choice(("m/s", "of the limit"))
+    size = rng.choice((1.0, -1.0, rng.uniform(0.2, 0.95), -rng.uniform(0.2, 0.95), 1.3, -1.3))
+    return kind, size * (1.0 if kind == "of the limit" else _BEYOND), [rng.uniform(-3, 3) for _ in FIELDS[1:]]
 
 
-@check(points=1.0, depends_on=["reacts"], proves=["wheels"])
-def wheel_speed(context: CheckContext) -> Evidence:
-    """/wheel_speed is the wheel's speed in rad/s for the published velocity."""
-    with Limiter(context) as limiter:
-        settings = limiter.driving()
-        for speed in (0.0, -settings.max_velocity * 0.37, BEYOND):
-            limiter.expect(settings, command(speed), WHEELS)
-        return limiter.expect(settings, command(settings.max_velocity * context.random.uniform(0.2, 0.9)), WHEELS)
+_COMMANDS = (("m/s", 0.05, [0.0] * 5), ("m/s", 8.0, [0.0] * 5), ("m/s", -8.0, [0.5] * 5))
 
 
-@check(points=0.5, depends_on=["reacts"], proves=["one_each"])
-def one_each(context: CheckContext) -> Evidence:
-    """Each command brings exactly one message on each topic.
+class Limiter(Model):
+    """A velocity limiter: its settings, and what a refused change would have made of them."""
+
+    def __init__(self, settings: Settings = DEFAULTS) -> None:
+        self.settings = self.start = self.seen = settings
+        self.refused: list[dict[str, Any]] = []
+        self.quiet_until = 0.0
+
+    def begin(self, node: GradedNode) -> None:
+        """Wrong defaults cost the points of their own check alone; with `--attach` somebody else has set the node."""
+        self.settings = self.start = self.seen = Settings(**node.get(*TYPES, of=NODE))
+
+    def end(self, node: GradedNode) -> None:
+        """Nothing comes late."""
+        if not self.lost & {"one_each", "change_enabled"}:
+            node.expect_nothing(LIMITED, WHEEL, seconds=_LATE_S, why=_ONCE, breaks="one_each")
+        if node.context.job.mode == "attach":
+            node.set(self.start.to_mapping(), of=NODE)
+
+    @rule(
+        "reacts",
+        often=16,
+        command=either(
+            ("m/s", 0.05, [0.0] * 5), ("m/s", 8.0, [0.0] * 5), ("m/s", -8.0, [0.5] * 5), *[drawn(_command)] * 8
+        ),
+    )
+    def look(self, node: GradedNode, command: tuple[str, float, list[float]]) -> None:
+        """A command, when all changes act; and the parameters have their values."""
+        self.require_values(node)
+        kind, size, others = command
+        self.drive(node, [size * self.settings.max_velocity if kind != "m/s" else size, *others])
+
+    @rule("change_velocity", value=either(0.5, 5.0, 0.001, 0.05, 2.0, 1.23456789, between(0.1, 5.0)))
+    def velocity(self, node: GradedNode, value: float) -> None:
+        """A valid velocity."""
+        self.accept(node, {"max_velocity": value}, "change_velocity")
+
+    @rule("change_diameter", value=either(0.01, 1.0, 0.2, 0.35, between(0.02, 0.9)))
+    def diameter(self, node: GradedNode, value: float) -> None:
+        """A valid diameter."""
+        self.accept(node, {"wheel_diameter": value}, "change_diameter")
+
+    @rule("change_enabled", value=either(True, False, True))
+    def enable(self, node: GradedNode, value: bool) -> None:
+        """On and off."""
+        self.accept(node, {"enabled": value}, "change_enabled")
+
+    @rule("change_status", value=either(*_NAMES))
+    def name(self, node: GradedNode, value: str) -> None:
+        """A name, in any language."""
+        self.accept(node, {"robot_name": value}, "change_status")
+
+    @rule(
+        "atomic",
+        values=either(
+            {"max_velocity": between(0.2, 4.0), "wheel_diameter": between(0.02, 0.9)},
+            {"wheel_diameter": between(0.02, 0.9), "robot_name": "both", "enabled": True},
+            {"enabled": True, "max_velocity": between(0.2, 4.0), "robot_name": "all", "wheel_diameter": 0.25},
+        ),
+    )
+    def several(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """Several valid values at once."""
+        change = node.set(values, of=NODE)
+        if not change.result.successful:
+            for name, value in values.items():
+                self.accept(node, {name: value}, _CHANGES[name])
+        change.accepted(breaks="atomic")
+        self.took(values)
+
+    @rule("refuses", values=either(*_INVALID, {"robot_name": ""}))
+    def refuse(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """An invalid value."""
+        name = next(iter(values))
+        change = node.set(values, of=NODE)
+        change.refused(expected=f"refused: {RANGES[name]}")
+        self.refused.append(values)
+        self.in_time(change)
+        if lacks := missing_in_reason(name, values[name], change.result.reason):
+            why = f"Your node was right to refuse, but the reason has to say why. {lacks}"
+            expected = f"refused, with a reason that names the parameter and its range ({RANGES[name]})"
+            change.fail(why, expected=expected, breaks="reason", diagnosis="validation.no_reason")
+
+    @rule("atomic", values=either(*_TOGETHER))
+    def refuse_together(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """Valid and invalid values at once."""
+        wrong = {name: value for name, value in values.items() if not is_valid(name, value)}
+        change = node.set(values, of=NODE)
+        if change.result.successful:
+            alone = node.set(wrong, of=NODE)
+            alone.refused(expected="refused", breaks="refused")
+            why = (
+                f"Your node refuses {shown(wrong)} by itself, and accepts it beside another value: judge each of them."
+            )
+            change.fail(why, expected="refused, and nothing changed", diagnosis="validation.missing")
+        change.refused(expected=f"refused, and nothing changed: {shown(wrong)} is not valid")
+        self.refused.append(values)
+
+    @rule(
+        "wrong_type",
+        values=either(
+            {"max_velocity": "fast"},
+            {"max_velocity": 2},
+            {"enabled": 1},
+            {"enabled": "yes"},
+            {"robot_name": 7},
+            {"wheel_diameter": 1},
+        ),
+    )
+    def other_type(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """A value of another type."""
+        name = next(iter(values))
+        node.set(values, of=NODE).refused(expected=f"refused: {name} is a {TYPES[name]}", diagnosis="parameter.type")
+        self.refused.append(values)
+
+    @rule("undeclared", values=either({"wheel_count": 4}, {"max_velocity_": 1.0}))
+    def undeclared(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """A parameter that is not declared."""
+        node.set(values, of=NODE).refused(expected="refused: it is not declared", diagnosis="parameter.undeclared")
+
+    @rule("status", often=4)
+    def status(self, node: GradedNode) -> None:
+        """The next line shows the name and the velocity."""
+        self.require_status(node)
+
+    def accept(self, node: GradedNode, values: dict[str, Any], breaks: str) -> None:
+        """Valid values are accepted."""
+        change = node.set(values, of=NODE)
+        change.accepted(breaks=breaks)
+        self.in_time(change)
+        self.took(values)
+
+    def in_time(self, change: Change) -> None:
+        """The answer to a change came within a second."""
+        if "change_status" not in self.lost:
+            change.within(_ANSWER_S, breaks="change_answered")
+
+    def took(self, values: dict[str, Any]) -> None:
+        """The node has accepted these values."""
+        self.settings = replace(self.settings, **values)
+        self.quiet_until = time.monotonic() + _ACTS_S
+
+    def require_values(self, node: GradedNode, sent: str = "") -> None:
+        """The parameters have the values that the model has.
+
+        Raises:
+            Failed: one has not.
+        """
+        read = node.get(*TYPES, of=NODE)
+        wanted = self.settings.to_mapping()
+        if all(type(read[name]) is type(value) and read[name] == value for name, value in wanted.items()):
+            return
+        changed = {name: value for name, value in read.items() if value != wanted[name]}
+        evidence = Evidence(sent or "get_parameters", shown(wanted), shown(read))
+        for values in reversed(self.refused):
+            if changed.items() <= values.items() or any(name in values for name in changed):
+                why = "The parameter has changed although the change was refused."
+                raise Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
+        why = "Your node accepted the value, but afterwards the parameter has another one."
+        raise Failed(evidence, why, breaks=_CHANGES[next(iter(changed))])
+
+    def drive(self, node: GradedNode, fields: list[float], sent: str = "") -> None:
+        """A command brings exactly one right message on each topic.
+
+        Raises:
+            Failed: it does not.
+        """
+        context = node.context
+        if "limits" in self.lost:
+            fields = [abs(fields[0]) % self.settings.max_velocity, *[0.0] * 5]
+        context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
+        if not self.lost & {"one_each", "change_enabled"}:
+            off = "one_each" if self.seen.enabled else "one_each_disabled"
+            why = _ONCE if self.seen.enabled else f"{_ONCE} With enabled=False, too."
+            node.expect_nothing(LIMITED, WHEEL, seconds=0.0, why=why, breaks=off)
+        node.send(COMMAND, _twist(fields))
+        silent = "within_3_s" if self.settings.enabled else "one_each_disabled"
+        got = Reaction.of(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
+        right = right_reaction(self.settings, fields)
+        if same_reaction(right, got) or ("wheel_speed" in self.lost and same_velocity(right, got)):
+            self.seen, self.refused = self.settings, []
+            return
+        if "one_each" not in self.lost:
+            node.expect_nothing(LIMITED, WHEEL, seconds=_SOON_S, why=_ONCE, breaks="one_each")
+        told = "; ".join(filter(None, (sent, f"{COMMAND}: {_told(fields)}")))
+        evidence = Evidence(told, right.shown(), got.shown())
+        raise self.wrong(evidence, fields, got, floors=context.job.facts.floor_divides)
+
+    def wrong(self, evidence: Evidence, fields: list[float], got: Reaction, *, floors: bool) -> Failed:
+        """Why a reaction is wrong, and whose points that costs."""
+        for one, values in self.settings.with_some(self.refused):
+            if same_reaction(got, right_reaction(one, fields)):
+                why = "Your node refused the change, yet it acts on it: it kept a value before it had checked all."
+                return Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
+        now, before = self.settings, self.seen
+        changed = [name for name in TYPES if now.of(name) != before.of(name)]
+        for old in (before, self.start):
+            if old != now and same_reaction(got, right_reaction(old, fields)):
+                why = "Your node accepted the change, but what comes out is the same as before."
+                names = [name for name in TYPES if now.of(name) != old.of(name) and name != "robot_name"]
+                code = "parameter.read_once"
+                return Failed(evidence, why, code, breaks=_CHANGES[names[0]] if names else "limited")
+        if self.refused and not changed:  # a node that is wrong by itself is so without them, too: see the shrinking
+            why = "Your node refused the change, yet it acts on it: what comes out is different from before."
+            return Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(self.refused[-1]))
+        of_wheel, diagnosis, why = cause_of(now, fields, got, floors=floors)
+        if not now.enabled:
+            breaks = "disabled"
+        elif "enabled" in changed:
+            breaks, why = "change_enabled", f"After enabled=True: {why}"
+        elif of_wheel:
+            breaks = "wheels" if now.wheel_diameter == self.start.wheel_diameter else "change_diameter"
+        else:
+            same = now.max_velocity == self.start.max_velocity or diagnosis is None
+            breaks = "limited" if same else "change_velocity"
+        return Failed(evidence, why, diagnosis, breaks=breaks)
+
+    def require_status(self, node: GradedNode, sent: str = "") -> None:
+        """A line of /status tells the settings, within a second of a change.
+
+        Raises:
+            Failed: none does.
+        """
+        context, inbox = node.context, node.inbox(STATUS)
+        changed = self.settings != self.start
+        asked, clock = inbox.count, context.clock()
+
+        def fits() -> bool:
+            wanted = (self.settings.robot_name.strip(), self.settings.max_velocity)
+            return any(read_status(str(one.data)) == wanted for one in inbox.since(asked))
+
+        if context.wait_until(fits, _LINE_S + _ACTS_S):
+            context.record.came(f"{STATUS}: {str(inbox.messages[-1].data)!r}")
+            return
+        evidence = Evidence(sent, f"on {STATUS}: {status_line(self.settings)}")
+        if inbox.count == asked and not context.wait_until(lambda: inbox.count > asked, _SILENT_S - clock.wall()):
+            evidence = replace(evidence, got=f"nothing within {_SILENT_S:g} s")
+            why = "/status has to be published twice a second, by a timer."
+            raise Failed(evidence, why, "topic.silent", breaks="status" if not changed else "")
+        line = str(inbox.messages[-1].data)
+        evidence = replace(evidence, got=f"on {STATUS}: {line}")
+        read = read_status(line)
+        for one, values in self.settings.with_some(self.refused):
+            if read == (one.robot_name.strip(), one.max_velocity):
+                why = "Your node refused the change, yet /status shows it."
+                raise Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
+        breaks = "change_status" if changed and read is not None else "status"
+        if changed and read == (self.start.robot_name.strip(), self.start.max_velocity):
+            why = "Your node accepted the change, but /status is the same as before."
+            raise Failed(evidence, why, "parameter.read_once", breaks=breaks)
+        raise Failed(evidence, what_is_wrong_with_status(self.settings, line), breaks=breaks)
+
+
+_CHANGES = {
+    "max_velocity": "change_velocity",
+    "wheel_diameter": "change_diameter",
+    "enabled": "change_enabled",
+    "robot_name": "change_status",
+}
+
+
+def _refused_by(values: Mapping[str, Any]) -> str:
+    """The check about a refused change."""
+    return "atomic" if len(values) > 1 else "refuses"
+
+
+def _twist(fields: list[float]) -> Twist:
+    twist = Twist()
+    for (of, axis), value in zip(FIELDS, fields, strict=True):
+        setattr(getattr(twist, of), axis, value)
+    return twist
+
+
+def _told(fields: list[float]) -> str:
+    return Reaction(tuple(fields), 0.0).shown_fields()
+
+
+@check(points=0.5, proves=["node", "only_a_class", "a_program", "start"])
+def node_up(node: GradedNode) -> Evidence:
+    """The node velocity_limiter comes up and can be asked."""
+    node.prepare()
+    return expect_served(node.context, NODE)
+
+
+@check(points=0.5, after=["node_up"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
+def declared(node: GradedNode) -> Evidence:
+    """The four parameters are declared."""
+    names = node.parameters(NODE).names()
+    evidence = Evidence("list_parameters", ", ".join(TYPES), f"the node has {', '.join(names) or 'no parameters'}")
+    if missing := [name for name in TYPES if name not in names]:
+        raise Failed(evidence, f"Your node has not declared {', '.join(missing)}.", "parameter.undeclared")
+    return evidence
+
+
+@check(points=0.5, after=["declared"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
+def types(node: GradedNode) -> Evidence:
+    """Each parameter has its type."""
+    found = node.parameters(NODE).values(list(TYPES))
+    told = ", ".join(f"{name}: {one.type}" for name, one in found.items())
+    evidence = Evidence("get_parameters", ", ".join(f"{name}: {kind}" for name, kind in TYPES.items()), told)
+    if empty := [name for name, one in found.items() if one.type == NOT_SET]:
+        why = f"{' and '.join(empty)} is declared without a value, so there is nothing to read."
+        raise Failed(evidence, why, "parameter.default")
+    if wrong := [name for name, one in found.items() if one.type != TYPES[name]]:
+        why = " and ".join(f"{name} is {found[name].type}, expected {TYPES[name]}" for name in wrong)
+        point = any((found[name].type, TYPES[name]) == ("integer", "double") for name in wrong)
+        raise Failed(evidence, f"{why}.{' A double needs a decimal point.' if point else ''}", "parameter.type")
+    return evidence
+
+
+@check(points=0.5, after=["types"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
+def defaults(node: GradedNode) -> Evidence:
+    """Each parameter has its default."""
+    found = {name: one.value for name, one in node.parameters(NODE).values(list(TYPES)).items()}
+    evidence = Evidence("get_parameters", shown(DEFAULTS.to_mapping()), shown(found))
+    others = {name: value for name, value in found.items() if value != DEFAULTS.of(name)}
+    if others and node.context.job.mode != "attach":
+        raise Failed(evidence, f"Started without settings, your node has {shown(others)}.", "parameter.default")
+    return evidence
+
+
+@check(points=0.5, after=["status"], proves=["status_rate"])
+def status_rate(node: GradedNode) -> Evidence:
+    """/status is published twice a second."""
+    node.meet()
+    inbox, context = node.inbox(STATUS), node.context
+    expected = f"a line every {_RATE[0]:g} to {_RATE[1]:g} s, on average"
+    for lines in (_LINES, 2 * _LINES, 3 * _LINES):
+        _await(context, inbox, max(lines, inbox.count))
+        times = list(inbox.times)[-lines:]
+        period = (times[-1] - times[0]) / (len(times) - 1) if len(times) > 1 else _INF
+        evidence = Evidence("", expected, f"one every {period:.3g} s")
+        if _RATE[0] <= period <= _RATE[1]:
+            return evidence
+    raise Failed(evidence, f"Publish {STATUS} from a timer with a period of 0.5 s.")
+
+
+def _await(context: CheckContext, inbox: Inbox, count: int) -> None:
+    context.wait_until(lambda: inbox.count >= count, _SILENT_S * _LINES)
+
+
+def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> Limiter:
+    """Start with these values; they are in force, and act.
 
     Raises:
-        Failed: it brings none, or more.
+        Failed: they do not; with parameter.override_ignored, or what a start may fail of.
     """
-    with Limiter(context) as limiter:
-        limiter.driving()
-        commands = [command(0.01 * number) for number in range(1, _COMMANDS + 1)]
-        expected = f"{_COMMANDS} messages on /cmd_vel and {_COMMANDS} on /wheel_speed, and none later"
-        evidence = Evidence(f"{_COMMANDS} commands on /cmd_vel_in, one after the other", expected)
-        counts = limiter.count(commands, evidence)
-        evidence = replace(evidence, got=f"{counts[0]} messages on /cmd_vel and {counts[1]} on /wheel_speed")
-        if counts != (_COMMANDS, _COMMANDS):
-            raise Failed(evidence, "Publish once for each command, in the callback that receives it.")
-        return evidence
+    context = node.context
+    try:
+        node.start(**start, meets=False)
+        expect_served(context, NODE)
+        node.meet()
+    except Failed as failed:
+        evidence = replace(failed.evidence, sent=sent)
+        process = context.process()
+        last = [text.rstrip().rpartition("\n")[2] for text in (process.stderr, process.stdout)]
+        if failed.diagnosis in _ENDED and any(name in text for name in TYPES for text in last):
+            why = f"Your program ended when it was started with valid values. {failed.message}"
+            raise Failed(evidence, why, "validation.overzealous") from None
+        raise Failed(evidence, failed.message, failed.diagnosis) from None
+    model = Limiter(replace(Settings(**node.get(*TYPES, of=NODE)), **given))
+    held = context.conversations.get(Limiter)
+    model.lost = held.lost if held is not None else frozenset()
+    read = node.get(*given, of=NODE)
+    if read != given:
+        why = "The program was started with these values, but its parameters have others."
+        raise Failed(Evidence(sent, shown(given), shown(read)), why, "parameter.override_ignored")
+    off = not model.settings.enabled
+    if off and "change_enabled" in model.lost:
+        return model
+    try:
+        model.drive(node, [_BEYOND, 0.1, 0.2, 0.3, 0.4, 0.5], sent)
+        if not model.lost & {"status", "change_status"}:
+            model.require_status(node, sent)
+        if off:
+            model.accept(node, {"enabled": True}, "")
+            model.drive(node, [-_BEYOND, 0.0, 0.0, 0.0, 0.0, 0.0], sent)
+    except Failed as failed:
+        if failed.diagnosis not in (None, "math.formula", "parameter.read_once"):
+            raise
+        why = f"The parameter has the value given at the start, but the node acts on another. {failed.message}"
+        raise Failed(failed.evidence, why, "parameter.override_ignored") from None
+    return model
 
 
-@check(points=1.0, depends_on=["types", "topics"], proves=["status_line", "topic_status"])
-def status(context: CheckContext) -> Evidence:
-    """/status shows the name and the velocity."""
-    with Limiter(context) as limiter:
-        return expect_status(context, limiter.status, limiter.settings())
-
-
-@check(
-    points=1.0, depends_on=["limits", "wheel_speed"], deadline_s=25.0, proves=["start_arguments", "init_sees_arguments"]
-)
-def start_arguments(context: CheckContext) -> Evidence:
+@check(points=1.0, after=["limits", "wheel_speed"], deadline_s=25.0, proves=["start_arguments", "init_sees_arguments"])
+def start_arguments_count(node: GradedNode) -> Evidence:
     """Values given at the start with -p take effect."""
-    return starts.expect_arguments(context, _given(context))
+    rng = node.context.random
+    given = {"max_velocity": round(rng.uniform(2.1, 4.9), 1), "wheel_diameter": round(rng.uniform(0.2, 0.9), 1)}
+    sent = " ".join(start_arguments(given))
+    _start(node, given, sent, parameters=given)
+    return Evidence(sent, shown(given), shown(given))
 
 
-@check(points=0.5, depends_on=["limits", "status"], deadline_s=25.0, proves=["start_file"])
-def start_file(context: CheckContext) -> Evidence:
+@check(points=0.5, after=["limits", "status"], deadline_s=25.0, proves=["start_file"])
+def start_file(node: GradedNode) -> Evidence:
     """Values given at the start in a parameter file take effect."""
-    return starts.expect_file(context, _given(context))
+    rng = node.context.random
+    given = {
+        "robot_name": f"rover {rng.randrange(100, 1000)}",
+        "enabled": False,
+        "max_velocity": round(rng.uniform(0.2, 0.9), 1),
+    }
+    sent = f"--params-file parameters.yaml, in which {shown(given)}"
+    _start(node, given, sent, file=given, of=NODE)
+    node.context.spoil()
+    return Evidence(sent, shown(given), shown(given))
 
 
-@check(points=1.0, depends_on=["start_arguments", "defaults"], deadline_s=25.0, proves=["start_invalid"])
-def start_invalid(context: CheckContext) -> Evidence:
+@check(points=1.0, after=["start_arguments", "defaults"], deadline_s=25.0, proves=["start_invalid"])
+def start_invalid(node: GradedNode) -> Evidence:
     """An invalid value given at the start is not used, and the node says so."""
-    values = {"max_velocity": -drawn(context, 1.5, 3.0), "wheel_diameter": drawn(context, 2.0, 9.0)}
-    return starts.expect_invalid(context, values)
+    rng = node.context.random
+    evidence = Evidence()
+    for values in (
+        {"max_velocity": rng.choice((-rng.uniform(1.5, 3.0), 0.0))},
+        {"wheel_diameter": rng.uniform(2.0, 9.0)},
+    ):
+        evidence = _require_not_used(node, values)
+    return evidence
 
 
-CHECKS: tuple[Check, ...] = (
+def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
+    """An invalid value stops the node with an error, or is replaced by the default with a warning.
+
+    Raises:
+        Failed: it is taken, or the output does not say so; with validation.missing or validation.no_reason.
+    """
+    context, (name,) = node.context, values
+    sent = " ".join(start_arguments(values))
+    evidence = Evidence(sent, f"an error that names {name} and the end of the program, or a warning and the default")
+    try:
+        node.start(parameters=values, meets=False)
+        try:
+            expect_served(context, NODE)
+            node.meet()
+        except Failed as failed:
+            if context.process(fresh=True).running:
+                raise Failed(replace(failed.evidence, sent=sent), failed.message, failed.diagnosis) from None
+            return _require_said(node, (name,), replace(evidence, got="the program ended"))
+        try:
+            model = Limiter()
+            model.lost = (
+                frozenset({"wheel_speed", "one_each"}) if "wheel_diameter" not in values else frozenset({"one_each"})
+            )
+            model.drive(node, [_BEYOND, 0.0, 0.0, 0.0, 0.0, 0.0], sent)
+            model.require_values(node, sent)
+        except Failed as failed:
+            why = f"Your node started with {shown(values)}, which it should have refused."
+            raise Failed(replace(evidence, got=failed.evidence.got), why, "validation.missing") from None
+        return _require_said(node, (name, *_WARNINGS), replace(evidence, got="it runs with the default"))
+    finally:
+        context.spoil()
+
+
+def _require_said(node: GradedNode, words: tuple[str, ...], evidence: Evidence) -> Evidence:
+    """Somebody reads the terminal: it has to say what happened. By itself this earns nothing."""
+
+    def said() -> bool:
+        process = node.context.process(fresh=True)
+        own = _SAID_BY_RCLPY.sub("", process.stdout + process.stderr)
+        return any(word in own for word in words)
+
+    if not node.context.wait_until(said, _TOLD_S, of_the_living=False):
+        evidence = replace(evidence, got=f"{evidence.got}, and its output does not name {words[0]}")
+        why = f"The program's output does not name {words[0]}, so its user cannot tell what was wrong."
+        raise Failed(evidence, why, "validation.no_reason")
+    return evidence
+
+
+CHECKS: list[Check] = [
     node_up,
-    reacts,
-    limits,
-    wheel_speed,
-    one_each,
-    status,
-    changes.change_velocity,
-    changes.change_diameter,
-    changes.change_enabled,
-    changes.change_status,
-    changes.refuses,
-    changes.reason,
-    changes.wrong_type,
-    changes.atomic,
-    start_arguments,
+    offered(
+        points=0.5,
+        check_id="topics",
+        title="The four topics are there, and a default endpoint connects to each",
+        proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"],
+        after=["node_up"],
+    ),
+    declared,
+    types,
+    defaults,
+    *conversation(
+        Limiter,
+        part(
+            "reacts",
+            "A command on /cmd_vel_in brings a message on /cmd_vel and on /wheel_speed",
+            points=0.5,
+            proves=["within_3_s", "topic_command", "topic_velocity", "topic_wheel"],
+        ),
+        part(
+            "limits",
+            "linear.x is limited in both directions, and nothing else is changed",
+            points=1.5,
+            proves=["limited", "sign_and_rest"],
+            after=["reacts"],
+        ),
+        part(
+            "wheel_speed",
+            "/wheel_speed is the wheel's speed in rad/s for the published velocity",
+            points=1.0,
+            proves=["wheels"],
+        ),
+        part(
+            "one_each",
+            "Each command brings exactly one message on each topic",
+            points=0.5,
+            proves=["one_each"],
+            after=["reacts"],
+        ),
+        part("status", "/status shows the name and the velocity", points=1.0, proves=["status_line", "topic_status"]),
+        part(
+            "change_velocity",
+            "A change of max_velocity affects the next command",
+            points=1.0,
+            proves=["next_message", "ends_valid"],
+        ),
+        part(
+            "change_diameter",
+            "A change of wheel_diameter affects the next command",
+            points=1.0,
+            proves=["next_message", "ends_valid"],
+        ),
+        part(
+            "change_enabled",
+            "With enabled=False the robot stands still, with enabled=True it drives again",
+            points=1.0,
+            proves=["next_message", "disabled", "one_each_disabled"],
+            after=["reacts"],
+        ),
+        part(
+            "change_status",
+            "A change of robot_name and max_velocity shows in the next /status",
+            points=0.5,
+            proves=["next_message", "change_answered", "unrounded", "status_line"],
+            after=["status"],
+        ),
+        part(
+            "refuses",
+            "An invalid value is refused, and the old one stays",
+            points=2.5,
+            proves=["refused", "ends_refused"],
+        ),
+        part("reason", "A refusal names the parameter and its range", points=1.5, proves=["reason"]),
+        part("wrong_type", "A value of another type is refused", points=0.5, proves=["other_type"]),
+        part("undeclared", "Setting a parameter that is not declared is refused", points=0.5, proves=["undeclared"]),
+        part("atomic", "A valid and an invalid value set atomically change nothing", points=1.5, proves=["atomic"]),
+        steps=90,
+        after=["types", "topics"],
+    ),
+    status_rate,
+    replace(start_arguments_count, id="start_arguments"),
     start_file,
     start_invalid,
-)
-
-
-def _given(context: CheckContext) -> starts.Given:
-    """Values for all parameters, the same each time it is called in a grading."""
-    draw = random.Random(context.job.seed)  # noqa: S311 - test values, not secrets
-    arguments = {name: round(draw.uniform(*ends), 1) for name, ends in _AT_START.items()}
-    return starts.Given(arguments, {"robot_name": f"rover_{draw.randrange(100, 1000)}", "enabled": False})
+]

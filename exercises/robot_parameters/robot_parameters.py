@@ -28,12 +28,13 @@ The names and types of node and topics are right already; keep them. The rest is
   comes every 0.42 to 0.6 s.
 - Topics connect to reliable, volatile endpoints, the default. A queue may have any depth: a command is sent only
   after the one before was answered.
-- A change acts on the next message, whoever makes it and whenever.
-- An invalid value is refused, and the old value stays in force. The reason names the parameter and states one end of
-  its range as a number: `max_velocity must be above 0.0 and at most 5.0`. What rclpy itself says about a range is
-  enough, and for `robot_name` its name is.
-- The ends of the ranges: `max_velocity` 0.0 is refused. No test outside the ranges comes closer to them than 0.0001.
-  `max_velocity` 5.0 is valid, and so are `wheel_diameter` 0.01 and 1.0.
+- A change acts on every command that is sent 0.2 s or more after it was confirmed, and within 1 s on the status line.
+  Whoever changes a parameter has an answer within 1 s; nothing else waits meanwhile.
+- An invalid value is refused, and the old value stays in force. The reason names the parameter and states, as a
+  number, the end of its range that the value breaks: `max_velocity must be above 0.0 and at most 5.0`. What rclpy
+  itself says about a range is enough, and for `robot_name` its name is.
+- The ends of the ranges: `max_velocity` 0.0 is refused, and so are NaN and infinity for both numbers. No test outside
+  the ranges comes closer to them than 0.0001. `max_velocity` 5.0 is valid, and so are `wheel_diameter` 0.01 and 1.0.
 - A value of another type is refused, even an integer for a double, and so is an undeclared parameter. No reason is
   needed there.
 - Together or not at all: when a valid and an invalid value are set atomically, nothing changes.

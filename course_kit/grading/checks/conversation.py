@@ -38,6 +38,7 @@ class Model:
     Attributes:
         history: the sentence of the task that is broken when a step fails only after others; for nodes that remember
             nothing. Empty where each rule's own sentence is the one.
+        lost: ids of the checks that are lost already: what they are about is no use looking at again.
 
     Example:
         >>> class Counter(Model):
@@ -51,9 +52,13 @@ class Model:
     """
 
     history = ""
+    lost: frozenset[str] = frozenset()
 
     def begin(self, node: GradedNode) -> None:
         """Called when the program has just been started; for models that have to look what is there."""
+
+    def end(self, node: GradedNode) -> None:
+        """Called after the last step; for what may come late."""
 
 
 @dataclass(frozen=True)
@@ -283,6 +288,7 @@ class Conversation:
     steps: int
     _tallies: dict[str, _Tally] = field(default_factory=dict)
     _strikes: dict[str, int] = field(default_factory=dict)
+    _at_end: bool = False
     _apart: bool = False  # each rule on a fresh start: what one leaves behind for another is lost already
 
     def hold(self) -> None:
@@ -316,6 +322,16 @@ class Conversation:
             else:
                 self._tallies[self._part_of(step.rule, "").id].done += 1
             self.context.record.forget_all_but(_KEPT)
+        self._at_end = True
+        try:
+            model.end(node)
+        except Failed as failed:
+            self._keep(failed, done or [step])
+
+    @property
+    def lost(self) -> frozenset[str]:
+        """The ids of the checks that are lost."""
+        return frozenset(name for name, tally in self._tallies.items() if tally.failed is not None)
 
     def verdict_of(self, one: Part) -> Evidence:
         """What came of it for one of its checks.
@@ -338,6 +354,7 @@ class Conversation:
         node = GradedNode(self.context)
         node.meet()
         model = self.model()
+        model.lost = self.lost
         model.begin(node)
         self.context.record.clear()
         return node, model, []
@@ -364,8 +381,8 @@ class Conversation:
         if self._tallies[lost.id].failed is None:
             failed.steps = failed.steps or self.context.record.steps(failed.evidence)
             if not self.context.job.first_failure and self.context.job.mode != "attach":
-                failed, alone = self._shrink(failed, done, lost)
-                if self.model.history and alone > 1:
+                failed, lost, needed = self._shrink(failed, done, lost)
+                if self.model.history and needed > 1:
                     self._apart = True
                     lost = self._part_of(last.rule, self.model.history)
             if self._tallies[lost.id].failed is None:
@@ -383,11 +400,11 @@ class Conversation:
             if tally.failed is None:
                 tally.failed = gone
 
-    def _shrink(self, failed: Failed, done: list[Step], lost: Part) -> tuple[Failed, int]:
-        """The failure of the shortest part of a conversation, and how many steps that has."""
+    def _shrink(self, failed: Failed, done: list[Step], lost: Part) -> tuple[Failed, Part, int]:
+        """The failure of the shortest part of a conversation, the check that it costs, and how many steps that has."""
         clock = self.context.clock()
         best: list[Step] = done
-        found: Failed | None = None
+        found: tuple[Failed, Part] | None = None
         for length in sorted({*(one for one in _TAILS if one < len(done)), len(done)}):
             if length > 1 and clock.past(_SHRINK_S):
                 break
@@ -397,7 +414,7 @@ class Conversation:
         if found is None:
             note = f"It happened after {len(done) - 1} other steps." if len(done) > 1 else ""
             failed.message = f"{failed.message} {note}".strip()
-            return failed, 1
+            return failed, lost, 1
         place = 0
         while place < len(best) - 1 and not clock.past(_SHRINK_S):
             shorter = [*best[:place], *best[place + 1 :]]
@@ -405,14 +422,15 @@ class Conversation:
                 best, found = shorter, again
             else:
                 place += 1
-        if len(best) > 1:
-            if (found.diagnosis or "").startswith(_OF_ONE_ANSWER):
-                found.diagnosis = None
-            found.message = f"{found.message} It takes what was sent before to bring this about."
-        return found, len(best)
+        shortest = found[0]
+        if self.model.history and len(best) > 1:
+            if (shortest.diagnosis or "").startswith(_OF_ONE_ANSWER):
+                shortest.diagnosis = None
+            shortest.message = f"{shortest.message} It takes what was sent before to bring this about."
+        return (*found, len(best))
 
-    def _fails(self, steps: Sequence[Step], lost: Part) -> Failed | None:
-        """How these steps fail on a fresh start of the program; None when they do not, or cost another check."""
+    def _fails(self, steps: Sequence[Step], lost: Part) -> tuple[Failed, Part] | None:
+        """How these steps fail on a fresh start, and what that costs; None when they do not, or cost what is lost."""
         self.context.spoil()
         try:
             node, model, _ = self._begin()
@@ -421,8 +439,12 @@ class Conversation:
         try:
             for step in steps:
                 step.do(node, model)
+            if self._at_end:
+                model.end(node)
         except Failed as failed:
-            return self._told(failed, steps) if self._part_of(step.rule, failed.breaks) == lost else None
+            costs = self._part_of(step.rule, failed.breaks)
+            if costs == lost or self._tallies[costs.id].failed is None:
+                return self._told(failed, steps), costs
         return None
 
     def _told(self, failed: Failed, steps: Sequence[Step]) -> Failed:

@@ -325,7 +325,7 @@ class GradedNode:
         self.meet()
         made = message_of(self._type(topic), message, fields)
         for name in self._published():
-            self._heard[name] = self._inbox(name).count
+            self._heard[name] = self.inbox(name).count
         self._sent = f"{topic}: {in_one_line(made)}"
         self._turn: Exchange = self.context.record.sent(self._sent, "message")
         self.context.grader_node.publisher(self._type(topic), topic).publish(made)
@@ -361,9 +361,9 @@ class GradedNode:
         """
         self.meet()
         message = self._next(topic, within_s, breaks)
-        found = only_field(message, {**(wanted or {}), **fields} if fields else wanted)
-        if found is None:
+        if wanted is None and not fields:
             return message
+        found = only_field(message, {**(wanted or {}), **fields} if fields else wanted)
         for path, one, got in differences(found, message):
             evidence = Evidence(
                 self._last_sent(), f"{topic}: {describe_wanted(found)}", f"{topic}: {in_one_line(message)}"
@@ -391,14 +391,14 @@ class GradedNode:
         listened = names or self._published()
 
         def extra() -> list[str]:
-            return [name for name in listened if self._inbox(name).count > self._heard.setdefault(name, 0)]
+            return [name for name in listened if self.inbox(name).count > self._heard.setdefault(name, 0)]
 
         evidence = Evidence(self._last_sent(), f"no message more on {' and '.join(listened)}")
         with exceptions.explained(self.context, evidence):
             self.context.wait_until(lambda: bool(extra()), seconds)
         for name in extra():
-            message = self._inbox(name).messages[-1]
-            self._heard[name] = self._inbox(name).count
+            message = self.inbox(name).messages[-1]
+            self._heard[name] = self.inbox(name).count
             self._exchange().came(f"{name}: {in_one_line(message)}", "message")
             got = f"{name}: {in_one_line(message)}"
             raise Failed(
@@ -427,7 +427,8 @@ class GradedNode:
         remote, clock = self.parameters(of), self.context.clock()
         result: SetResult = remote.set(*next(iter(wanted.items()))) if len(wanted) == 1 else remote.set_together(wanted)
         self._sent = f"set {shown(wanted)}"
-        return Change(self._sent, result.shown(), clock.wall(), wanted, result)
+        latency_s = clock.fair() if clock.wall() > _NUDGE_S else clock.wall()
+        return Change(self._sent, result.shown(), latency_s, wanted, result)
 
     def get(self, *names: str, of: str = "") -> dict[str, Any]:
         """The values of parameters; None for one that is not declared.
@@ -473,6 +474,7 @@ class GradedNode:
         parameters: Mapping[str, Any] | None = None,
         file: Mapping[str, Any] | None = None,
         of: str = "",
+        meets: bool = True,
     ) -> None:
         """Start the program afresh, as a learner would on the command line.
 
@@ -481,6 +483,7 @@ class GradedNode:
             parameters: values given with `-p`.
             file: values given in a parameter file.
             of: the node's name in that file; any node's when left out.
+            meets: wait until it is up; else that is done when it is first asked something.
 
         Raises:
             Failed: it does not come up.
@@ -497,7 +500,8 @@ class GradedNode:
             words += [*([] if "--ros-args" in words else ["--ros-args"]), "--params-file", _FILE]
         self.context.launch(words, files)
         self._heard = self.context.memory.setdefault("heard", {})
-        self.meet()
+        if meets:
+            self.meet()
 
     def meet(self) -> None:
         """Have a running program whose endpoints are all connected; one that has died or hangs is started again.
@@ -598,7 +602,8 @@ class GradedNode:
     def _published(self) -> list[str]:
         return [one["name"] for one in self.context.job.endpoints if one["kind"] == "publisher"]
 
-    def _inbox(self, topic: str) -> Any:
+    def inbox(self, topic: str) -> Any:
+        """What has come on a topic so far."""
         return self.context.grader_node.inbox(self._type(topic), topic)
 
     def _last_sent(self) -> str:
@@ -608,7 +613,7 @@ class GradedNode:
         return getattr(self, "_turn", None) or self.context.record.sent("(nothing)", minor=True)
 
     def _next(self, topic: str, within_s: float, breaks: str) -> Message:
-        inbox, place = self._inbox(topic), self._heard.setdefault(topic, 0)
+        inbox, place = self.inbox(topic), self._heard.setdefault(topic, 0)
         evidence = Evidence(self._last_sent(), f"a message on {topic}")
         clock = self.context.clock()
         with exceptions.explained(self.context, evidence):

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from course_kit.graders import _limiter
-from course_kit.graders._limiter import LimiterSettings, Reaction, command
+from course_kit.graders._limiter import Reaction, Settings
 
 velocities = st.floats(-20.0, 20.0)
 settings = st.builds(
-    LimiterSettings,
+    Settings,
     max_velocity=st.floats(0.01, 5.0),
     wheel_diameter=st.floats(0.01, 1.0),
     enabled=st.booleans(),
@@ -22,8 +22,8 @@ settings = st.builds(
 
 
 @given(settings, velocities, velocities)
-def test_the_right_reaction_is_what_the_exercise_asks_for(values: LimiterSettings, speed: float, turn: float) -> None:
-    right = _limiter.right_reaction(values, command(speed, angular_z=turn))
+def test_the_right_reaction_is_what_the_exercise_asks_for(values: Settings, speed: float, turn: float) -> None:
+    right = _limiter.right_reaction(values, [speed, 0.0, 0.0, 0.0, 0.0, turn])
     if not values.enabled:
         assert right == Reaction((0.0,) * 6, 0.0)
         return
@@ -49,8 +49,8 @@ def test_the_right_reaction_is_what_the_exercise_asks_for(values: LimiterSetting
 )
 def test_a_wrong_wheel_speed_is_explained(wheel: float, code: str, said: str) -> None:
     got = Reaction((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), wheel)
-    diagnosis, message = _limiter.explain_wheel(LimiterSettings(), command(3.0), got, floors=False)
-    assert (diagnosis, said in message) == (code, True)
+    of_wheel, diagnosis, message = _limiter.cause_of(Settings(), [3.0, 0.0, 0.0, 0.0, 0.0, 0.0], got, floors=False)
+    assert (of_wheel, diagnosis, said in message) == (True, code, True)
 
 
 @pytest.mark.parametrize(
@@ -59,8 +59,9 @@ def test_a_wrong_wheel_speed_is_explained(wheel: float, code: str, said: str) ->
         ("max_velocity", "", "empty"),
         ("max_velocity", "  ", "empty"),
         ("max_velocity", "out of range 0 .. 5", "name the parameter"),
-        ("max_velocity", "max_velocity must be positive", "give the range"),
-        ("max_velocity", "max_velocity=-1.0 is not allowed", "give the range"),
+        ("max_velocity", "max_velocity must be positive", "as a number"),
+        ("max_velocity", "max_velocity=-1.0 is not allowed", "as a number"),
+        ("max_velocity", "max_velocity is at most 5.0", "as a number"),
         ("max_velocity", "max_velocity muss groesser als 0 und hoechstens 5 sein", ""),
         ("max_velocity", "Parameter max_velocity out of range Min: 0.0, Max: 5.0, value: 7.2", ""),
         ("wheel_diameter", "wheel_diameter: 1e-2 .. 1", ""),
@@ -69,7 +70,7 @@ def test_a_wrong_wheel_speed_is_explained(wheel: float, code: str, said: str) ->
     ],
 )
 def test_what_a_reason_lacks(name: str, reason: str, lacks: str) -> None:
-    told = _limiter.missing_in_reason(name, reason)
+    told = _limiter.missing_in_reason(name, "" if name == "robot_name" else 7.2 if "7.2" in reason else -1.0, reason)
     assert bool(told) == bool(lacks)
     assert lacks in told
 
@@ -89,11 +90,10 @@ def test_status_lines_are_read_as_people_do(line: str, read: tuple[str, float] |
     assert _limiter.read_status(line) == read
 
 
-def test_a_parameter_file_is_what_ros_2_reads() -> None:
-    values = {"robot_name": "rover", "enabled": False, "max_velocity": 2.5}
-    assert _limiter.parameter_file("/velocity_limiter", values) == (
-        "velocity_limiter:\n  ros__parameters:\n    robot_name: 'rover'\n    enabled: false\n    max_velocity: 2.5\n"
-    )
+def test_a_node_that_keeps_what_it_has_refused_is_recognised() -> None:
+    refused = [{"max_velocity": 6.0}, {"wheel_diameter": 0.5}]
+    found = {(one.max_velocity, one.wheel_diameter): cause for one, cause in Settings().with_some(refused)}
+    assert found == {(6.0, 0.1): refused[0], (1.0, 0.5): refused[1], (6.0, 0.5): refused[1]}
 
 
 @given(
