@@ -616,8 +616,12 @@ class GradedNode:
         inbox, place = self.inbox(topic), self._heard.setdefault(topic, 0)
         evidence = Evidence(self._last_sent(), f"a message on {topic}")
         clock = self.context.clock()
-        with exceptions.explained(self.context, evidence):
-            came = self.context.wait_until(lambda: inbox.count > place, within_s)
+        try:
+            with exceptions.explained(self.context, evidence):
+                came = self.context.wait_until(lambda: inbox.count > place, within_s)
+        except Failed as failed:
+            failed.breaks = breaks
+            raise
         if not came:
             seconds = hangs.told(clock.fair(), within_s)
             self._exchange().missed(f"within {seconds} s nothing on {topic}")
