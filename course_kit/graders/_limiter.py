@@ -218,7 +218,7 @@ def missing_in_reason(name: str, value: Any, reason: str) -> str:
     if name in BOUNDS:
         low, high = BOUNDS[name]
         broken = {low} if value <= low else {high} if value > high else {low, high}
-        near = [(number, end) for number in numbers - {value} for end in broken]
+        near = [(number, end) for number in numbers - ({abs(value)} - broken) for end in broken]
         if not any(abs(number - end) <= _NEAR * max(end, BOUNDS["wheel_diameter"][0]) for number, end in near):
             return f"It does not give, as a number, the end of the range that {value!r} breaks: {RANGES[name]}."
     return ""
