@@ -387,10 +387,19 @@ class Conversation:
                     lost = self._part_of(last.rule, self.model.history)
             if self._tallies[lost.id].failed is None:
                 self._tallies[lost.id].failed = failed
+                self._credit(last, lost)
                 return
         self._strikes[last.rule.name] = self._strikes.get(last.rule.name, 0) + 1
+        self._credit(last, lost)
+
+    def _credit(self, last: Step, lost: Part) -> None:
+        """A rule that has failed for another check is right for its own where the step passes by itself."""
         own = self._part_of(last.rule, "")
-        if self._tallies[own.id].done == 0:
+        if own == lost or self._tallies[own.id].done or self.context.job.first_failure:
+            return
+        if self.context.job.mode != "attach" and self._passes_alone(last):
+            self._tallies[own.id].done += 1
+        else:
             self._strikes[last.rule.name] = _STRIKES
             self._tallies[own.id].hindered_by = lost.title
 
@@ -446,6 +455,16 @@ class Conversation:
             if costs == lost or self._tallies[costs.id].failed is None:
                 return self._told(failed, steps), costs
         return None
+
+    def _passes_alone(self, step: Step) -> bool:
+        """Whether a step is right on a fresh start: what it has met before came from what is lost."""
+        self.context.spoil()
+        try:
+            node, model, _ = self._begin()
+            step.do(node, model)
+        except Failed:
+            return False
+        return True
 
     def _told(self, failed: Failed, steps: Sequence[Step]) -> Failed:
         """A failure with all that led to it as its evidence."""
