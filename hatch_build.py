@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 SOURCE = Path("course_kit/interfaces/native/helper.c")
+LEAVING = SOURCE.with_name("leaving.c")
 LIBRARY = SOURCE.with_name("_helper.so")
 START_UP = Path("course_kit/course_kit.pth")
 STARTERS = Path("course_kit/starters")
@@ -70,9 +71,12 @@ def try_to_compile(compiler: list[str], root: Path, target: Path, *, foreign: bo
         "-Wall",
         "-Wextra",
         f"-DSOURCE_CRC={zlib.crc32((root / SOURCE).read_bytes())}u",  # the loader compares it
+        "-Wl,-Bsymbolic",  # further copies of it call their own functions
         "-o",
         str(target),
         str(root / SOURCE),
+        str(root / LEAVING),
+        "-ldl",  # of its own before glibc 2.34
     ]
     load = [sys.executable, "-I", "-S", "-c", LOAD, str(target)]
     for step in [command] if foreign else [command, load]:

@@ -11,6 +11,9 @@ from __future__ import annotations
 import os
 import sys
 
+_MIDDLEWARE = "librmw_fastrtps_shared_cpp.so"
+_SET_LISTENER = "_ZN8eprosima7fastdds3dds17DomainParticipant12set_listenerEPNS1_25DomainParticipantListenerE"
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,8 +30,8 @@ class _BeforeRclpy:
         del path, target
         if fullname == "rclpy":
             sys.meta_path.remove(self)
+            _repair_leaving()
             _make_settings()
-            _repair_middleware()
         return None
 
 
@@ -42,12 +45,17 @@ def _make_settings() -> None:
         print(f"course-kit: {problem}{until_then}", file=sys.stderr)
 
 
-def _repair_middleware() -> None:
-    try:
-        from course_kit.environment import leaving
-    except (ImportError, AttributeError):  # a Python built without libffi has no ctypes; a system without dlopen
-        return
-    leaving.repair()
+def _repair_leaving() -> None:
+    """Have the wheels' middleware find `leaving.c` first; a real ROS 2, which has no such fault, lies elsewhere."""
+    helper = os.path.join(os.path.dirname(__file__), "interfaces", "native", "_helper.so")  # noqa: PTH118, PTH120
+    if os.path.exists(os.path.join(sys.prefix, "lib", _MIDDLEWARE)):  # noqa: PTH110, PTH118 - without pathlib
+        try:
+            import ctypes
+
+            if hasattr(ctypes.CDLL(helper), _SET_LISTENER):  # else it was compiled before there was one
+                ctypes.CDLL(helper, ctypes.RTLD_GLOBAL)
+        except (ImportError, OSError):  # a Python built without libffi; a helper that was not compiled
+            return
 
 
 def install() -> None:

@@ -35,10 +35,11 @@ cp '{library}' "$2"
 
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
-    """A folder with the C file, and nothing else of the course."""
+    """A folder with the C files, and nothing else of the course."""
     folder = tmp_path / "a course"
     (folder / hatch_build.SOURCE).parent.mkdir(parents=True)
-    shutil.copy(REPOSITORY / hatch_build.SOURCE, folder / hatch_build.SOURCE)
+    for source in (hatch_build.SOURCE, hatch_build.LEAVING):
+        shutil.copy(REPOSITORY / source, folder / source)
     return folder
 
 
@@ -94,7 +95,7 @@ def test_the_first_compiler_that_works_is_taken_and_leaves_nothing_but_the_libra
     assert packages_needed(root) == []
     hatch_build.compile_helper(root, hatch_build.system_compilers())
     made = root / hatch_build.LIBRARY
-    assert sorted(path.name for path in made.parent.iterdir()) == [made.name, "helper.c"]
+    assert sorted(path.name for path in made.parent.iterdir()) == [made.name, "helper.c", "leaving.c"]
     load_helper(made)
 
 

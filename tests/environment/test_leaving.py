@@ -1,36 +1,26 @@
-"""Who leaves the graph while a discovery callback runs waits for its end."""
+"""Who leaves the graph waits with an end for a discovery callback that may be running, see native/leaving.c."""
 
 from __future__ import annotations
 
+import os
+import re
 import subprocess
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.environment import leaving
-
 if TYPE_CHECKING:
-    import pytest
+    from pathlib import Path
 
-PROGRAM = Path(__file__).with_name("leave_amid_a_callback.py")
-
-
-def test_who_leaves_waits_for_a_discovery_callback(domain: int) -> None:
-    assert domain
-    done = subprocess.run([sys.executable, PROGRAM], capture_output=True, text=True, check=False, timeout=120)
-    assert (done.stdout, done.stderr) == ("waits\nleaves\n", "")
+LEAVES = "import rclpy; rclpy.init(); rclpy.create_node('leaves').destroy_node(); rclpy.shutdown()"
+BOUND = re.compile(
+    r"binding file \S+/(\S+) \[0\] to \S+/(\S+) \[0\]: normal symbol `\S+set_listenerEPN\S+ListenerE(N\S+)?'"
+)
 
 
-def test_without_the_wheels_nothing_is_touched(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(sys, "prefix", str(tmp_path))
-    assert not leaving.repair()
-
-
-def test_where_no_program_may_make_code_nothing_is_touched(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(code: bytes) -> int:
-        raise OSError(len(code))
-
-    before = leaving.slot(leaving.opened()).value
-    monkeypatch.setattr(leaving, "_executable", refuse)
-    assert not leaving.repair()
-    assert leaving.slot(leaving.opened()).value == before
+def test_the_middleware_leaves_by_the_function_that_has_an_end(domain: int, tmp_path: Path) -> None:
+    linker = {"LD_DEBUG": "bindings", "LD_DEBUG_OUTPUT": str(tmp_path / "linker")}
+    environ = {**os.environ, **linker, "ROS_DOMAIN_ID": str(domain)}
+    subprocess.run([sys.executable, "-c", LEAVES], env=environ, check=True, timeout=120)
+    bound = [match.groups() for path in tmp_path.iterdir() for match in BOUND.finditer(path.read_text())]
+    assert ("librmw_fastrtps_shared_cpp.so", "_helper.so", None) in bound
+    assert any(library.startswith("libfastrtps") and within for _, library, within in bound)
