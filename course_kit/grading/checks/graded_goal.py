@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
     from course_kit.ros.messages import Message
 
-_END_S = 10.0
+END_S = 10.0
 _STATUS = {"SUCCEEDED": SUCCEEDED, "CANCELED": CANCELED}
-_PROMPT_S = 1.0
+PROMPT_S = 1.0
 
 
 class GradedGoal(CheckedGoal):
@@ -74,7 +74,7 @@ class GradedGoal(CheckedGoal):
             evidence = Evidence(self.shown, "the goal rejected", "the goal accepted")
             raise Failed(evidence, f"Your server accepted {what}.", diagnosis, breaks=breaks)
 
-    def ends(self, status: str = "SUCCEEDED", *, within_s: float = _END_S, breaks: str = "", **fields: Any) -> Ended:
+    def ends(self, status: str = "SUCCEEDED", *, within_s: float = END_S, breaks: str = "", **fields: Any) -> Ended:
         """It ends with this status, and a result with these fields.
 
         Args:
@@ -105,7 +105,7 @@ class GradedGoal(CheckedGoal):
             raise Failed(evidence, why, breaks=breaks)
         return ended
 
-    def cancelled(self, *, within_s: float = _PROMPT_S, breaks: str = "") -> GradedGoal:
+    def cancelled(self, *, within_s: float = PROMPT_S, breaks: str = "") -> GradedGoal:
         """A request to cancel it is accepted in time; how it then ends is for `ends`.
 
         Args:

@@ -556,6 +556,10 @@ class GradedNode:
         """A request for a service, of what may be given to `call`."""
         return message_of(self._type(service).Request, given, {})
 
+    def goal_message(self, action: str, given: Any) -> Message:
+        """A goal for an action, of what may be given to `goal`."""
+        return message_of(self._type(action).Goal, given, {})
+
     # --- inside
 
     def _wait(self, condition: Callable[[], bool], seconds: float) -> bool:

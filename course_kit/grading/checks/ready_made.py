@@ -10,9 +10,10 @@ from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.check import Check, Evidence, Failed
 from course_kit.grading.checks.conversation import drawn_values
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
-from course_kit.grading.checks.matching import describe_wanted, interface_of
+from course_kit.grading.checks.matching import differences, interface_of, only_field
 from course_kit.grading.checks.services import Service
 from course_kit.grading.checks.topics import Topic, expect_endpoints
+from course_kit.grading.diagnosis import hangs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
 
 DEADLINE_S = 12.0
+_TOGETHER_S = 5.0
+_AT_ONCE_S = 0.05  # in which a second message of the same callback comes
+_FEWEST = 3  # messages; enough to forget one that a busy machine has delayed
+_SILENT_S = 2.0
 _ENDS = ("publisher", "subscription")
 
 
@@ -49,12 +54,12 @@ def check(
 
     def declare(function: Callable[[GradedNode], object]) -> Check:
         title = (inspect.getdoc(function) or "").partition("\n")[0].rstrip(".")
-        return _made(function.__name__, title, points, function, after, proves, deadline_s)
+        return made(function.__name__, title, points, function, after, proves, deadline_s)
 
     return declare
 
 
-def _made(  # noqa: PLR0913, PLR0917 - the fields of a check
+def made(  # noqa: PLR0913, PLR0917 - the fields of a check
     check_id: str,
     title: str,
     points: float,
@@ -63,6 +68,11 @@ def _made(  # noqa: PLR0913, PLR0917 - the fields of a check
     proves: Sequence[str],
     deadline_s: float = DEADLINE_S,
 ) -> Check:
+    """A check of what a function does with a node; see `check`.
+
+    Raises:
+        ValueError: it has no title, or is worth nothing.
+    """
     if not title:
         raise ValueError(f"the check {check_id} needs a docstring: its first line is shown as the title")
     if points <= 0:
@@ -119,7 +129,7 @@ def offered(
         expected = "; ".join(one.expected for one in told)
         return Evidence("", expected, expected)
 
-    return _made(check_id, title or "All of its endpoints are there, with their types", points, talk, after, proves)
+    return made(check_id, title or "All of its endpoints are there, with their types", points, talk, after, proves)
 
 
 def node_name(name: str, *, points: float, proves: Sequence[str], after: Sequence[str] = ()) -> Check:
@@ -138,7 +148,7 @@ def node_name(name: str, *, points: float, proves: Sequence[str], after: Sequenc
     def talk(node: GradedNode) -> Evidence:
         return discovery.expect_node(node.context, f"/{name}", node.meet)
 
-    return _made("node_name", f"The node is called {name}", points, talk, after, proves)
+    return made("node_name", f"The node is called {name}", points, talk, after, proves)
 
 
 def service_answers(  # noqa: PLR0913 - what an author may say of it
@@ -151,6 +161,9 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
     points: float,
     proves: Sequence[str],
     after: Sequence[str] = (),
+    within_s: float | None = None,
+    not_before_s: float = 0.0,
+    at_a_time: int = 0,
 ) -> Check:
     """A check that a service answers some requests.
 
@@ -163,6 +176,9 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
         points: what it is worth.
         proves: ids of the sentences of the task.
         after: ids of checks that have to pass before.
+        within_s: seconds in which an answer comes; with `at_a_time`, in which all do.
+        not_before_s: seconds before which none comes, where the work takes its time.
+        at_a_time: ask so many at the same time, each by another client; one after the other when 0.
 
     Example:
         >>> service_answers("/add", [{"a": 1, "b": between(-9, 9)}] * 3, lambda request: {"sum": request.a + request.b},
@@ -170,11 +186,74 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
     """
 
     def talk(node: GradedNode) -> None:
-        for fields in drawn_values(requests, node.context.random):
-            answer = node.call(service, fields)
-            answer.expect(**expect(node.request(service, fields)))
+        several = drawn_values(requests, node.context.random)
+        wanted = [expect(node.request(service, fields)) for fields in several]
+        if at_a_time:
+            seconds = _TOGETHER_S if within_s is None else within_s
+            answers = node.call_together(service, several, at_a_time=at_a_time, within_s=seconds)
+        else:
+            answers = [node.call(service, fields) for fields in several]
+        for answer, fields in zip(answers, wanted, strict=True):
+            if not at_a_time:
+                answer.not_before(not_before_s)
+                answer.within(hangs.ANSWER_S if within_s is None else within_s)
+            code, why = _cause(node, fields, answer.response), ""
+            if answer.response == type(answer.response)():
+                code, why = None, "The response came back as ROS 2 creates it: your callback filled in nothing."
+            if at_a_time and any(not list(differences(one, answer.response)) for one in wanted):
+                code = None
+                why = "This is the answer to another client's request: your callback mixes up values of two calls."
+            answer.expect(**fields, diagnosis=code, why=why)
 
-    return _made(check_id, title, points, talk, after, proves)
+    return made(check_id, title, points, talk, after, proves)
+
+
+def service_refuses(  # noqa: PLR0913 - what an author may say of it
+    service: str,
+    requests: Sequence[dict[str, Any]],
+    *,
+    check_id: str,
+    title: str,
+    points: float,
+    proves: Sequence[str],
+    after: Sequence[str] = (),
+    refused: dict[str, Any] | None = None,
+    reason: str = "message",
+    what: str = "a request that it has to refuse",
+    valid: dict[str, Any] | None = None,
+) -> Check:
+    """A check that a service refuses some requests, says why, and lives on.
+
+    Args:
+        service: its name.
+        requests: fields of each; a value may be a drawing.
+        check_id: its id.
+        title: one line for the learner.
+        points: what it is worth.
+        proves: ids of the sentences of the task.
+        after: ids of checks that have to pass before.
+        refused: the fields by which a refusal is known; `success=False` when left out.
+        reason: the field that says why, "" where the task asks for no reason.
+        what: is wrong with these requests, for the learner.
+        valid: a request that is asked afterwards, and must not be refused.
+
+    Example:
+        >>> service_refuses("/divide", [{"a": between(1, 9), "b": 0}], valid={"a": 4, "b": 2}, what="a division by 0",
+        ...                 check_id="by_zero", title="A division by 0 is refused", points=1.0, proves=["by_zero"])
+    """
+
+    def talk(node: GradedNode) -> None:
+        wanted = refused or {"success": False}
+        for fields in drawn_values(requests, node.context.random):
+            node.call(service, fields).refused(reason=reason, what=what, **wanted)
+        if valid is not None:
+            answer = node.call(service, valid)
+            if not list(differences(wanted, answer.response)):
+                answer.fail(
+                    "Your service refused a valid request.", expected="no refusal", diagnosis="validation.overzealous"
+                )
+
+    return made(check_id, title, points, talk, after, proves)
 
 
 def topic_answers(  # noqa: PLR0913 - what an author may say of it
@@ -211,11 +290,19 @@ def topic_answers(  # noqa: PLR0913 - what an author may say of it
 
     def talk(node: GradedNode) -> None:
         for one in drawn_values(messages, node.context.random):
-            made = node.message(subscription, one)
-            node.send(subscription, made).expect(publisher, expect(made), within_s=within_s)
-        node.expect_nothing(publisher, why=f"Publish once on {publisher} for each message.")
+            message = node.message(subscription, one)
+            wanted = expect(message)
+            try:
+                node.send(subscription, message).expect(publisher, wanted, within_s=within_s)
+            except Failed as failed:
+                for got in list(node.inbox(publisher).messages)[-1:] if failed.diagnosis is None else ():
+                    failed.diagnosis = _cause(node, only_field(got, wanted), got)
+                raise
+            node.expect_nothing(publisher, seconds=_AT_ONCE_S, why=once)
+        node.expect_nothing(publisher, why=once)
 
-    return _made(check_id, title, points, talk, after, proves)
+    once = f"Publish once on {publisher} for each message."
+    return made(check_id, title, points, talk, after, proves)
 
 
 def topic_silent(  # noqa: PLR0913 - what an author may say of it
@@ -241,52 +328,62 @@ def topic_silent(  # noqa: PLR0913 - what an author may say of it
     Example:
         >>> topic_silent("/alarm", check_id="quiet", title="No alarm without a cause", points=1.0, proves=["quiet"])
     """
-    return _made(check_id, title, points, lambda node: node.expect_nothing(*topics, seconds=seconds), after, proves)
+    return made(check_id, title, points, lambda node: node.expect_nothing(*topics, seconds=seconds), after, proves)
 
 
-def parameter_declared(  # noqa: PLR0913 - what an author may say of it
-    defaults: dict[str, Any],
+def topic_rate(  # noqa: PLR0913 - what an author may say of it
+    topic: str,
+    hz: float,
     *,
-    node: str,
     check_id: str,
     title: str,
     points: float,
     proves: Sequence[str],
     after: Sequence[str] = (),
+    off_by: float = 0.2,
 ) -> Check:
-    """A check that a node has parameters, with these values at the start, and so with their types.
+    """A check that messages come at a rate.
 
     Args:
-        defaults: by the parameters' names.
-        node: its full name.
+        topic: its name.
+        hz: messages in a second.
         check_id: its id.
         title: one line for the learner.
         points: what it is worth.
         proves: ids of the sentences of the task.
         after: ids of checks that have to pass before.
+        off_by: the share of the period by which it may be off; a machine is now and then busy.
 
     Example:
-        >>> parameter_declared({"max_speed": 1.0}, node="/speed_limiter", check_id="declared",
-        ...                    title="max_speed is 1.0 at the start", points=1.0, proves=["parameter"])
+        >>> topic_rate("/heartbeat", 10.0, check_id="rate", title="Ten a second", points=1.0, proves=["rate"])
     """
 
-    def talk(graded: GradedNode) -> Evidence:
-        graded.meet()
-        remote = graded.parameters(node)
-        names, found = remote.names(), remote.values(list(defaults))
-        evidence = Evidence(
-            "get_parameters", describe_wanted(defaults), describe_wanted({k: v.value for k, v in found.items()})
-        )
-        if missing := [name for name in defaults if name not in names]:
-            raise Failed(evidence, f"Your node has not declared {', '.join(missing)}.", "parameter.undeclared")
-        if wrong := [name for name, value in defaults.items() if type(found[name].value) is not type(value)]:
-            point = " A double needs a decimal point." if any(found[name].type == "integer" for name in wrong) else ""
-            told = " and ".join(f"{name} is {found[name].type}" for name in wrong)
-            raise Failed(evidence, f"{told}.{point}", "parameter.type")
-        if others := {name: found[name].value for name, value in defaults.items() if found[name].value != value}:
-            raise Failed(
-                evidence, f"Started without settings, your node has {describe_wanted(others)}.", "parameter.default"
-            )
-        return evidence
+    def talk(node: GradedNode) -> Evidence:
+        node.meet()
+        inbox, period_s, clock = node.inbox(topic), 1.0 / hz, node.context.clock()
+        found, count = 0.0, max(_FEWEST, inbox.count)
+        expected = f"a message on {topic} every {period_s:.3g} s"
+        while node.context.wait_until(lambda least=count: inbox.count >= least, max(_SILENT_S, 4 * period_s)):
+            times = list(inbox.times)
+            looks = (times, times[-max(_FEWEST + 1, len(times) // 2) :])  # all, and the last of them
+            periods = [(some[-1] - some[0]) / (len(some) - 1) for some in looks]
+            found, count = periods[0], inbox.count + 1
+            if any(abs(one - period_s) <= off_by * period_s for one in periods):
+                return Evidence("", expected, f"one every {found:.3g} s")
+            if clock.past(10 * period_s + _SILENT_S):
+                break
+        why = f"Publish {topic} from a timer with a period of {period_s:.3g} s."
+        if inbox.count < _FEWEST:
+            raise Failed(Evidence("", expected, f"{inbox.count} messages"), why, "topic.silent")
+        raise Failed(Evidence("", expected, f"one every {found:.3g} s"), why)
 
-    return _made(check_id, title, points, talk, after, proves)
+    return made(check_id, title, points, talk, after, proves)
+
+
+def _cause(node: GradedNode, wanted: Any, got: Any) -> str | None:
+    """The diagnosis of a wrong number: another formula, or // where the number is off by less than one."""
+    for _, one, other in differences(wanted, got):
+        if all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in (one, other)):
+            near = node.context.job.facts.floor_divides and abs(one - other) < 1
+            return "math.integer_division" if near else "math.formula"
+    return None

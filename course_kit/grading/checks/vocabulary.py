@@ -11,11 +11,14 @@ from course_kit.grading.checks.ready_made import (
     check,
     node_name,
     offered,
-    parameter_declared,
     service_answers,
+    service_refuses,
     topic_answers,
+    topic_rate,
     topic_silent,
 )
+from course_kit.grading.checks.ready_made_goals import goal_cancelled, goal_feedback, goal_refused, goal_succeeds
+from course_kit.grading.checks.ready_made_parameters import parameter_acts, parameter_declared, parameter_refuses
 
 __all__ = [
     "Answer",
@@ -32,12 +35,20 @@ __all__ = [
     "conversation",
     "drawn",
     "either",
+    "goal_cancelled",
+    "goal_feedback",
+    "goal_refused",
+    "goal_succeeds",
     "node_name",
     "offered",
+    "parameter_acts",
     "parameter_declared",
+    "parameter_refuses",
     "part",
     "rule",
     "service_answers",
+    "service_refuses",
     "topic_answers",
+    "topic_rate",
     "topic_silent",
 ]

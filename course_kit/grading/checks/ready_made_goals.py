@@ -1,0 +1,278 @@
+"""Ready-made checks of actions: functions that return a check."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from course_kit.grading.checks import ready_made
+from course_kit.grading.checks.check import Check, Evidence, Failed
+from course_kit.grading.checks.conversation import drawn_values
+from course_kit.grading.checks.graded_goal import END_S, PROMPT_S, GradedGoal
+from course_kit.grading.checks.matching import describe_wanted, differences
+from course_kit.grading.exchange_log import in_one_line
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from course_kit.grading.checks.graded_node import GradedNode
+
+_DEADLINE_S = 30.0
+_UNDER_WAY_S = 0.3  # after which a goal is cancelled that gives no feedback
+_GOOD_PART = 0.4  # of a goal's time, over which feedback comes that is not all at once
+
+
+def goal_succeeds(  # noqa: PLR0913 - what an author may say of it
+    action: str,
+    goals: Sequence[dict[str, Any]],
+    expect: Callable[[Any], dict[str, Any]] = lambda _: {},
+    *,
+    check_id: str,
+    title: str,
+    points: float,
+    proves: Sequence[str],
+    after: Sequence[str] = (),
+    within_s: float = END_S,
+    not_before_s: float = 0.0,
+) -> Check:
+    """A check that goals are accepted and end SUCCEEDED, with a result.
+
+    Args:
+        action: its name.
+        goals: fields of each; a value may be a drawing.
+        expect: gives the fields of the right result for a goal.
+        check_id: its id.
+        title: one line for the learner.
+        points: what it is worth.
+        proves: ids of the sentences of the task.
+        after: ids of checks that have to pass before.
+        within_s: seconds for each goal.
+        not_before_s: seconds before which none ends, where the work takes its time.
+
+    Example:
+        >>> goal_succeeds("/count_down", [{"order": 3}], lambda goal: {"sequence": list(range(goal.order, 0, -1))},
+        ...               check_id="counts", title="A goal counts down", points=1.0, proves=["counts"])
+    """
+
+    def talk(node: GradedNode) -> None:
+        several = drawn_values(goals, node.context.random)
+        for number, fields in enumerate(several):
+            goal = node.goal(action, fields)
+            if number == 0:
+                _require_some_accepted(node, action, goal, several[1:])
+            clock = node.context.clock()
+            goal.accepted_by().ends(within_s=within_s, **expect(node.goal_message(action, fields)))
+            if clock.wall() < not_before_s:
+                evidence = Evidence(
+                    goal.shown, f"not before {not_before_s:g} s", f"it ended after {clock.wall():.2f} s"
+                )
+                raise Failed(evidence, "This came too soon: the work that takes so long was not done.")
+
+    return _made(check_id, title, points, talk, after, proves)
+
+
+def goal_feedback(  # noqa: PLR0913 - what an author may say of it
+    action: str,
+    goals: Sequence[dict[str, Any]],
+    *,
+    check_id: str,
+    title: str,
+    points: float,
+    proves: Sequence[str],
+    after: Sequence[str] = (),
+    at_least: int = 1,
+    first: Callable[[Any], dict[str, Any]] = lambda _: {},
+    last: Callable[[Any], dict[str, Any]] = lambda _: {},
+) -> Check:
+    """A check that feedback comes while goals run, not all of it at once.
+
+    Args:
+        action: its name.
+        goals: fields of each; a value may be a drawing.
+        check_id: its id.
+        title: one line for the learner.
+        points: what it is worth.
+        proves: ids of the sentences of the task.
+        after: ids of checks that have to pass before.
+        at_least: so many messages for each goal; from two on they have to be spread over its time.
+        first: gives the fields of the first message for a goal.
+        last: gives those of the last one.
+
+    Example:
+        >>> goal_feedback("/count_down", [{"order": 4}], at_least=4, first=lambda goal: {"sequence": [goal.order]},
+        ...               check_id="feedback", title="Each number is told", points=1.0, proves=["in_steps"])
+    """
+
+    def talk(node: GradedNode) -> None:
+        for fields in drawn_values(goals, node.context.random):
+            message = node.goal_message(action, fields)
+            wanted = first(message), last(message)
+            goal = node.goal(action, fields).accepted_by()
+            goal.ends()
+            heard = goal.wait_for_last_feedback(
+                lambda told, end=wanted[1]: (
+                    len(told) >= at_least  # type: ignore[misc] # of one argument
+                    and not list(differences(end, told[-1].feedback))
+                )
+            )
+            evidence = Evidence(goal.shown, f"at least {at_least} feedback messages", f"{len(heard)} feedback messages")
+            if len(heard) < at_least:
+                raise Failed(evidence, f"A client saw {evidence.got} of this goal.", "action.no_feedback")
+            if at_least > 1:
+                _require_spread(goal)
+            for which, fields_of, one in zip(("first", "last"), wanted, (heard[0], heard[-1]), strict=True):
+                for path, value, got in differences(fields_of, one.feedback):
+                    told = Evidence(
+                        goal.shown, f"the {which} feedback with {describe_wanted(fields_of)}", in_one_line(one.feedback)
+                    )
+                    raise Failed(told, f"{path} of the {which} feedback has to be {value!r}, and is {got!r}.")
+
+    return _made(check_id, title, points, talk, after, proves)
+
+
+def goal_refused(  # noqa: PLR0913 - what an author may say of it
+    action: str,
+    goals: Sequence[dict[str, Any]],
+    *,
+    check_id: str,
+    title: str,
+    points: float,
+    proves: Sequence[str],
+    after: Sequence[str] = (),
+    what: str = "a goal that it has to reject",
+    while_running: dict[str, Any] | None = None,
+) -> Check:
+    """A check that goals are rejected, or rejected while another one runs.
+
+    Args:
+        action: its name.
+        goals: fields of each; a value may be a drawing.
+        check_id: its id.
+        title: one line for the learner.
+        points: what it is worth.
+        proves: ids of the sentences of the task.
+        after: ids of checks that have to pass before.
+        what: is wrong with these goals, for the learner.
+        while_running: a goal that is sent before, runs meanwhile, and succeeds all the same.
+
+    Example:
+        >>> goal_refused("/count_down", [{"order": between(-9, -1)}], what="a negative number", check_id="refused",
+        ...              title="A negative order is rejected", points=1.0, proves=["refused"])
+    """
+
+    def talk(node: GradedNode) -> None:
+        running = node.goal(action, while_running).accepted_by() if while_running is not None else None
+        for fields in drawn_values(goals, node.context.random):
+            goal = node.goal(action, fields)
+            if running is None:
+                goal.rejected(what=what)
+                continue
+            goal.wait_for_answer("the goal rejected")
+            if goal.accepted:
+                sent = f"{running.shown}; while it runs, {goal.shown}"
+                why, code = "Your server accepted a second goal while the first was running.", "action.concurrent_goals"
+                if running.over_at is not None:
+                    why, code = "The first goal was over before the second arrived.", None
+                raise Failed(Evidence(sent, "the goal rejected", "the goal accepted"), why, code)
+        if running is not None:
+            running.ends()
+
+    return _made(check_id, title, points, talk, after, proves)
+
+
+def goal_cancelled(  # noqa: PLR0913 - what an author may say of it
+    action: str,
+    goals: Sequence[dict[str, Any]],
+    expect: Callable[[Any], dict[str, Any]] = lambda _: {},
+    *,
+    check_id: str,
+    title: str,
+    points: float,
+    proves: Sequence[str],
+    after: Sequence[str] = (),
+    after_s: float | None = None,
+    within_s: float = PROMPT_S,
+    then: dict[str, Any] | None = None,
+) -> Check:
+    """A check that a goal that runs can be cancelled: that is accepted in time, and it ends CANCELED.
+
+    Args:
+        action: its name.
+        goals: fields of each; a value may be a drawing.
+        expect: gives the fields of the result for a goal.
+        check_id: its id.
+        title: one line for the learner.
+        points: what it is worth.
+        proves: ids of the sentences of the task.
+        after: ids of checks that have to pass before.
+        after_s: when the cancel is sent; with the first feedback, or after 0.3 s, when left out.
+        within_s: seconds for the answer to the request to cancel.
+        then: a goal that succeeds afterwards.
+
+    Example:
+        >>> goal_cancelled("/count_down", [{"order": 20}], then={"order": 2}, check_id="cancel",
+        ...                title="A goal can be cancelled", points=1.0, proves=["cancel"])
+    """
+
+    def talk(node: GradedNode) -> None:
+        for fields in drawn_values(goals, node.context.random):
+            goal = node.goal(action, fields).accepted_by()
+            node.context.wait_until(lambda goal=goal: _under_way(goal, after_s), END_S)  # type: ignore[misc] # of none
+            goal.cancelled(within_s=within_s).ends("CANCELED", **expect(node.goal_message(action, fields)))
+        if then is not None:
+            node.goal(action, then).accepted_by(expected="the goal after a cancelled one accepted").ends()
+
+    return _made(check_id, title, points, talk, after, proves)
+
+
+def _made(  # noqa: PLR0913, PLR0917 - the fields of a check
+    check_id: str,
+    title: str,
+    points: float,
+    talk: Callable[[GradedNode], object],
+    after: Sequence[str],
+    proves: Sequence[str],
+) -> Check:
+    """A check after whose failure the program is started afresh: a goal may still run."""
+
+    def run(node: GradedNode) -> None:
+        try:
+            talk(node)
+        except Failed:
+            node.context.spoil()
+            raise
+
+    return ready_made.made(check_id, title, points, run, after, proves, _DEADLINE_S)
+
+
+def _require_some_accepted(node: GradedNode, action: str, goal: GradedGoal, others: Sequence[dict[str, Any]]) -> None:
+    """Of the first goal, or of one of the others, the server says that it accepts it."""
+    goal.wait_for_answer("the goal accepted")
+    if goal.accepted or not others:
+        return
+    for fields in others:
+        other = node.goal(action, fields)
+        other.wait_for_answer("the goal accepted")
+        if other.accepted:
+            return
+    evidence = Evidence(goal.shown, "the goal accepted", "the goal rejected")
+    raise Failed(evidence, f"Each of {len(others) + 1} valid goals was rejected.", "action.rejects_all")
+
+
+def _require_spread(goal: GradedGoal) -> None:
+    """It came while the goal ran, not all at once."""
+    times = sorted(one.came_s for one in goal.feedback)
+    began, over = goal.began_at or times[0], goal.over_at or times[-1]
+    within = [time for time in times if time <= over]
+    if not within or within[-1] - within[0] < _GOOD_PART * (over - began):
+        got = (
+            f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the start; "
+            f"the goal ended after {over - began:.2f} s"
+        )
+        evidence = Evidence(goal.shown, "feedback spread over the goal's time", got)
+        raise Failed(evidence, "The messages came in one burst, not while the goal ran.", "action.late_feedback")
+
+
+def _under_way(goal: GradedGoal, after_s: float | None) -> bool:
+    if goal.over_at is not None:
+        return True
+    return goal.clock.past(_UNDER_WAY_S if after_s is None else after_s) or (after_s is None and bool(goal.feedback))
