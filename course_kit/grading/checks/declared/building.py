@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import Check
-from course_kit.grading.checks.declared import acting, goals, parameters, rates, services, starting, topics, under_way
+from course_kit.grading.checks.declared import acting, goals, parameters, services, starting, topics, under_way
 from course_kit.grading.checks.declared.around import Around, interface_of
 from course_kit.grading.checks.declared.declaration import Declaration
 
@@ -22,7 +22,6 @@ _RUN: dict[str, Callable[[CheckContext, Declaration, Around], Evidence]] = {
     "answers": services.answers,
     "refuses": services.refuses,
     "topic_answers": topics.topic_answers,
-    "topic_rate": rates.topic_rate,
     "parameter_declared": parameters.parameter_declared,
     "parameter_acts": acting.parameter_acts,
     "parameter_refuses": parameters.parameter_refuses,

@@ -136,12 +136,6 @@ KINDS: dict[str, Kind] = {
         names=("message", "parameters"),
         oracle=True,
     ),
-    "topic_rate": Kind(
-        "messages come at this rate",
-        {"hz": Key(NUMBER, required=True), "tolerance": Key(NUMBER)},
-        ("publisher",),
-        deadline_s=12.0,
-    ),
     "parameter_declared": Kind(
         "the node has declared parameters, with these types and defaults",
         {

@@ -122,15 +122,6 @@ messages = [{linear.x = 0.25}, {linear.x = 0.5}]
 expect = "message"
 exactly_one = true
 """
-RATE = """
-[[checks]]
-id = "rate"
-kind = "topic_rate"
-title = "It works."
-points = 1.0
-publisher = "/beat"
-hz = 10.0
-"""
 DECLARED = """
 [[checks]]
 id = "declared"

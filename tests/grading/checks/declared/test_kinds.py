@@ -240,24 +240,6 @@ CASES: dict[str, Wrong] = {
     "raises in a subscription": Wrong(
         checks.LIMITS, (("self.pub.publish(m)", "self.pub.publish(m.linear)"),), None, "TypeError"
     ),
-    # topic_rate
-    "too slow": Wrong(
-        checks.RATE, (("create_timer(0.1", "create_timer(0.2"),), None, "/beat from a timer with a period of 0.1 s"
-    ),
-    "too fast": Wrong(
-        checks.RATE, (("create_timer(0.1", "create_timer(0.05"),), None, "/beat from a timer with a period of 0.1 s"
-    ),
-    "once alone": Wrong(
-        checks.RATE,
-        (
-            (
-                "self.beat.publish(",
-                "self.count = getattr(self, 'count', 0) + 1\n        self.count == 1 and self.beat.publish(",
-            ),
-        ),
-        "topic.silent",
-        "10 times a second",
-    ),
     # parameter_declared
     "not declared": Wrong(
         checks.DECLARED,
