@@ -22,6 +22,11 @@ notebook = "add_three.ipynb"
 solution = "solution/add_three.py"
 grader = "checks.py"
 
+[[endpoints]]
+kind = "service"
+name = "/add_three"
+type = "three_interfaces/srv/Three"
+
 [[sentences]]
 id = "service"
 text = "A node offers the service `/add_three`."
@@ -40,36 +45,20 @@ text = "A sum has three parts here."
 """
 INTERFACE = "int64 a\nint64 b\nint64 c\n---\nint64 sum\n"
 CHECKS = '''\
-from three_interfaces.srv import Three
-
-from course_kit.grading.checks.check import Evidence, Failed, check
-from course_kit.grading.checks.discovery import expect_offered
-from course_kit.grading.checks.services import Service, call
+from course_kit.grading.checks.vocabulary import check, offered
 
 from .samples import SAMPLES
 
-INTERFACES = (Three,)
-SERVICE = Service("/add_three", Three)
 
-
-@check(points=1.0, deadline_s=12.0, proves=["service"])
-def offered(context):
-    """The service is there."""
-    return expect_offered(context, SERVICE, Three.Request())
-
-
-@check(points=2.0, depends_on=["offered"], proves=["addition"])
-def adds(context):
+@check(points=2.0, after=["offered"], proves=["addition"])
+def adds(node):
     """It adds."""
     for a, b, c in SAMPLES:
-        sent, expected = f"{a}, {b}, {c}", str(a + b + c)
-        got = call(context, SERVICE, Three.Request(a=a, b=b, c=c), sent, expected).response.sum
-        if got != a + b + c:
-            raise Failed(Evidence(sent, expected, str(got)), "The sum is wrong.")
-    return Evidence(sent, expected, str(got))
+        node.call("/add_three", a=a, b=b, c=c).expect(sum=a + b + c, why="The sum is wrong.")
 
 
-CHECKS = [offered, adds]
+there = offered(points=1.0, proves=["service"], title="The service is there")
+CHECKS = [there, adds]
 '''
 SAMPLES = "SAMPLES = [(1, 2, 3), (40, 1, 1)]\n"
 SOLUTION = """\

@@ -116,6 +116,7 @@ def message_of(message_type: Any, given: Any, fields: dict[str, Any]) -> Message
 def only_field(message: Message, wanted: Any) -> Any:
     """What is expected of a message, written as the value of its only field or not."""
     names = list(message.get_fields_and_field_types())
-    if isinstance(wanted, dict) or callable(wanted) or is_message_type(type(wanted)) or len(names) != 1:
+    whole = callable(wanted) and not isinstance(wanted, Close)
+    if isinstance(wanted, dict) or whole or is_message_type(type(wanted)) or len(names) != 1:
         return wanted
     return {names[0]: wanted}

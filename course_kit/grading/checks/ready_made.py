@@ -10,7 +10,7 @@ from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.check import Check, Evidence, Failed
 from course_kit.grading.checks.conversation import drawn_values
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
-from course_kit.grading.checks.matching import differences, interface_of, only_field
+from course_kit.grading.checks.matching import Close, differences, interface_of, only_field
 from course_kit.grading.checks.services import Service
 from course_kit.grading.checks.topics import Topic, expect_endpoints
 from course_kit.grading.diagnosis import hangs
@@ -363,7 +363,7 @@ def topic_rate(  # noqa: PLR0913 - what an author may say of it
         inbox, period_s, clock = node.inbox(topic), 1.0 / hz, node.context.clock()
         found, count = 0.0, max(_FEWEST, inbox.count)
         expected = f"a message on {topic} every {period_s:.3g} s"
-        while node.context.wait_until(lambda least=count: inbox.count >= least, max(_SILENT_S, 4 * period_s)):
+        while node.context.wait_until(lambda least=count: inbox.count >= least, max(_SILENT_S, 4 * period_s)):  # type: ignore[misc] # of none
             times = list(inbox.times)
             looks = (times, times[-max(_FEWEST + 1, len(times) // 2) :])  # all, and the last of them
             periods = [(some[-1] - some[0]) / (len(some) - 1) for some in looks]
@@ -382,7 +382,8 @@ def topic_rate(  # noqa: PLR0913 - what an author may say of it
 
 def _cause(node: GradedNode, wanted: Any, got: Any) -> str | None:
     """The diagnosis of a wrong number: another formula, or // where the number is off by less than one."""
-    for _, one, other in differences(wanted, got):
+    for _, right, other in differences(wanted, got):
+        one = right.value if isinstance(right, Close) else right
         if all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in (one, other)):
             near = node.context.job.facts.floor_divides and abs(one - other) < 1
             return "math.integer_division" if near else "math.formula"

@@ -169,10 +169,11 @@ def goal_refused(  # noqa: PLR0913 - what an author may say of it
             goal.wait_for_answer("the goal rejected")
             if goal.accepted:
                 sent = f"{running.shown}; while it runs, {goal.shown}"
-                why, code = "Your server accepted a second goal while the first was running.", "action.concurrent_goals"
+                evidence = Evidence(sent, "the goal rejected", "the goal accepted")
                 if running.over_at is not None:
-                    why, code = "The first goal was over before the second arrived.", None
-                raise Failed(Evidence(sent, "the goal rejected", "the goal accepted"), why, code)
+                    raise Failed(evidence, "The first goal was over before the second arrived.")
+                why = "Your server accepted a second goal while the first was running."
+                raise Failed(evidence, why, "action.concurrent_goals")
         if running is not None:
             running.ends()
 
