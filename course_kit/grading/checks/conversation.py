@@ -301,7 +301,8 @@ class Conversation:
             step = steps.next(apart=self._apart)
             if self._is_lost(step.rule):
                 continue
-            if clock.past(_TALK_S) or self.context.time_is_up():
+            on_the_wall = clock.wall() > self.context.job.limits.wall_s / 2  # after which the program would be ended
+            if on_the_wall or clock.past(_TALK_S) or self.context.time_is_up():
                 return
             if self._apart and done and done[-1].rule != step.rule:
                 self.context.spoil()
