@@ -108,7 +108,7 @@ class ClassRun:
 
     def adjusted(self, record: Record) -> Record:
         """A result with its lateness, penalty, override and comment."""
-        return self._instructions.adjusted(record, self._plan.exercises, self.intake.root)
+        return self._instructions.adjusted(record, self._plan.exercises)
 
     def _stopped(self) -> bool:
         return self._stops() > 0

@@ -129,7 +129,9 @@ def accidents(number: int) -> list[Accident]:
             HOLDS,
             {"notes.txt": "it belongs to none of these exercises"},
         ),
-        Accident({"week3.py": b"class Other:\n    pass\n"}, "week3.py", ALONE),
+        Accident(
+            {"week3.py": b"class Other:\n    pass\n"}, "week3.py", ALONE, worry="it does not hold TemperatureService"
+        ),
         Accident({NOTEBOOK: notebook(number, above="# my solution\n\n")}, NOTEBOOK),
         Accident(
             {PY: exported(number), NOTEBOOK: STARTER_NOTEBOOK},

@@ -115,7 +115,7 @@ def test_with_several_exercises_each_file_goes_to_its_own_by_name_or_by_content(
 def test_a_single_file_of_a_wrong_kind_is_still_a_submission_that_gets_a_report(tmp_path: Path) -> None:
     found = collect(lay_out(tmp_path / "in", {"jane/essay.pdf": "%PDF", "joe/temperature_service.py": ""}))
     assert [entry.source for entry in found.entries] == ["jane/essay.pdf", "joe/temperature_service.py"]
-    assert [entry.worry for entry in found.entries] == ["it is neither a .py nor an .ipynb file", ""]
+    assert [entry.worry for entry in found.entries] == ["it is neither a .py nor an .ipynb file", "it is empty"]
 
 
 def test_of_two_equally_named_the_newer_one_counts(tmp_path: Path) -> None:
@@ -165,3 +165,92 @@ def test_what_is_no_archive_or_not_there_is_said(tmp_path: Path, monkeypatch: py
 
 def test_folders_called_alike_are_not_taken_for_repositories(tmp_path: Path) -> None:
     assert collect(lay_out(tmp_path / "in", {"student-1/a.py": "", "student-2/a.py": ""})).layout == "folders"
+
+
+NO_PROGRAMS = ("essay.pdf", "photo.png", "answer.txt", "text.html", "link.html")
+WRAPPINGS = ("folder", "zip", "folder of zips", "several zips")
+
+
+def entry_in(layout: str, number: str, name: str, file: str) -> str:
+    """Where a platform puts a file."""
+    if layout == "canvas":
+        upload = "" if file in ("text.html", "link.html") else "900_"
+        return f"{name}_{number}_{upload}{file}"
+    folders = {"moodle": f"{name}_{number}_assignsubmission_file_", "nbgrader": f"submitted/{name}/week 1"}
+    return f"{folders.get(layout, name)}/{file}"
+
+
+@pytest.mark.parametrize("wrapping", WRAPPINGS)
+@pytest.mark.parametrize("layout", ["canvas", "moodle", "nbgrader", "folders"])
+def test_what_is_no_program_is_there_to_get_its_report(tmp_path: Path, layout: str, wrapping: str) -> None:
+    downloads = []
+    for set_ in (SERVICE, ROBOT):
+        files = {entry_in(layout, f"{20 + k}", f"student{k}", set_.starter): "x" for k in range(len(NO_PROGRAMS) + 1)}
+        files |= {entry_in(layout, f"{10 + k}", f"dee{k}", f): f for k, f in enumerate(NO_PROGRAMS)}
+        root = lay_out(tmp_path / "laid out" / set_.id, files)
+        packed = tmp_path / "in" / f"{set_.id}.zip"
+        packed.parent.mkdir(exist_ok=True)
+        with zipfile.ZipFile(packed, "w") as archive_:
+            for name in files:
+                archive_.write(root / name, name)
+        downloads.append(root if wrapping == "folder" else packed)
+    sources = [tmp_path / "in"] if wrapping == "folder of zips" else downloads
+    exercises = (SERVICE, ROBOT)
+    if wrapping in ("folder", "zip"):
+        sources, exercises = sources[:1], exercises[:1]
+    found = collecting.collect(sources, exercises, tmp_path / "workspace", "auto" if len(sources) == 1 else layout)
+    texts = [(found.root / entry.source).read_text() for entry in found.entries if "dee" in entry.source]
+    assert sorted(texts) == sorted([*NO_PROGRAMS] * len(exercises))
+
+
+CLASS = "import rclpy\nclass TemperatureService(Node):\n    pass\n"
+SCRIPT = "import rclpy\nrclpy.init()\nnode = rclpy.create_node('t')\nrclpy.spin(node)\n"
+
+
+def test_the_last_upload_counts_where_it_is_a_script_without_the_class(tmp_path: Path) -> None:
+    files = {"ann_1_10_temperature_service.py": CLASS, "ann_1_20_temperature_service-1.py": SCRIPT}
+    [entry] = collect(lay_out(tmp_path / "in", files)).entries
+    assert entry.source == "ann_1_20_temperature_service-1.py"
+    assert entry.why.startswith("the last upload of 2 files")
+    assert entry.worry == "ann_1_10_temperature_service.py holds TemperatureService, and this one does not"
+
+
+def test_a_helper_that_a_program_imports_is_no_later_program(tmp_path: Path) -> None:
+    files = {"ann_1_10_temperature_service.py": f"import temperature_service_tools\n{CLASS}"}
+    files["ann_1_20_temperature_service_tools.py"] = "import rclpy\n"
+    assert collect(lay_out(tmp_path / "in", files)).entries[0].source == "ann_1_10_temperature_service.py"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "worry"),
+    [
+        ("temperature_service.py", b"import rclpy\nclass MoveRobotServer(Node):\n    pass\n", "it holds MoveRobot"),
+        ("temperature_service.py", b"class MoveRobotServer:\n    pass\n", "it holds MoveRobotServer, which move_robot"),
+        ("temperature_service.py", b"", "it is empty"),
+        ("temperature_service.py", CLASS.encode("utf-16"), "no program can be read in it"),
+        (
+            "temperature_service.ipynb",
+            b'{"cells": [{"cell_type": "code", "source": "x"}]}',
+            "no cell in it can be read",
+        ),
+        ("temperature_service.py", b"print(1)\n", "it does not hold TemperatureService"),
+        ("temperature_service.py", SCRIPT.encode(), ""),
+        ("temperature_service.py", CLASS.encode(), ""),
+    ],
+)
+def test_what_will_hardly_get_a_point_is_among_what_to_look_at(
+    tmp_path: Path, name: str, content: bytes, worry: str
+) -> None:
+    lay_out(tmp_path / "in", {f"ann/{name}": ""})
+    (tmp_path / "in/ann" / name).write_bytes(content)
+    [entry] = collect(tmp_path / "in").entries
+    assert entry.worry.startswith(worry)
+    assert bool(entry.worry) == bool(worry)
+
+
+def test_an_exercise_does_not_list_what_is_for_another(tmp_path: Path) -> None:
+    files = {"ann/temperature_service.py": CLASS, "ann/move_robot.py": "class MoveRobotServer:\n    pass\n"}
+    files |= {"ann/old/move_robot.py": "class MoveRobotServer:\n    x = 1\n", "ann/notes.txt": ""}
+    service, robot = collect(lay_out(tmp_path / "in", files), SERVICE, ROBOT).entries
+    assert service.others == ["ann/notes.txt"]
+    assert [one.partition(" ")[0] for one in robot.others] == ["ann/move_robot.py", "ann/notes.txt"]

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
-import subprocess
-from datetime import datetime, timedelta, timezone
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -258,6 +256,7 @@ def test_a_timestamp_in_a_zip_counts(tmp_path: Path) -> None:
     assert scores(book) == {"ada": 8.0, "bob": 10.0}
 
 
+@pytest.mark.attack("A timestamp.txt that a student hands in")
 @pytest.mark.parametrize("packed", [False, True])
 def test_a_timestamp_of_a_students_own_does_not_replace_nbgraders(packed: bool, tmp_path: Path) -> None:
     """It lies in a folder, or in a zip, that they have handed in; nbgrader's lies around it."""
@@ -272,30 +271,9 @@ def test_a_timestamp_of_a_students_own_does_not_replace_nbgraders(packed: bool, 
     assert scores(book) == {"ada": 8.0}
 
 
-@pytest.mark.attack("A timestamp.txt that a student hands in")
-@pytest.mark.parametrize("source", ["ada/a.py", "course/ada_1_assignsubmission_file_/week1/a.py"])
-def test_a_timestamp_that_a_student_hands_in_is_not_believed(tmp_path: Path, source: str) -> None:
-    for folder in [*(tmp_path / source).parents][:3]:
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "timestamp.txt").write_text("2026-11-01 12:00:00 UTC")
-    assert submitted(tmp_path, Entry("ada", "temperature_service", source)) is None
-
-
-@pytest.mark.attack("A timestamp.txt that a student hands in")
-def test_of_two_timestamps_the_one_where_nbgrader_writes_counts(tmp_path: Path) -> None:
-    folder = tmp_path / "week1/submitted/ada/week1"
-    (folder / "week1/deeper").mkdir(parents=True)
-    entry = Entry("ada", "x", "week1/submitted/ada/week1/week1/deeper/a.py", platform={"nbgrader_assignment": "week1"})
-    (folder / "week1/deeper/timestamp.txt").write_text("2026-11-01 12:00:00 UTC")
-    assert submitted(tmp_path, entry) is None
-    (folder / "week1/timestamp.txt").write_text("2026-11-01 12:00:00 UTC")
-    (folder / "timestamp.txt").write_text("2026-11-22 12:00:00 UTC")
-    assert submitted(tmp_path, entry) == datetime(2026, 11, 22, 12, tzinfo=timezone.utc)
-
-
-def test_a_list_of_gradescopes_tells_when(tmp_path: Path) -> None:
+def test_a_list_of_gradescopes_tells_when() -> None:
     entry = Entry("ada", "temperature_service", "ada.py", platform={"submitted_at": "2026-11-20 14:59:30.5 -08:00"})
-    assert submitted(tmp_path, entry) == datetime(2026, 11, 20, 22, 59, 30, tzinfo=timezone.utc)
+    assert submitted(entry) == datetime(2026, 11, 20, 22, 59, 30, tzinfo=timezone.utc)
 
 
 def test_a_rule_that_changes_needs_no_grading(inbox: Path) -> None:
@@ -339,51 +317,6 @@ def test_late_by_the_name_alone_counts_as_one_day_and_is_said(tmp_path: Path) ->
     assert "extended" in book.records[0].adjustment.warning
 
 
-SIGNER = """#!/bin/sh
-cat >/dev/null
-printf -- '-----BEGIN PGP SIGNATURE-----\\n\\nx\\n-----END PGP SIGNATURE-----\\n'
-printf '\\n[GNUPG:] SIG_CREATED \\n' >&2
-"""
-
-
-def git(folder: Path, *arguments: str, when: datetime | None = None) -> None:
-    stamp = {"GIT_AUTHOR_DATE": when.isoformat(), "GIT_COMMITTER_DATE": when.isoformat()} if when else {}
-    variables = {**os.environ, "GIT_CONFIG_GLOBAL": os.devnull, **stamp}
-    who = ("-c", "user.name=x", "-c", "user.email=x@example.org")
-    subprocess.run(["git", "-C", str(folder), *who, *arguments], check=True, env=variables, capture_output=True)
-
-
-def executable(path: Path, text: str) -> Path:
-    path.write_text(text)
-    path.chmod(0o755)
-    return path
-
-
-def test_a_clone_tells_when_the_file_was_committed_and_its_settings_run_nothing(inbox: Path) -> None:
-    when = datetime(2026, 11, 21, 12, tzinfo=timezone(timedelta(hours=9)))
-    clone, sprung = inbox / "ada", inbox.parent / "sprung"
-    signer = executable(inbox.parent / "signer", SIGNER)
-    trap = executable(inbox.parent / "trap", f"#!/bin/sh\ntouch '{sprung}'\n")
-    git(clone, "init", "-q")
-    git(clone, "add", "-A")
-    git(clone, "-c", f"gpg.program={signer}", "commit", "-q", "-S", "-m", "work", when=when)
-    (clone / "notes.txt").write_text("later, and of no matter")
-    git(clone, "add", "-A")
-    git(clone, "-c", f"gpg.program={signer}", "commit", "-q", "-S", "-m", "notes", when=when + timedelta(days=9))
-    git(clone, "gc", "-q")  # its objects and references packed
-    git(clone, "config", "log.showSignature", "true")
-    git(clone, "config", "gpg.program", str(trap))
-    git(clone, "log", "-1")
-    assert sprung.exists(), "the trap is none"
-    sprung.unlink()
-    settings(inbox, class_toml=RULES + DUE)
-    book, _ = again(inbox, layout="github")
-    ada = next(one for one in book.records if one.entry.student == "ada")
-    assert ada.adjustment.submitted == when
-    assert ada.score == 9.0
-    assert not sprung.exists()
-
-
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -415,3 +348,26 @@ def test_an_extension_for_nobody_or_without_a_zone_is_told_with_its_line(inbox: 
     settings(inbox, extensions="student,exercise,due\nbob,,2026-11-25 12:00\n")
     with pytest.raises(GradingError, match="line 2: due: nobody knows which time zone"):
         again(inbox)
+
+
+@pytest.mark.parametrize(
+    ("stamp", "hour", "said"),
+    [
+        ("2026-10-25 02:30:00 CEST", 0, False),
+        ("2026-10-25 02:30:00 CET", 1, False),
+        ("2026-10-25 02:30:00 +01:00", 1, False),
+        ("2026-10-25 02:30:00 Europe/Berlin", 0, True),
+        ("2026-10-25 03:30:00 Europe/Berlin", 2, False),
+    ],
+)
+def test_in_the_hour_that_comes_twice_the_offset_tells_or_the_earlier_counts_and_it_is_said(
+    inbox: Path, stamp: str, hour: int, said: bool
+) -> None:
+    hand_in(inbox, "ada", "right = 1", stamp)
+    as_nbgrader_collects(inbox)
+    settings(inbox, class_toml=RULES + DUE)
+    book, _ = again(inbox)
+    found = book.records[0].adjustment
+    assert found.submitted
+    assert found.submitted.timestamp() == datetime(2026, 10, 25, hour, 30, tzinfo=timezone.utc).timestamp()
+    assert ("twice" in found.warning) is said

@@ -7,18 +7,19 @@ for each student, so that one who hands in a bomb has a problem, and nobody else
 from __future__ import annotations
 
 import errno
+import io
 import itertools
 import os
 import shutil
 import stat
 import struct
+import sys
 import time
 import zipfile
 import zlib
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.intake.archive_names import NamesReader
 from course_kit.classroom.intake.listing import FILE, FOLDER, LINK, OTHER, Item
 from course_kit.grading.errors import GradingError
 
@@ -46,6 +47,20 @@ _ITS_NAMES_FAULT = (errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ, errno.ENOTDI
 _BROKEN = (zipfile.BadZipFile, EOFError, ValueError, OverflowError, NotImplementedError, struct.error, zlib.error)
 
 
+class _NamesReader(io.BufferedReader):
+    """A zip's bytes; its list of names, which Python reads at once to make an object of each, has a limit."""
+
+    def __init__(self, path: Path, most: int) -> None:
+        super().__init__(io.FileIO(path))
+        self.most = most
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """As every file does it."""
+        if size is not None and size > self.most:
+            raise zipfile.BadZipFile(f"it lists too many files (their names take more than {self.most >> 20} MB)")
+        return super().read(size)
+
+
 class Archive:
     """A zip as a `Listing`: what is fetched lies below the workspace afterwards."""
 
@@ -59,7 +74,7 @@ class Archive:
         self._members: dict[str, zipfile.ZipInfo] = {}
         self._folders: dict[str, dict[str, Item]] = {"": {}}
         try:
-            self._file = NamesReader(path, names)
+            self._file = _NamesReader(path, names)
         except OSError as problem:
             raise GradingError(f"{path} cannot be read: {problem.strerror}.") from problem
         try:
@@ -67,7 +82,7 @@ class Archive:
         except (*_BROKEN, OSError) as problem:
             self._file.close()
             raise GradingError(f"{path.name} cannot be read as a zip archive: {problem}.") from problem
-        self._file.names_are_read()
+        self._file.most = sys.maxsize  # from here on files are read
         try:
             self._take_in()
             if workspace is not None:

@@ -52,6 +52,8 @@ class Candidate:
     changed: float  # when it was written, in seconds
     glance: Glance  # what it looks like
     is_starter: bool  # whether its program is one that the course gave out
+    fits: bool  # whether it holds what the exercise asks for, or may do without: a program that uses rclpy
+    odd: str = ""  # what in it somebody should look at
 
 
 @dataclass(frozen=True)
@@ -70,12 +72,15 @@ def choose(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[
     best, *others = sorted(candidates, key=lambda one: ranks[one.file.path], reverse=True)
     reasons = {one.file.path: _lost(one, best, _first_difference(ranks, best, one)) for one in others}
     why = _fit(best, exercise)
-    worries = []
+    worries = [best.odd] if best.odd and not best.is_starter else []
     if others:
-        why = f"{_won(_first_difference(ranks, best, others[0]), len(candidates))}; {why}"
-        by_name = _first_difference(ranks, best, others[0]) == len(_WON) - 1
-        if by_name and _differ(best, others[0]):
+        place = _first_difference(ranks, best, others[0])
+        why = f"{_WON[place].format(len(candidates))}; {why}"
+        if place == len(_WON) - 1 and _differ(best, others[0]):
             worries.append(f"nothing but its name tells it from {others[0].file.path}")
+    asked_for = [one.file.path for one in others if one.glance.asked_for and not one.is_starter]
+    if asked_for and not best.glance.asked_for and not best.file.problem:
+        worries.append(f"{asked_for[0]} holds {exercise.class_name or exercise.variable}, and this one does not")
     if not best.file.item.is_program:
         worries.append("it is neither a .py nor an .ipynb file")
     if best.is_starter:
@@ -109,15 +114,11 @@ _LOST = (
 def _rank(one: Candidate, candidates: Sequence[Candidate]) -> Rank:
     """What speaks for a file, the most important first. One that cannot be had is not replaced by an older one."""
     lost = bool(one.file.problem)
-    rivals = [
-        other.changed
-        for other in candidates
-        if (other.is_starter, other.glance.asked_for) == (one.is_starter, one.glance.asked_for)
-    ]
+    rivals = [other.changed for other in candidates if (other.is_starter, other.fits) == (one.is_starter, one.fits)]
     is_new = lost or one.changed >= max(rivals) - _AT_ONCE_S
     return (
         not one.is_starter,
-        lost or one.glance.asked_for,
+        lost or one.fits,
         one.file.unit.attempt,
         is_new,
         one.sureness,
@@ -133,10 +134,6 @@ def _first_difference(ranks: dict[str, Rank], first: Candidate, other: Candidate
 def _differ(one: Candidate, other: Candidate) -> bool:
     """Whether two files hold different programs, as far as anybody can tell."""
     return not one.glance.identity or one.glance.identity != other.glance.identity
-
-
-def _won(place: int, among: int) -> str:
-    return _WON[place].format(among)
 
 
 def _lost(one: Candidate, best: Candidate, place: int) -> str:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 import time
+from collections import Counter
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake import candidates, kit_copies, known_starters, listing, nested_zip
 from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAMED, ONLY_ONE, Candidate, File
 from course_kit.classroom.records import Entry
-from course_kit.classroom.rules.submission_times import ASSIGNMENT, STAMP
+from course_kit.classroom.rules.submission_times import ASSIGNMENT, STAMP, SUBMITTED_AT, read_stamp
+from course_kit.grading import exercise as course
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading_answers import Glance
 from course_kit.grading.submission import Copy, UnreadableError
@@ -70,8 +73,10 @@ class Chooser:
         reasons = {file.path: file.problem for file in files if file.problem}
         choices: list[tuple[Exercise, Choice]] = []
         lost = []
+        considered: dict[str, set[str]] = {}  # paths, by exercise
         for exercise in self._exercises:
             found = list(self._candidates(files, exercise))
+            considered[exercise.id] = {one.file.path for one in found}
             if not found:
                 continue
             choice = candidates.choose(found, exercise, files)
@@ -85,11 +90,16 @@ class Chooser:
             used = ((path, f"{best.path} was used: {why}") for path, why in choice.others.items())
             reasons.update((path, why) for path, why in used if path not in reasons)
         chosen = {choice.best.file.path for _, choice in choices}
-        entries = [_entry(student, exercise, choice, files, chosen) for exercise, choice in choices]
+        entries = []
+        for exercise, choice in choices:
+            of_others = [paths for other, paths in considered.items() if other != exercise.id]
+            beside = [file.path for file in files if file.unit.exercise in ("", exercise.id)]
+            rest = sorted(set(beside).difference(chosen, choice.others, *of_others))
+            entries.append(self._entry(student, exercise, choice, rest, chosen))
         taken = {entry.source for entry in entries}
         reasons = {**dict.fromkeys(self._unseen, _NO_TIME), **reasons}
-        rest = [(file.path, reasons.get(file.path, _NONE_OF_THESE)) for file in files]
-        self._leave(student, [one for one in rest if one[0] not in taken], "they belong to none of these exercises")
+        not_taken = [(one.path, reasons.get(one.path, _NONE_OF_THESE)) for one in files if one.path not in taken]
+        self._leave(student, not_taken, "they belong to none of these exercises")
         handed_in = {entry.exercise for entry in entries}
         self.missing += [(student, exercise.id) for exercise in self._exercises if exercise.id not in handed_in]
         self.entries += entries
@@ -112,7 +122,12 @@ class Chooser:
             if not (found.files or found.tools or found.unseen):
                 self.left.append((unit.item.path, "an empty folder"))
         files, opened = self._without_zips(self._without_kit(files))
-        wanted = [file for file in files if file.item.is_program or len(files) == 1 or file.item.name == STAMP]
+        of_exercise = Counter(file.unit.exercise for file in files)
+        wanted = [
+            file
+            for file in files
+            if file.item.is_program or of_exercise[file.unit.exercise] == 1 or file.item.name == STAMP
+        ]
         unpacked = self._listing.fetch(file.item for file in wanted if not file.problem)
         return [replace(file, problem=file.problem or unpacked.get(file.path, "")) for file in files] + opened, problems
 
@@ -155,6 +170,21 @@ class Chooser:
             return nested_zip.Contents(problem=problem)
         return nested_zip.unpack(self._root, file.item)
 
+    def _entry(self, student: str, exercise: Exercise, choice: Choice, rest: list[str], chosen: set[str]) -> Entry:
+        file = choice.best.file
+        unit = file.unit
+        platform = _platform_of(unit)
+        inside = file.path[len(unit.item.path) + 1 :]
+        if unit.has_assignments and "/" in inside:  # as nbgrader lays it out, which notes the time just there
+            assignment = inside.partition("/")[0]
+            platform[ASSIGNMENT] = one_line(assignment)
+            if stamp := read_stamp(self._root / unit.item.path / assignment / STAMP):
+                platform[SUBMITTED_AT] = one_line(stamp)
+        reasons = {path: why for path, why in choice.others.items() if path not in chosen}
+        others = _others(reasons, rest)
+        name = one_line(unit.name)
+        return Entry(student, exercise.id, file.path, name, unit.late, platform, choice.why, others, choice.worry)
+
     def _leave(self, student: str, rest: Left, others: str) -> None:
         """List files of a student; of a heap the first ones, and the number of the others with a reason."""
         self.left += rest[:_MOST_LISTED]
@@ -166,12 +196,40 @@ class Chooser:
         programs = [file for file in for_it if file.item.is_program]
         told = len(self._exercises) == 1 or bool(for_it and all(file.unit.exercise for file in for_it))
         alone = told and (len(programs) == 1 or (not programs and len(for_it) == 1))
-        for place, file in enumerate(programs or for_it):
-            seen = self._glance(file, exercise) if place < _MOST_OPENED else Glance()
-            sureness = _sureness(file, exercise, seen) or (ONLY_ONE if alone else 0)
-            if sureness:  # whatever it is, its student gets a report that says what is wrong with it
-                is_starter = seen.identity in self._starters[exercise.id]
-                yield Candidate(file, sureness, _changed(self._root / file.path), seen, is_starter)
+        seen = {
+            file.path: self._glance(file, exercise) if place < _MOST_OPENED else Glance()
+            for place, file in enumerate(programs or for_it)
+        }
+        imported = {name for glance in seen.values() for name in glance.imports}
+        for file in programs or for_it:
+            glance = seen[file.path]
+            sureness = _sureness(file, exercise, glance) or (ONLY_ONE if alone else 0)
+            if not sureness:
+                continue
+            # Whatever it is, its student gets a report that says what is wrong with it.
+            is_script = bool(exercise.class_name) and "rclpy" in glance.imports
+            fits = glance.asked_for or (is_script and file.called.removesuffix(".py") not in imported)
+            is_starter = glance.identity in self._starters[exercise.id]
+            odd = self._odd(file, exercise, glance, fits=fits)
+            changed = _changed(self._root / file.path)
+            yield Candidate(file, sureness, changed, glance, is_starter, fits, odd)
+
+    def _odd(self, file: File, exercise: Exercise, glance: Glance, *, fits: bool) -> str:
+        """Why a program will hardly get a point; empty where nothing speaks against it."""
+        if file.problem or not file.item.is_program or (glance.asked_for and glance.identity):
+            return ""
+        path = self._root / file.path
+        if glance.identity:
+            for other in _others_of_course(exercise):
+                if self._glance(file, other).asked_for:
+                    return f"it holds {other.class_name or other.variable}, which {other.id} asks for"
+            return "" if fits else f"it does not hold {exercise.class_name or exercise.variable}"
+        with suppress(OSError):
+            if not path.lstat().st_size:
+                return "it is empty"
+        if text.kind(file.called) == text.NOTEBOOK:
+            return f"no cell in it can be read that begins with %%submission {exercise.id}"
+        return "no program can be read in it"
 
     def _glance(self, file: File, exercise: Exercise) -> Glance:
         if file.problem or file.item.kind != listing.FILE or not file.item.is_program:
@@ -188,6 +246,12 @@ class Chooser:
                 return self._reader.glance(copy, exercise)
             except (UnreadableError, GradingError):
                 return Glance(asked_for=True)  # it may be; whoever reads it next says what is wrong with it
+
+
+def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
+    """The exercises beside one, in its folder."""
+    folder = exercise.folder.parent
+    return (course.load(one, folder) for one in course.ids(folder) if one != exercise.id)
 
 
 def _sureness(file: File, exercise: Exercise, seen: Glance) -> int:
@@ -211,19 +275,6 @@ def _not_followed(item: Item, unit: Unit) -> str:
 def _together(problems: Sequence[str]) -> str:
     more = len(problems) - _MOST_TOLD
     return "; ".join(problems[:_MOST_TOLD]) + (f"; and {more} more" if more > 0 else "")
-
-
-def _entry(student: str, exercise: Exercise, choice: Choice, files: Sequence[File], chosen: set[str]) -> Entry:
-    file = choice.best.file
-    unit = file.unit
-    platform = _platform_of(unit)
-    inside = file.path[len(unit.item.path) + 1 :]
-    if unit.has_assignments and "/" in inside:
-        platform[ASSIGNMENT] = one_line(inside.partition("/")[0])
-    reasons = {path: why for path, why in choice.others.items() if path not in chosen}
-    others = _others(reasons, [one.path for one in files if one.path not in chosen and one.path not in reasons])
-    name = one_line(unit.name)
-    return Entry(student, exercise.id, file.path, name, unit.late, platform, choice.why, others, choice.worry)
 
 
 def _nothing_of(student: str, units: Sequence[Unit]) -> Entry:

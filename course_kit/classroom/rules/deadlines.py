@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from course_kit.classroom.rules.adjustments import Adjustment
+from course_kit.classroom.rules.submission_times import comes_twice
 from course_kit.classroom.rules.tables import Mistakes, read_rows, unknown
 from course_kit.grading import exercise as course
 from course_kit.grading.errors import GradingError
@@ -59,6 +60,8 @@ class Deadlines:
             return replace(known, late=marked)
         if submitted is None:
             return self._without_time(known, exercise, marked=marked)
+        if comes_twice(submitted):
+            known = replace(known, warning="clocks showed the time it was handed in twice; the earlier one counts")
         submitted = submitted.astimezone(due.tzinfo)
         known = replace(known, submitted=submitted)
         late_s = submitted.timestamp() - due.timestamp()  # of two in one zone Python would leave out clock changes

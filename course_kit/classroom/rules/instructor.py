@@ -42,15 +42,15 @@ class Instructions:
         """The gradebook with lateness, penalties, overrides and comments."""
         exercises = {one.id: one for one in book.exercises}
         stand_ins, missing = self._without_submission(book, exercises)
-        records = [self.adjusted(record, book.exercises, book.root) for record in book.records]
+        records = [self.adjusted(record, book.exercises) for record in book.records]
         everybody = sorted([*records, *stand_ins], key=lambda one: (one.entry.student, one.entry.exercise))
         return replace(book, records=tuple(everybody), missing=tuple(missing))
 
-    def adjusted(self, record: Record, exercises: Sequence[Exercise], root: Path | None) -> Record:
+    def adjusted(self, record: Record, exercises: Sequence[Exercise]) -> Record:
         """A result with its lateness, penalty, override and comment."""
         entry = record.entry
         exercise = next(one for one in exercises if one.id == entry.exercise)
-        moment = submitted(root, entry, self.deadlines.zone) if root else None
+        moment = submitted(entry, self.deadlines.zone)
         found = self.deadlines.judge(entry.student, exercise, moment, marked=entry.late)
         if decided := self.overrides.find(entry.student, exercise.id):
             found = replace(found, override=decided.score, comment=decided.comment)
