@@ -28,7 +28,6 @@ _MARKDOWN = (
     "CONTRIBUTING.md",
     "SECURITY.md",
     "course_kit/authoring/AUTHORING.md",
-    "course_kit/authoring/CHECKS.md",
     "course_kit/classroom/PRIVACY.md",
     "course_kit/grading/LIMITS.md",
     "course_kit/launch/OWN_PACKAGE.md",
