@@ -160,6 +160,7 @@ def _range_set_by_user() -> bool:
 
 def apply() -> Settings:
     """Put the course's settings into this process's environment; calling it again changes nothing."""
+    os.umask(os.umask(0o077) & 0o077)  # what we make we can read, write and enter, whatever a shell has set
     made = _apply_defaults()
     by_user = _domain_set_by_user(os.environ)
     if by_user is None:
@@ -195,6 +196,7 @@ def child_environment(**changes: str | None) -> dict[str, str]:
         apply()
         environ = dict(os.environ)
     environ["PATH"] = with_scripts_first(environ.get("PATH"))
+    environ.pop("PYTHONOPTIMIZE", None)  # asserts and docstrings are wanted: a check's title is one
     if sys.getfilesystemencoding() == "ascii":  # rclpy refuses arguments that are no text, as a name with an umlaut
         environ["PYTHONUTF8"] = "1"
     for name, value in changes.items():

@@ -1,9 +1,9 @@
 """System calls that a submission does without (seccomp(2)): the kernel answers them with "not permitted".
 
 They would lead out of the sandbox (other processes' memory and descriptors, namespaces, mounts, keyrings, the
-terminal's input), take memory that nothing counts (System V's, large buffers of sockets), or hide what is counted (a
-process's descriptors). The filter holds for all descendants and cannot be
-taken back. It needs no privilege and works where namespaces do not.
+terminal's input), make others wait for a file or watch what they do with it (leases, notices), take memory that
+nothing counts (System V's, large buffers of sockets), or hide what is counted (a process's descriptors). The filter
+holds for all descendants and cannot be taken back. It needs no privilege and works where namespaces do not.
 """
 
 from __future__ import annotations
@@ -32,6 +32,9 @@ _DONE = _ERRNO  # without doing it: error 0 is none
 
 _NAMESPACE_FLAGS = 0x7E020080  # CLONE_NEW..., time namespaces included
 _TIOCSTI, _TIOCLINUX = 0x5412, 0x541C  # type into a terminal
+# FS_IOC_SETFLAGS with its 32-bit form, and FS_IOC_FSSETXATTR: flags of a file that only root can take off
+_FILE_FLAGS = (0x40086602, 0x40046602, 0x401C5820)
+_LEASE, _NOTICES = 1024, 1026  # F_SETLEASE lets everybody else who opens a file wait; F_NOTIFY
 _CLONE_FILES, _CLONE_THREAD = 0x400, 0x10000
 _CLOSE_RANGE_UNSHARE = 2
 # Options of prctl: PR_SET_DUMPABLE would keep the init process from seeing which files in memory are open.
@@ -45,6 +48,7 @@ _X32 = 0x40000000  # system calls of the x32 interface of x86-64
 _AUDIT = {"x86_64": 0xC000003E, "aarch64": 0xC00000B7}
 _CLONE = {"x86_64": 56, "aarch64": 220}
 _IOCTL = {"x86_64": 16, "aarch64": 29}
+_FCNTL = {"x86_64": 72, "aarch64": 25}
 _PRCTL = {"x86_64": 157, "aarch64": 167}
 _SOCKET = {"x86_64": 41, "aarch64": 198}
 _SOCKETPAIR = {"x86_64": 53, "aarch64": 199}
@@ -67,6 +71,7 @@ _EVERYWHERE = {
     "fspick": 433,
     "mount_setattr": 442,
     "memfd_secret": 447,
+    "file_setattr": 469,
 }
 _REFUSED = {
     "x86_64": {
@@ -94,6 +99,7 @@ _REFUSED = {
         "open_by_handle_at": 304,
         "name_to_handle_at": 303,
         "fanotify_init": 300,
+        "inotify_add_watch": 254,
         "quotactl": 179,
         "acct": 163,
         "swapon": 167,
@@ -128,6 +134,7 @@ _REFUSED = {
         "open_by_handle_at": 265,
         "name_to_handle_at": 264,
         "fanotify_init": 262,
+        "inotify_add_watch": 27,
         "quotactl": 60,
         "acct": 89,
         "swapon": 224,
@@ -226,7 +233,8 @@ def _by_arguments(machine: str) -> Iterator[tuple[int, list[bytes]]]:
     threads = [_instruction(_AND, _CLONE_THREAD | _CLONE_FILES), *_if(_EQUAL, _CLONE_THREAD, refuse)]
     yield _CLONE[machine], [_load(_FIRST_ARGUMENT), *_if(_BITS, _NAMESPACE_FLAGS, refuse), *threads]
     yield _CLOSE_RANGE, [_load(_THIRD_ARGUMENT), *_if(_BITS, _CLOSE_RANGE_UNSHARE, refuse)]
-    yield _IOCTL[machine], [_load(_SECOND_ARGUMENT), *_any((_TIOCSTI, _TIOCLINUX), refuse)]
+    yield _IOCTL[machine], [_load(_SECOND_ARGUMENT), *_any((_TIOCSTI, _TIOCLINUX, *_FILE_FLAGS), refuse)]
+    yield _FCNTL[machine], [_load(_SECOND_ARGUMENT), *_any((_LEASE, _NOTICES), refuse)]
     yield _PRCTL[machine], [_load(_FIRST_ARGUMENT), *_any(_REFUSED_OPTIONS, refuse)]
     sizes = [_load(_THIRD_ARGUMENT), *_any(_BUFFER_SIZES, _DONE)]
     yield _SETSOCKOPT[machine], [_load(_SECOND_ARGUMENT), _instruction(_EQUAL, _SOL_SOCKET, 0, len(sizes)), *sizes]

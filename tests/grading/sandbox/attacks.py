@@ -516,6 +516,30 @@ if before and (before.st_mode, before.st_mtime) != (os.stat(%FILE%).st_mode, os.
 """,
         ("syscalls",),
     ),
+    "leases_files": Attack(
+        "has everybody else wait for a file of the user's, watches it, or puts a flag on it that only root takes off",
+        "the system call filter",
+        """
+import ctypes, fcntl, os, signal, struct
+signal.signal(signal.SIGIO, signal.SIG_IGN)
+with open("own", "w") as own:
+    for what, file, wanted in (("a lease", own.fileno(), fcntl.F_WRLCK), ("notices", os.open(".", os.O_RDONLY), fcntl.DN_CREATE)):
+        try:
+            fcntl.fcntl(file, fcntl.F_SETLEASE if what == "a lease" else fcntl.F_NOTIFY, wanted)
+            print("WON:", what)
+        except OSError:
+            pass
+    try:
+        fcntl.ioctl(own.fileno(), 0x40086602, struct.pack("l", 0x80))
+        print("WON: a file flag")
+    except OSError:
+        pass
+libc = ctypes.CDLL(None)
+if libc.inotify_add_watch(libc.inotify_init(), os.getcwd().encode(), 2) >= 0:
+    print("WON: a watch")
+""",
+        ("syscalls",),
+    ),
     "limits_others": Attack(
         "changes the limits, priority and processors of other processes, the guard beside it included",
         "it sees none but its guard, and the calls are refused",
