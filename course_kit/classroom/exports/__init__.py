@@ -1,4 +1,4 @@
-"""Files for others: a gradebook as learning platforms, CI systems and people want it.
+"""Files for others: a gradebook as learning platforms and people want it.
 
 Each module of `formats` is one format: its `files(book)` yields paths and texts. Adding a format means adding a module.
 """

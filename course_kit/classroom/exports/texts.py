@@ -1,4 +1,4 @@
-"""Text of strangers on its way into CSV, XML and JSON: it arrives, and it steers nothing."""
+"""Text of strangers on its way into CSV and JSON: it arrives, and it steers nothing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import json
 import re
 from typing import TYPE_CHECKING, Any
 
-from course_kit.text.sanitize import escaped, printable
+from course_kit.text.sanitize import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -64,8 +64,3 @@ def _printable(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _printable(one) for key, one in value.items()}
     return [_printable(one) for one in value] if isinstance(value, (list, tuple)) else value
-
-
-def xml(text: str) -> str:
-    """Text within XML elements and attributes; line ends and tabs survive in both."""
-    return escaped(text).replace("\n", "&#10;").replace("\t", "&#9;")

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import base64
 import csv
 import io
 import json
-import re
 from typing import Any
-from xml.etree import ElementTree as ET
 
 import jsonschema
 
@@ -86,56 +83,6 @@ CLASSROOM50: dict[str, Any] = {
 }
 CLASSROOM50["required"] = [name for name in CLASSROOM50["properties"] if name != "graded_at"]
 
-# Rests on the source of GitHub's actions autograding-grading-reporter (which fields it reads) and
-# autograding-command-grader (which it writes).
-GITHUB = {
-    "type": "object",
-    "required": ["version", "status", "max_score", "tests"],
-    "additionalProperties": False,
-    "properties": {
-        "version": {"const": 1},
-        "status": {"enum": ["pass", "fail", "error"]},
-        "max_score": {"type": "number"},
-        "tests": {
-            "type": "array",
-            "minItems": 1,
-            "items": {
-                "type": "object",
-                "required": ["name", "status", "score", "message"],
-                "properties": {
-                    "name": {"type": "string"},
-                    "status": {"enum": ["pass", "fail", "error"]},
-                    "score": {"type": "number"},
-                    "message": {"type": ["string", "null"]},
-                },
-            },
-        },
-    },
-}
-
-# Rests on two schemas at once: junit-10.xsd of Jenkins's xUnit plugin and the stricter JUnit.xsd of Ant's reports. An
-# element's attributes, each of them a must, with what they look like; and its children, in this order.
-_TEXT, _COUNT, _SECONDS = r".*", r"\d{1,9}", r"\d{1,9}\.\d{3}"
-_TRIMMED = r"\S(.*\S)?"
-_OUTCOME = ({"type": _TRIMMED, "message": _TEXT}, ())
-_COUNTS = dict.fromkeys(("tests", "failures", "errors", "skipped"), _COUNT)
-JUNIT: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
-    "testsuites": ({}, ("testsuite",)),
-    "testsuite": (
-        {"name": _TRIMMED, "id": _COUNT, "package": _TRIMMED, "hostname": _TRIMMED, "time": _SECONDS, **_COUNTS}
-        | {"timestamp": r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d"},
-        ("properties", "testcase", "system-out", "system-err"),
-    ),
-    "properties": ({}, ("property",)),
-    "property": ({"name": _TRIMMED, "value": _TEXT}, ()),
-    "testcase": ({"name": _TRIMMED, "time": _SECONDS, "classname": _TRIMMED}, ("skipped", "error", "failure")),
-    "failure": _OUTCOME,
-    "error": _OUTCOME,
-    "skipped": ({"message": _TEXT}, ()),
-    "system-out": ({}, ()),
-    "system-err": ({}, ()),
-}
-
 
 def rows_of(text: str) -> list[list[str]]:
     return list(csv.reader(io.StringIO(text, newline=""), strict=True))
@@ -191,39 +138,3 @@ def classroom50(text: str) -> dict[str, Any]:
     assert result["score"] == sum(test["score"] for test in result["tests"])
     assert result["max-score"] == sum(test["max-score"] for test in result["tests"])
     return result
-
-
-def github(line: str) -> tuple[dict[str, Any], float]:
-    """The result and the points that the reporter would announce."""
-    name, _, encoded = line.strip().partition("=")
-    assert name == "result"
-    result: dict[str, Any] = json.loads(base64.b64decode(encoded, validate=True))
-    jsonschema.validate(result, GITHUB)
-    return result, sum(test["score"] for test in result["tests"])
-
-
-def junit(text: str) -> ET.Element:
-    root = ET.fromstring(text)  # noqa: S314 - our own
-    assert root.tag == "testsuites"
-    _follow(root)
-    for place, suite in enumerate(root):
-        assert suite.attrib["id"] == str(place)
-        assert [child.tag for child in suite][:1] == ["properties"]
-        assert [child.tag for child in suite][-2:] == ["system-out", "system-err"]
-        cases = suite.findall("testcase")
-        assert all(len(case) <= 1 for case in cases)
-        assert int(suite.attrib["tests"]) == len(cases)
-        for attribute, tag in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
-            assert int(suite.attrib[attribute]) == sum(case.find(tag) is not None for case in cases)
-    return root
-
-
-def _follow(element: ET.Element) -> None:
-    attributes, children = JUNIT[element.tag]
-    assert set(element.attrib) == set(attributes)
-    for name, value in element.attrib.items():
-        assert re.fullmatch(attributes[name], value, re.DOTALL), (element.tag, name, value)
-    order = [children.index(child.tag) for child in element]
-    assert order == sorted(order)
-    for child in element:
-        _follow(child)
