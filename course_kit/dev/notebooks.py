@@ -24,13 +24,14 @@ if TYPE_CHECKING:
 _KIT = "ros2-course-kit"
 _AT_ONCE = 2  # notebooks wait for nodes more than they compute
 _TABLE = Path("artifacts/nbval_times.md")
+CELL_TIMEOUT_S = 60.0  # a cell that waits longer than this hangs; nbval's own default is 2,000 s
 NBVAL = [
     "-c",
     "tests/nbval.ini",
     "--rootdir=.",
     "--nbval",
     "--nbval-current-env",
-    "--nbval-cell-timeout=60",  # a cell that waits longer than this hangs; nbval's own default is 2,000 s
+    f"--nbval-cell-timeout={CELL_TIMEOUT_S:g}",
     "--nbval-sanitize-with=tests/nbval_sanitize.cfg",
     "-p",
     "course_kit.dev.nbval_plugin",

@@ -1,0 +1,30 @@
+"""Has `pytest --nbval` run the notebooks as `course-kit dev notebooks` does."""
+
+from __future__ import annotations
+
+import os
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.dev import notebooks
+
+if TYPE_CHECKING:
+    import pytest
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """With `--nbval`, set what the course's notebooks need, on a ROS graph that nobody else has."""
+    if not config.getoption("nbval", default=False):
+        return
+    from course_kit.dev import nbval_plugin
+
+    config.pluginmanager.register(nbval_plugin)
+    config.option.nbval_current_env = True
+    config.option.nbval_cell_timeout = notebooks.CELL_TIMEOUT_S
+    config.option.nbval_sanitize_with = str(Path(__file__).with_name("tests") / "nbval_sanitize.cfg")
+    graph = ExitStack()
+    domain_id = graph.enter_context(environment.exclusive_domain())
+    config.add_cleanup(graph.close)
+    os.environ.update(ROS_DOMAIN_ID=str(domain_id), COURSE_KIT_PROGRESS="off")
