@@ -38,6 +38,7 @@ GLIBC = (2, 28)
 
 
 ZIG = [sys.executable, "-m", "ziglang", "cc"]
+SOURCE_OF = "import ctypes, sys; print(ctypes.CDLL(sys.argv[1]).live_source() & 0xFFFFFFFF)"
 LOAD = "import ctypes, sys; ctypes.CDLL(sys.argv[1])"
 
 
@@ -119,13 +120,21 @@ def compile_helper(
     raise NoCompilerError("\n\n".join(["No C compiler here can compile the course's helper.", *failures]))
 
 
+def is_compiled(root: Path) -> bool:
+    """Whether the helper lies beside its source, was made from it and can be loaded here."""
+    wanted = str(zlib.crc32((root / SOURCE).read_bytes()))
+    command = [sys.executable, "-I", "-S", "-c", SOURCE_OF, str(root / LIBRARY)]
+    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip() == wanted
+
+
 def can_be_compiled(root: Path) -> bool:
-    """Whether a compiler of this machine can compile the helper."""
-    trial = (root / LIBRARY).with_suffix(f".{os.getpid()}.tmp")  # /tmp may let no library be loaded
+    """Whether a compiler of this machine can compile the helper, which is then done."""
     try:
-        return any(not try_to_compile(one, root, trial) for one in system_compilers())
-    finally:
-        trial.unlink(missing_ok=True)
+        if not is_compiled(root):
+            compile_helper(root, system_compilers())
+    except NoCompilerError:
+        return False
+    return True
 
 
 def lessons_and_exercises(root: Path, spare: Path) -> dict[str, str]:
@@ -193,7 +202,8 @@ class CustomBuildHook(BuildHookInterface):
         """Compile, then add the library, the start-up file, lessons and exercises to the wheel."""
         root, machine = Path(self.root), _machine(version)
         library = _library_for(machine)
-        compile_helper(root, compilers_for(machine), library, foreign=machine not in ("", platform.machine()))
+        if machine or not is_compiled(root):  # as the question for a compiler has left it
+            compile_helper(root, compilers_for(machine), library, foreign=machine not in ("", platform.machine()))
         build_data["pure_python"] = False
         glibc = "_".join(map(str, GLIBC))
         platform_tag = f"manylinux_{glibc}_{machine}" if machine else f"linux_{platform.machine()}"

@@ -1,207 +1,212 @@
-"""Makes a Python environment and installs the course into it, with uv or with Python's own venv and pip."""
+"""Makes a Python environment and installs the course into it, with uv.
+
+What is installed is locked: for each package its version and the hashes of its files. `course-kit dev lock` writes the
+lock, as requirement files with hashes, one for each extra in pyproject.toml. They name no server, so that an
+installation through a school's own mirror finds everything; pylock.toml (PEP 751) and uv.lock write down URLs.
+"""
 
 from __future__ import annotations
 
 import os
 import re
-import shutil
 import subprocess
 import sys
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_setup import locked_packages
-from course_setup.portable import PROMPT, make_portable
 from course_setup.problems import SetUpError, unfinished
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_setup.environments import Environment
+    from course_setup.main import Request
 
-_OLDEST_PIP = 22  # older ones cannot install a course from its folder so that edits count at once
+_LOCKED = Path("course_setup", "locked")
+_BUILD_TOOLS = ["--build-constraints", str(_LOCKED / "build.txt")]
+_OLDEST_NUMPY = (1, 26)  # pyproject.toml asks for it
 _ONLINE = "It needs a network connection."
+_DOWNLOADING = "uv, which installs the course, could not be downloaded"
+_NO_UV = "Where there is no uv for a machine, use a container of x86-64 Linux."
 # What the user has set for other installations would lead this one astray.
-_NOT_PASSED_ON = {
-    "PYTHONPATH",
-    "PYTHONHOME",
-    "VIRTUAL_ENV",
-    "PIP_TARGET",
-    "PIP_PREFIX",
-    "PIP_ROOT",
-    "PIP_CONSTRAINT",
-    "UV_TARGET",
-    "UV_PREFIX",
-    "UV_CONSTRAINT",
-    "UV_OVERRIDE",
-}
+_NOT_PASSED_ON = re.compile(
+    "PYTHON(PATH|HOME)|VIRTUAL_ENV|PIP_(TARGET|PREFIX|ROOT|CONSTRAINT)|UV_(TARGET|PREFIX|CONSTRAINT|OVERRIDE)"
+)
+# The pip that Python has in store for new environments, without making one, which would take seconds more.
+_NO_PIP = 99
+_PIP = f"""
+import pathlib, runpy, sys, sysconfig
+try:
+    import ensurepip
+except ImportError:
+    sys.exit({_NO_PIP})
+folders = [sysconfig.get_config_var("WHEEL_PKG_DIR") or "", pathlib.Path(ensurepip.__file__).with_name("_bundled")]
+wheels = [wheel for folder in folders if folder for wheel in pathlib.Path(folder).glob("pip-*.whl")]
+sys.path.insert(0, str(wheels[0]))
+runpy.run_module("pip", run_name="__main__", alter_sys=True)
+"""
+# The course's folder is that of `.venvs`, whatever letters its name has; Python reads this file at each start.
+_WAY_TO_THE_COURSE = (
+    b"import os, sys; sys.path.append(os.path.dirname(os.path.dirname(os.path.realpath(sys.prefix))))\n"
+)
+# Nothing is loaded from the folder that one is in, where strangers' programs may lie.
+_VERSION_OF_NUMPY = (
+    "import sys; sys.path[:] = filter(None, sys.path); import numpy; print(*numpy.__version__.split('.')[:2])"
+)
 
 
 @dataclass(frozen=True)
 class Installer:
     """How environments of one course folder are made."""
 
+    request: Request
     root: Path
-    python: str
-    uv: str  # the uv to use, or "" for venv and pip
-    kind: str  # "jazzy": the sourced ROS 2 brings rclpy, and the numpy it was compiled for; or "wheels"
-    unlocked: bool = False  # resolve afresh instead of installing the packages of the lock
-    find_links: str = ""  # the folder to install from, without the network, or ""
 
     @property
-    def system_ros(self) -> bool:
-        """Whether the environment uses the packages of a ROS 2 outside of it."""
-        return self.kind == "jazzy"
+    def uv(self) -> Path:
+        """Where uv is, or will be once `get_uv` has been called."""
+        locked = (self.root / _LOCKED / "uv.txt").read_text("utf-8")
+        version = re.search(r"^uv==(\S+)", locked, re.MULTILINE)
+        return Path(self.request.uv or self.root / ".venvs" / f"uv-{version and version[1]}" / "uv")
+
+    def get_uv(self) -> None:
+        """Download uv where this machine has none.
+
+        Raises:
+            SetUpError: it cannot be had, or does not run here.
+        """
+        if not self.uv.exists():
+            with tempfile.TemporaryDirectory(prefix="uv-", dir=self.root / ".venvs") as work:
+                self._download_uv(Path(work, "packages"))
+
+    def _download_uv(self, packages: Path) -> None:
+        options = ["-qq", "--disable-pip-version-check", "--no-compile", "--only-binary=:all:", *self._offline()]
+        wanted = ["--target", str(packages), "--no-deps", "--require-hashes", "-r", str(_LOCKED / "uv.txt")]
+        done = self._run([self.request.python, "-I", "-c", _PIP, "install", *options, *wanted], packages)
+        if done.returncode == _NO_PIP:
+            raise SetUpError(
+                f"This Python ({self.request.python}) comes without 'venv'. Debian, Ubuntu: sudo apt install "
+                "python3-venv. Or install uv (https://docs.astral.sh/uv/). Then run this again."
+            )
+        self._require(done, _DOWNLOADING, f"{self._source()} {_NO_UV}")
+        program = packages / "bin" / "uv"
+        try:
+            subprocess.run([program, "--version"], capture_output=True, check=True)
+        except (OSError, subprocess.CalledProcessError) as problem:
+            raise SetUpError(f"uv, which installs the course, does not run here ({problem}). {_NO_UV}") from None
+        self.uv.parent.mkdir(exist_ok=True)
+        program.replace(self.uv)
 
     def create(self, environment: Environment) -> None:
         """Make an empty environment.
 
         Raises:
-            SetUpError: this Python cannot, or uv could not.
+            SetUpError: uv could not.
         """
-        python = os.path.realpath(self.python)  # /usr/bin/python3 is another one after the next release upgrade
-        if self.uv:
-            command = [self.uv, "venv", "--quiet", "--prompt", PROMPT, "--python", python]
-        else:
-            self._require_venv()
-            command = [
-                python,
-                "-m",
-                "venv",
-                "--prompt",
-                PROMPT,
-                *(["--system-site-packages"] if self.system_ros else []),
-            ]
-        failed = ("the Python environment could not be made", _ONLINE)
-        self._run([*command, str(environment.path)], environment, failed)
+        python = os.path.realpath(self.request.python)  # /usr/bin/python3 is another one after the next release upgrade
+        options = ["--quiet", "--prompt", "course", "--python", python]
+        if self.request.system_ros:
+            options.append("--system-site-packages")
+        done = self._run([str(self.uv), "venv", *options, str(environment.path)], environment.path)
+        self._require(done, "the Python environment could not be made", _ONLINE)
 
     def install(self, environment: Environment, *, with_tests: bool) -> None:
-        """Install the course, and ROS 2 where there is none, or bring what is there up to date.
+        """Install the course, and ROS 2 where there is none.
 
         Raises:
-            SetUpError: the installer could not; it has said why.
+            SetUpError: uv could not.
         """
-        extras = [] if self.system_ros else ["ros"]
+        extras = [] if self.request.system_ros else ["ros"]
         if with_tests:
-            extras += ["test"] if self.system_ros else ["test-ros", "test"]
-        if self.unlocked:
-            self._install_newest(environment, extras)
+            extras += ["test"] if self.request.system_ros else ["test-ros", "test"]
+        course = ["-e", f".[{','.join(extras)}]" if extras else "."]  # in its folder, whose name may be an odd one
+        numpy = self._version_of_numpy() if self.request.system_ros else None
+        if self.request.unlocked:
+            of_ros = f"numpy=={numpy[0]}.{numpy[1]}.*" if numpy and numpy >= _OLDEST_NUMPY else "numpy<2"
+            self._install(environment, ["pip", *course, *([of_ros] if self.request.system_ros else [])])
+            self._compile(environment).wait()
         else:
-            self._install_locked(environment, extras)
-        self._mend_overwritten(environment)
-        self._compile(environment)
+            # The messages of a sourced ROS 2 are compiled for its numpy, or for numpy 1.
+            beside_ros = [] if numpy and numpy >= _OLDEST_NUMPY else ["numpy-1"]
+            files = ["pip", "course", *(beside_ros if self.request.system_ros else ["numpy"]), *extras]
+            words = [word for name in files for word in ("-r", str(_LOCKED / f"{name}.txt"))]
+            self._install(environment, [*_BUILD_TOOLS, "--no-deps", "--require-hashes", *words])
+            with self._compile(environment):
+                # By itself, because the course has no hash, and who asks for hashes asks for all.
+                self._install(environment, [*_BUILD_TOOLS, "--no-deps", *course])
+        for way in environment.path.glob("lib/python3*/site-packages/*ros2_course_kit.pth"):
+            way.unlink()  # uv keeps the same file in its cache
+            way.write_bytes(_WAY_TO_THE_COURSE)
         if with_tests:
             _hide_test_tools(environment)
-        make_portable(environment.path)
 
-    def _install_locked(self, environment: Environment, extras: Sequence[str]) -> None:
-        numpy = locked_packages.numpy_beside(self._numpy_of_ros()) if self.system_ros else "numpy"
-        if not self.uv:
-            self._install(environment, locked_packages.pip())  # which knows --build-constraint
-        tools = ["--build-constraints" if self.uv else "--build-constraint", locked_packages.build_tools()]
-        self._install(environment, [*tools, *locked_packages.packages(extras, numpy)])
-        # By itself, because the course has no hash, and who asks for hashes asks for all.
-        self._install(environment, [*tools, "--no-deps", *_course(extras)])
+    def _version_of_numpy(self) -> tuple[int, ...]:
+        command = [self.request.python, "-c", _VERSION_OF_NUMPY]
+        asked = subprocess.run(command, capture_output=True, text=True, check=False)
+        return tuple(map(int, asked.stdout.split())) if asked.returncode == 0 else ()
 
-    def _install_newest(self, environment: Environment, extras: Sequence[str]) -> None:
-        wanted = _course(extras)
-        if self.system_ros and (self._numpy_of_ros() or (1,)) < (2,):
-            wanted.append("numpy<2")
-        if self.uv:
-            wanted.insert(0, "pip")  # for the user; environments of uv come without
-        self._require_new_pip(environment)
-        self._install(environment, wanted)
-
-    def _numpy_of_ros(self) -> tuple[int, ...] | None:
-        return locked_packages.version_of_numpy(self.python)
-
-    def _require_venv(self) -> None:
-        asked = subprocess.run([self.python, "-I", "-c", "import ensurepip, venv"], capture_output=True, check=False)
-        if asked.returncode:
-            raise SetUpError(
-                f"This Python ({self.python}) comes without 'venv'. Debian, Ubuntu: sudo apt install python3-venv. Or "
-                "install uv (https://docs.astral.sh/uv/). Then run this again."
-            )
-
-    def _require_new_pip(self, environment: Environment) -> None:
-        for found in environment.path.glob("lib/python3*/site-packages/pip-*.dist-info"):
-            version = re.match(r"pip-(\d+)", found.name)
-            if version and int(version[1]) < _OLDEST_PIP and not self.uv:
-                self._install(environment, ["--upgrade", f"pip>={_OLDEST_PIP}"])
-
-    def _mend_overwritten(self, environment: Environment) -> None:
-        """Install packages again whose files another one has overwritten; which they are, the kit knows."""
-        question = self.root / "course_kit" / "environment" / "packages.py"
-        if question.exists():
-            asked = subprocess.run([environment.python, "-I", question], stdout=subprocess.PIPE, text=True, check=False)
-            for package in asked.stdout.split():
-                self._install(environment, ["--force-reinstall", "--no-deps", package])
-
-    def _compile(self, environment: Environment) -> None:
-        """Have Python compile the course once; else each command does it where Python may not keep what it compiles."""
-        folder = self.root / "course_kit"
-        if folder.is_dir():
-            command = [str(environment.python), "-I", "-m", "compileall", "-q", str(folder)]
-            subprocess.run(command, cwd=self.root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+    def _compile(self, environment: Environment) -> subprocess.Popen[bytes]:
+        """Have Python compile what gradings load: they may not keep what they compile themselves."""
+        site, *_ = environment.path.glob("lib/python3*/site-packages")
+        records = [record for name in ("ros_", "numpy-", "lark-") for record in site.glob(f"{name}*.dist-info/RECORD")]
+        names = [line.split(",")[0] for record in records for line in record.read_text("utf-8").splitlines()]
+        files = [str(site / name) for name in names if name.endswith(".py") and "/tests/" not in name]
+        files += map(str, (self.root / "course_kit").rglob("*.py"))
+        listed = environment.path / "compiled.txt"
+        listed.write_text("\n".join(files), "utf-8", "surrogateescape")
+        command = [str(environment.python), "-I", "-X", "utf8", "-m", "compileall", "-q", "-i", str(listed)]
+        return subprocess.Popen([*command, "-x", "/templates/"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def _install(self, environment: Environment, wanted: Sequence[str]) -> None:
-        if self.uv:
-            command = [self.uv, "pip", "install", "--python", str(environment.python)]
-        else:
-            command = [str(environment.python), "-m", "pip", "install", "--disable-pip-version-check"]
-            command += [
-                "--quiet",
-                "--quiet",
-                "--progress-bar",
-                "off",
-            ]  # not even its warnings
-        if self.find_links:
-            command += ["--no-index", "--find-links", self.find_links]
-        self._run([*command, *wanted], environment, ("the installation did not finish", self._source()))
+        command = [str(self.uv), "pip", "install", "--python", str(environment.python), "--quiet", *self._offline()]
+        self._require(
+            self._run([*command, *wanted], environment.path), "the installation did not finish", self._source()
+        )
 
-    def _run(self, command: list[str], environment: Environment, failed: tuple[str, str]) -> None:
+    def _offline(self) -> list[str]:
+        return ["--no-index", "--find-links", self.request.find_links] if self.request.find_links else []
+
+    def _run(self, command: list[str], place: Path) -> subprocess.CompletedProcess[str]:
         # Temporary files beside the environment: /tmp may be small, or let no compiler run.
-        work = environment.path.with_name(f"{environment.path.name}.work")
-        work.mkdir(exist_ok=True)
-        try:
-            done = subprocess.run(command, cwd=self.root, env=self._variables(work), stdout=sys.stderr, check=False)
-        finally:
-            shutil.rmtree(work, ignore_errors=True)
+        with tempfile.TemporaryDirectory(prefix=f"{place.name}.work-", dir=place.parent) as work:
+            return subprocess.run(
+                command,
+                cwd=self.root,
+                env=_variables(work),
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                encoding="utf-8",
+                errors="replace",
+                check=False,
+            )
+
+    def _require(self, done: subprocess.CompletedProcess[str], failed: str, source: str) -> None:
         if done.returncode:
-            raise SetUpError(unfinished(*failed, self.root, self.kind))
+            sys.stderr.write(done.stdout)
+            raise SetUpError(unfinished(failed, source, self.root, self.request.kind))
 
     def _source(self) -> str:
         """Where an installation gets its packages, as a sentence for when it did not work."""
-        if self.find_links:
+        if self.request.find_links:
             return (
-                f"Everything has to be in {self.find_links}, for this Python. An instructor's copy of the course makes "
-                "such a folder: ./course bundle DIR."
+                f"Everything has to be in {self.request.find_links}, for this Python. An instructor's copy of the "
+                "course makes such a folder: ./course bundle DIR."
             )
-        if self.unlocked:
+        if self.request.unlocked:
             return _ONLINE
         return f"{_ONLINE} If a version is missing or a hash differs, COURSE_UNLOCKED=1 installs the newest packages."
 
-    def _variables(self, work: Path) -> dict[str, str]:
-        kept = {name: value for name, value in os.environ.items() if name not in _NOT_PASSED_ON}
-        # In a locale of another encoding uv would install into a folder whose name it got wrong. The user's own
-        # packages, outside of the environment, may be gone tomorrow.
-        changed = {
-            "LC_ALL": "C.UTF-8",
-            "PYTHONUTF8": "1",
-            "PYTHONNOUSERSITE": "1",
-            "PIP_USER": "0",
-            "TMPDIR": str(work),
-            "UV_COMPILE_BYTECODE": "1",  # as pip does: see _compile
-        }
-        if self.uv and not _can_write(_cache_of_uv()):
-            changed["UV_NO_CACHE"] = "1"  # pip does without by itself
-        return {**kept, **changed}
 
-
-def _course(extras: Sequence[str]) -> list[str]:
-    # Installers are run in the course's folder: its name may hold what they would take for something else.
-    return ["-e", f".[{','.join(extras)}]" if extras else "."]
+def _variables(work: str) -> dict[str, str]:
+    kept = {name: value for name, value in os.environ.items() if not _NOT_PASSED_ON.fullmatch(name)}
+    # In a locale of another encoding uv would install into a folder whose name it got wrong. The user's own packages,
+    # outside of the environment, may be gone tomorrow.
+    kept.update(LC_ALL="C.UTF-8", PYTHONUTF8="1", PYTHONNOUSERSITE="1", PIP_USER="0", TMPDIR=work)
+    if not _can_write(_cache_of_uv()):
+        kept["UV_NO_CACHE"] = "1"
+    return kept
 
 
 def _cache_of_uv() -> Path:
@@ -220,10 +225,7 @@ def _can_write(folder: Path) -> bool:
 
 
 def _hide_test_tools(environment: Environment) -> None:
-    """Keep nbgrader's buttons, which come with the test tools, out of a learner's way.
-
-    `jupyter labextension enable` shows them.
-    """
+    """Keep nbgrader's buttons, which come with the test tools, out of a learner's way."""
     page = environment.path / "etc" / "jupyter" / "labconfig" / "page_config.json"
     page.parent.mkdir(parents=True, exist_ok=True)
     if not page.exists():

@@ -18,7 +18,7 @@ BASE_PYTHON = Path(sys.executable).resolve()  # without the packages of the kit
 
 STAND_IN_UV = r"""#!/bin/sh
 # Stands in for uv: makes a real venv without pip, and instead of installing notes what it was asked for. As the real
-# one does, it writes down where the course is, and in a program where the environment is.
+# one does, it writes down where the course is.
 echo "$@" >>"$STAND_IN_LOG"
 env >"$STAND_IN_LOG.variables"
 case $1 in
@@ -34,25 +34,20 @@ case $1 in
        done
        cat >"$environment/bin/program" <<END
 #!/bin/sh
-'''exec' "$4" "\$0" "\$@"
+'''exec' "\$(dirname "\$(realpath "\$0")")/python" "\$0" "\$@"
 ' '''
 import sys; print("program", sys.prefix)
 END
        chmod +x "$environment/bin/program" ;;
 esac
 """
-# Stands in for the Python of a sourced ROS 2 Jazzy: has rclpy, and a venv and a pip that note what they are asked for.
-# STAND_IN_PIP is the version of that pip, STAND_IN_NUMPY that of its numpy, such as "1 26"; it has none by itself.
+# Stands in for the Python of a sourced ROS 2 Jazzy: has rclpy. STAND_IN_NUMPY is the version of its numpy, such as
+# "1 26"; it has none by itself.
 STAND_IN_ROS_PYTHON = f"""#!/bin/sh
 case "$*" in
-  "-c "*"import rclpy" | "-I -c import ensurepip, venv") exit 0 ;;
+  "-c "*"import rclpy") exit 0 ;;
   "-c "*"import numpy"*) if [ -n "${{STAND_IN_NUMPY:-}}" ]; then echo "$STAND_IN_NUMPY"; else exit 1; fi ;;
-  "-m venv "*) for last; do :; done
-     echo "$@" >>"$STAND_IN_LOG"
-     mkdir -p "$last/bin" "$last/lib/python3.10/site-packages/pip-${{STAND_IN_PIP:-26.0}}.dist-info"
-     cp "$0" "$last/bin/python"; touch "$last/bin/activate" ;;
-  "-m pip "*) echo "$@" >>"$STAND_IN_LOG"; env >"$STAND_IN_LOG.variables" ;;
-  *) PYTHONPATH=${{PYTHONPATH:-}}:$STAND_IN_ROOT exec {BASE_PYTHON} "$@" ;;
+  *) exec {BASE_PYTHON} "$@" ;;
 esac
 """
 STAND_IN_CLI = "import os, sys; print('cli', os.environ['VIRTUAL_ENV'], *sys.argv[1:])\n"
@@ -97,7 +92,6 @@ class Clone:
             "COURSE_PYTHON": str(BASE_PYTHON),
             "STAND_IN_PYTHON": str(BASE_PYTHON),
             "STAND_IN_LOG": str(self.log),
-            "STAND_IN_ROOT": str(self.root),
             **variables,
         }
 

@@ -11,6 +11,11 @@ from pathlib import Path
 from course_kit.grading import exercise_folders
 from course_kit.learner import starters
 
+# A shell runs these three lines, and finds Python beside the program; Python sees a string.
+BESIDE_ITS_PYTHON = b"""#!/bin/sh
+'''exec' "$(dirname "$(realpath "$0")")/python" "$0" "$@"
+' '''
+"""
 REPOSITORY = Path(__file__).resolve().parent.parent
 TEMPERATURE = "temperature_service"
 SOLUTION = REPOSITORY / "solutions" / TEMPERATURE / f"{TEMPERATURE}.py"
@@ -78,7 +83,11 @@ def copy_with_notebooks(folder: Path) -> Course:
     kind = environment.name.partition("-")[0]
     copied = course.root / ".venvs" / f"{kind}-copy"
     copied.mkdir(parents=True)
-    shutil.copytree(environment / "bin", copied / "bin", symlinks=True)  # programs look for the Python beside them
+    shutil.copytree(environment / "bin", copied / "bin", symlinks=True)
+    for program in (copied / "bin").iterdir():
+        if not program.is_symlink() and (content := program.read_bytes()).startswith(b"#!"):
+            head = 3 if content.startswith(b"#!/bin/sh\n") else 1
+            program.write_bytes(BESIDE_ITS_PYTHON + b"\n".join(content.split(b"\n")[head:]))
     for part in environment.iterdir():
         if part.name != "bin":
             (copied / part.name).symlink_to(part)

@@ -79,7 +79,7 @@ STILL_ABOVE = {
     "course_kit/presentation": 600,
     "course_kit/dev": 1700,
     "course_kit/cli": 1950,
-    "course_setup": 1350,
+    "course_setup": 960,
     "tests": 51500,
     "benchmarks": 2850,
 }

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from course_kit.authoring.lock_file import LockedPackage
 
-_PARTS = ("pip", "course", "numpy", "ros", "build")
+_PARTS = ("uv", "pip", "course", "numpy", "ros", "build")
 _TEST_PARTS = ("test-ros", "test")
 _ONLY_AS_SOURCE = "empy"  # its people make no wheel; it is Python alone, and the bundle has what builds it
 _GLIBC = range(28, 4, -1)  # from 2.28, which `./course` asks for, down to the oldest that wheels are made for

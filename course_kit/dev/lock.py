@@ -33,13 +33,15 @@ EXTRAS = ("ros", "test-ros", "test")
 # Beside pyproject.toml's: hatchling asks for `editables`, hatch_build.py for `ziglang` where there is no C compiler;
 # `empy`, which ROS needs, comes as source, for which pip takes setuptools and older ones `wheel`.
 _BUILD_TOOLS = ("editables>=0.3", "ziglang>=0.13", "setuptools>=70.1", "wheel>=0.45")
-_PIP = "pip>=25.3"  # its --build-constraint is as old
+_PIP = "pip>=25.3"
+_UV = "uv>=0.9"
 _NUMPY_1 = ("numpy>=1.26,<2; python_version < '3.13'", "numpy>=1.26; python_version >= '3.13'")
 # Of what the course does not ask for itself. From jsonschema 4.25 on, each import of nbformat and each start of
 # JupyterLab compiles a grammar for a second (rfc3987-syntax 1.1.0). Not in [tool.uv], which holds for set-ups, too.
 _CONSTRAINTS = ("jsonschema<4.25",)
 _HEADERS = {
-    "pip": "the pip that installs the rest; uv installs it, too, for the user",
+    "uv": "the uv that installs the rest, where a machine has none",
+    "pip": "the pip of the environment, for the user",
     "course": "what the course always needs, but numpy",
     "numpy": "numpy, but beside a sourced ROS 2 that brings none or a very old one",
     "numpy-1": "numpy for a sourced ROS 2 that brings none or a very old one: its messages are compiled for numpy 1",
@@ -101,12 +103,12 @@ def resolve(root: Path, uv: str, before: Sequence[LockedPackage]) -> dict[str, l
     build = [*tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["build-system"]["requires"], *_BUILD_TOOLS]
     with tempfile.TemporaryDirectory() as folder:
         resolver = _Resolver(root, uv, Path(folder))
-        everything = resolver.resolve(EXTRAS, [*build, _PIP], prefer=before)
-        pip = resolver.resolve(None, [_PIP], within=everything)
+        everything = resolver.resolve(EXTRAS, [*build, _UV, _PIP], prefer=before)
         course = resolver.resolve((), [], within=everything)
         extras = {extra: _without(course, resolver.resolve((extra,), [], within=everything)) for extra in EXTRAS}
         return {
-            "pip": pip,
+            "uv": resolver.resolve(None, [_UV], within=everything),
+            "pip": resolver.resolve(None, [_PIP], within=everything),
             "course": [one for one in course if one.name != "numpy"],
             "numpy": [one for one in course if one.name == "numpy"],
             "numpy-1": resolver.resolve(None, _NUMPY_1),

@@ -1,4 +1,4 @@
-"""`course-kit dev matrix`: the course as a newcomer meets it, on each Python of this machine, by pip and by uv.
+"""`course-kit dev matrix`: the course as a newcomer meets it, on each Python of this machine.
 
 For each of them the course is copied into a temporary folder with a space in its name, `./course doctor` sets it up,
 the solutions are graded, and every notebook is run with its outputs compared. artifacts/python_matrix.md has the table.
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from course_kit.dev.pythons import Interpreter
 
 ENDS = "--ends"
-INSTALLERS = ("pip", "uv")
 FAST_TESTS = ("environment", "interfaces", "lab", "panels", "ros2cli")
 _TABLE = Path("artifacts/python_matrix.md")
 _NOT_INHERITED = (
@@ -52,16 +51,15 @@ _SET_UP_S, _GRADE_S, _NOTEBOOKS_S, _TESTS_S = 1200.0, 300.0, 1200.0, 3600.0
 
 @dataclass(frozen=True)
 class Combination:
-    """One Python with one installer, and what is tried on them besides set-up, doctor and gradings."""
+    """One Python, and what is tried on it besides set-up, doctor and gradings."""
 
     python: Interpreter
-    installer: str
     notebooks: bool = True
     drills: bool = True  # with the notebooks
     tests: bool = False
 
     def __str__(self) -> str:
-        return f"Python {self.python}, {self.installer}"
+        return f"Python {self.python}"
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -102,39 +100,17 @@ def choose(
     notes = [f"This machine has no Python {', '.join(missing)}."] if missing else []
     if options.python:
         found = [one for one in found if one.minor in options.python]
+    if not has_uv:
+        notes += [
+            f"Python {one} is left out: it comes without venv, and there is no uv." for one in found if not one.has_venv
+        ]
+        found = [one for one in found if one.has_venv]
     if options.ends:
-        return _ends(found, notes, has_uv=has_uv)
-    chosen: list[Combination] = []
-    for one in found:
-        for installer in options.installer or INSTALLERS:
-            combination = Combination(one, installer, tests=options.tests)
-            _add(combination, chosen, notes, has_uv=has_uv)
-    return chosen, notes
-
-
-def _ends(found: Sequence[Interpreter], notes: list[str], *, has_uv: bool) -> tuple[list[Combination], list[str]]:
-    """The oldest besides this Python by uv and the newest by pip, or by the other one where that is not to be had."""
-    others = [one for one in found if one.version[:2] != sys.version_info[:2]]
-    chosen: list[Combination] = []
-    for one, order in zip(dict.fromkeys((*others[:1], *others[-1:])), (("uv", "pip"), ("pip", "uv")), strict=False):
-        for installer in order:
-            if _add(Combination(one, installer, drills=False), chosen, notes, has_uv=has_uv):
-                break
-    if not others:
-        notes.append("It has no other Python than the one of this course, so there is nothing to compare.")
-    return chosen, notes
-
-
-def _add(combination: Combination, chosen: list[Combination], notes: list[str], *, has_uv: bool) -> bool:
-    """Choose it where its installer is to be had, else note that it is not; returns whether it is."""
-    if combination.installer == "uv" and not has_uv:
-        notes.append(f"{combination} is left out: there is no uv. `./course test` installs it.")
-    elif combination.installer == "pip" and not combination.python.has_venv:
-        notes.append(f"{combination} is left out: this Python comes without venv.")
-    else:
-        chosen.append(combination)
-        return True
-    return False
+        found = [one for one in found if one.version[:2] != sys.version_info[:2]]
+        if not found:
+            notes.append("It has no other Python than the one of this course, so there is nothing to compare.")
+        found = list(dict.fromkeys((*found[:1], *found[-1:])))
+    return [Combination(one, drills=not options.ends, tests=options.tests and not options.ends) for one in found], notes
 
 
 def run(root: Path, combination: Combination, runner: StepRunner, uv: str | None) -> list[StepResult]:
@@ -142,7 +118,7 @@ def run(root: Path, combination: Combination, runner: StepRunner, uv: str | None
 
     Args:
         root: the course's folder.
-        combination: the Python and the installer.
+        combination: the Python.
         runner: runs the steps.
         uv: the program, where there is one.
     """
@@ -197,7 +173,7 @@ def environ_of(combination: Combination, folder: Path, uv: str | None) -> dict[s
     """The environment of somebody who has never seen the course, whose state goes into the temporary folder.
 
     Args:
-        combination: the Python and the installer.
+        combination: the Python.
         folder: the temporary folder.
         uv: the program, where there is one.
     """
@@ -213,13 +189,11 @@ def environ_of(combination: Combination, folder: Path, uv: str | None) -> dict[s
         IPYTHONDIR=str(state / "ipython"),
         JUPYTER_RUNTIME_DIR=str(state / "jupyter"),
     )
-    if combination.installer == "uv" and uv is not None:
+    if uv is not None:
         tools = folder / "tools"
         tools.mkdir()
         (tools / "uv").symlink_to(uv)
         path.insert(0, str(tools))
-    else:
-        environ["COURSE_NO_UV"] = "1"
     environ["PATH"] = os.pathsep.join(path)
     return environ
 
@@ -227,11 +201,9 @@ def environ_of(combination: Combination, folder: Path, uv: str | None) -> dict[s
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="course-kit dev matrix",
-        description="Set the course up on each Python of this machine, by pip and by uv, grade the solutions and run "
-        "the notebooks.",
+        description="Set the course up on each Python of this machine, grade the solutions and run the notebooks.",
     )
     parser.add_argument("--python", action="append", metavar="VERSION", help="only this one, such as 3.12; repeatable")
-    parser.add_argument("--installer", action="append", choices=INSTALLERS, help="only this one")
     parser.add_argument("--tests", action="store_true", help="the fast tests, too")
     parser.add_argument(
         ENDS, action="store_true", help="only the oldest and the newest Python besides this one, as CI does"

@@ -14,14 +14,14 @@ def as_markdown(results: Mapping[str, Sequence[StepResult]], notes: Sequence[str
     """A row for each combination, a column for each step that any of them has gone through, and the notes.
 
     Args:
-        results: by what the combination is called, such as "Python 3.10.13, uv".
+        results: by what the combination is called, such as "Python 3.10.13".
         notes: sentences about what was left out.
     """
     steps = list(dict.fromkeys(result.step for ran in results.values() for result in ran))
-    rows = [["Python", "installer", *steps], ["---"] * (2 + len(steps))]
+    rows = [["Python", *steps], ["---"] * (1 + len(steps))]
     for name, ran in results.items():
         cells = {result.step: _cell(result) for result in ran}
-        rows.append([*name.removeprefix("Python ").split(", "), *(cells.get(step, "not run") for step in steps)])
+        rows.append([name.removeprefix("Python "), *(cells.get(step, "not run") for step in steps)])
     lines = ["# The course on the Pythons of this machine", ""]
     lines += [f"| {' | '.join(row)} |" for row in rows] if results else ["Nothing was run."]
     lines += ["", *notes] if notes else []

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from course_kit.cli.main import build_parser
-from tests.course_clone import BASE_PYTHON, Clone
+from tests.course_clone import BASE_PYTHON, STAND_IN_UV, Clone
 
 
 def test_first_use_sets_up_and_passes_the_command_on_and_later_uses_do_not(clone: Clone) -> None:
@@ -46,12 +46,12 @@ def test_asking_for_help_sets_nothing_up(clone: Clone) -> None:
     assert clone.course("--help").stdout == f"cli {clone.environment} --help\n"
 
 
-def test_an_edited_pyproject_installs_again_and_keeps_the_environment(clone: Clone) -> None:
+def test_an_edited_pyproject_makes_a_new_environment(clone: Clone) -> None:
     clone.course("doctor")
     with (clone.root / "pyproject.toml").open("a") as file:
         file.write("# edited\n")
     clone.course("doctor")
-    assert clone.calls() == ["venv", "pip", "pip"]
+    assert clone.calls() == ["venv", "pip", "venv", "pip"]
 
 
 def test_it_works_through_a_link_and_from_another_folder(clone: Clone, tmp_path: Path) -> None:
@@ -102,7 +102,7 @@ def test_test_tools_that_cannot_be_installed_leave_the_course_as_it_was(clone: C
     assert failed.returncode == 2
     assert "the installation did not finish" in failed.stderr
     assert clone.course("doctor").stdout == f"cli {clone.environment} doctor\n"
-    assert clone.calls() == ["venv", "pip", "pip"]
+    assert clone.calls() == ["venv", "pip", "venv", "pip"]
 
 
 @pytest.mark.parametrize(
@@ -136,13 +136,17 @@ def test_a_sourced_jazzy_is_used_instead_of_the_wheels(clone: Clone) -> None:
     log = clone.log.read_text()
     assert "--system-site-packages" in log
     assert "-r course_setup/locked/numpy-1.txt" in log
-    assert log.count("--quiet --quiet") == log.count("--disable-pip-version-check")  # pip's warnings are hidden
     assert "[ros" not in log
 
 
 @pytest.mark.parametrize(
     ("numpy", "locked", "newest"),
-    [("", "numpy-1.txt", "numpy<2"), ("1 21", "numpy-1.txt", "numpy<2"), ("1 26", "", "numpy<2"), ("2 3", "", "")],
+    [
+        ("", "numpy-1.txt", "numpy<2"),
+        ("1 21", "numpy-1.txt", "numpy<2"),
+        ("1 26", "", "numpy==1.26.*"),
+        ("2 3", "", "numpy==2.3.*"),
+    ],
 )
 def test_the_numpy_of_a_sourced_jazzy_stays_as_its_messages_need_it(
     clone: Clone, numpy: str, locked: str, newest: str
@@ -246,11 +250,66 @@ def test_a_python_without_venv_says_what_to_install(clone: Clone) -> None:
     (clone.tools / "uv").unlink()
     clone.tool(
         "stand_in_python_without_venv",
-        f'#!/bin/sh\ncase "$*" in *ensurepip*) exit 1 ;; *) exec {BASE_PYTHON} "$@" ;; esac\n',
+        f'#!/bin/sh\ncase "$*" in *ensurepip*) exit 99 ;; *) exec {BASE_PYTHON} "$@" ;; esac\n',
     )
     done = clone.course("lab", COURSE_PYTHON=str(clone.tools / "stand_in_python_without_venv"))
     assert done.returncode == 2
     assert "sudo apt install python3-venv" in done.stderr
+
+
+BRINGS_UV = """#!/bin/sh
+case "$*" in *ensurepip*) ;; *) exec {python} "$@" ;; esac
+echo "$@" >"{log}.pip"
+while [ "$1" != --target ]; do shift; done
+mkdir -p "$2/bin" && cp "{uv}" "$2/bin/uv"
+"""
+
+
+def without_uv(clone: Clone, uv: str = STAND_IN_UV) -> str:
+    """A Python on a machine without uv, whose pip downloads this one."""
+    (clone.tools / "uv").rename(clone.tools / "of_pypi")
+    clone.tool("of_pypi", uv)
+    words = {"python": BASE_PYTHON, "log": clone.log, "uv": clone.tools / "of_pypi"}
+    clone.tool("stand_in_python", BRINGS_UV.format(**words))
+    return str(clone.tools / "stand_in_python")
+
+
+def test_where_there_is_no_uv_the_locked_one_is_downloaded_once(clone: Clone, tmp_path: Path) -> None:
+    python = without_uv(clone)
+    (tmp_path / "any.whl").touch()
+    done = clone.course("doctor", f"--find-links={tmp_path}", COURSE_PYTHON=python)
+    assert done.stdout == f"cli {clone.environment} doctor\n", done.stderr
+    asked = Path(f"{clone.log}.pip").read_text()
+    assert "--require-hashes -r course_setup/locked/uv.txt" in asked
+    assert f"--no-index --find-links {tmp_path}" in asked
+    Path(f"{clone.log}.pip").unlink()
+    with (clone.root / "pyproject.toml").open("a") as file:
+        file.write("# edited\n")
+    assert clone.course("doctor", COURSE_PYTHON=python).returncode == 0
+    assert not Path(f"{clone.log}.pip").exists()
+    others = [path.name for path in clone.environments() if path != clone.environment]
+    assert [name.partition("-")[0] for name in others] == ["uv"]
+
+
+@pytest.mark.parametrize("uv", ["#!/no/such/loader\n", "#!/bin/sh\nexit 1\n"])
+def test_a_uv_that_does_not_run_here_gets_one_sentence(clone: Clone, uv: str) -> None:
+    done = clone.course("lab", COURSE_PYTHON=without_uv(clone, uv))
+    assert done.returncode == 2
+    _, told = done.stderr.splitlines()
+    assert "uv, which installs the course, does not run here" in told
+    assert "a container of x86-64 Linux" in told
+    assert not list((clone.root / ".venvs").glob("uv-*"))
+
+
+def test_a_uv_that_cannot_be_downloaded_is_named_with_what_pip_says(clone: Clone) -> None:
+    python = without_uv(clone)
+    says = "#!/bin/sh\ncase $* in *ensurepip*) echo no wheel; exit 1 ;; esac\n"
+    clone.tool("stand_in_python", f'{says}exec {BASE_PYTHON} "$@"\n')
+    done = clone.course("lab", COURSE_PYTHON=python)
+    assert done.returncode == 2
+    _, of_pip, told = done.stderr.splitlines()
+    assert of_pip == "no wheel"
+    assert "uv, which installs the course, could not be downloaded; the lines above say why." in told
 
 
 def test_without_a_command_it_shows_what_there_is(clone: Clone) -> None:

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.course_clone import BASE_PYTHON, STAND_IN_UV
-from tests.environment.overwritten import overwrite_lark
+from tests.course_clone import BASE_PYTHON
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,10 +48,6 @@ def edit_pyproject(clone: Clone) -> None:
         file.write("# edited\n")
 
 
-def contents(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
-
-
 def used(done: subprocess.CompletedProcess[str]) -> str:
     """The environment that a command ran in."""
     assert done.returncode == 0, done.stderr
@@ -66,7 +61,7 @@ def test_terminals_with_and_without_a_sourced_ros_keep_their_environments(clone:
     for _ in range(2):
         assert used(clone.course("doctor")) == without == str(clone.environment)
         assert used(clone.course("doctor", **clone.sourced())) == sourced == str(clone.environment)
-    assert clone.calls() == ["venv", "pip", "-m", "-m"]
+    assert clone.calls() == ["venv", "pip", "venv", "pip"]
 
 
 def test_while_one_terminal_sets_up_the_others_go_on(clone: Clone, tmp_path: Path) -> None:
@@ -118,27 +113,14 @@ def test_an_update_that_is_stopped_leaves_the_course_as_it_was(
     clone: Clone, tmp_path: Path, number: signal.Signals, left: int
 ) -> None:
     before = used(clone.course("doctor"))
-    programs = contents(clone.environment / "bin")
     started = clone.half_way(tmp_path, "test")
     os.killpg(started.pid, number)
     started.communicate(timeout=30)
     assert len(clone.environments()) == left
     assert used(clone.course("doctor")) == before
-    assert contents(clone.environment / "bin") == programs
-    assert clone.calls() == ["venv", "pip", "pip"]
+    assert clone.calls() == ["venv", "pip", "venv", "pip"]
     assert clone.course("test").stderr.count("ready") == 1
     assert clone.environments() == {clone.environment}
-
-
-def test_an_update_takes_over_programs_that_are_only_called_like_the_scripts_that_activate(clone: Clone) -> None:
-    used(clone.course("doctor"))
-    others = ("activate_this.py", "activate-global-completion")
-    for name in others:
-        (clone.environment / "bin" / name).write_text("kept\n")
-    edit_pyproject(clone)
-    new = Path(used(clone.course("doctor")))
-    assert [(new / "bin" / name).read_text() for name in others] == ["kept\n", "kept\n"]
-    assert f"{new}" in (new / "bin" / "activate").read_text()
 
 
 def test_an_update_that_is_killed_at_the_last_step_leaves_the_course_as_it_was(clone: Clone) -> None:
@@ -175,20 +157,18 @@ def test_one_whose_python_was_removed_is_made_anew(clone: Clone) -> None:
     assert used(clone.course("doctor")) != old
 
 
-def test_another_python_can_be_chosen_later(clone: Clone, tmp_path: Path) -> None:
+def test_another_python_can_be_chosen_later_and_survives_an_update(clone: Clone) -> None:
     old = used(clone.course("doctor"))
-    same = tmp_path / "same_python"
-    same.symlink_to(BASE_PYTHON)
-    assert used(clone.course("doctor", COURSE_PYTHON=str(same))) == old
-    clone.tool(
-        "stand_in_other_python",
-        f'#!/bin/sh\ncase $* in *base_prefix*) echo 3.10 ;; *) exec {BASE_PYTHON} "$@" ;; esac\n',
-    )
-    other = str(clone.tools / "stand_in_other_python")
-    new = used(clone.course("doctor", COURSE_PYTHON=other))
+    (clone.tools / "chosen").symlink_to(BASE_PYTHON)
+    chosen = str(clone.tools / "chosen")
+    new = used(clone.course("doctor", COURSE_PYTHON=chosen))
     assert new != old
-    assert f"--python {other}" in clone.log.read_text()
     assert used(clone.course("doctor", COURSE_PYTHON="")) == new
+    clone.tool("python3", "#!/bin/sh\nexit 1\n")
+    edit_pyproject(clone)
+    newest = used(clone.course("doctor", COURSE_PYTHON=""))
+    assert newest != new
+    assert Path(newest, ".course-python").read_text() == f"{chosen}\n"
 
 
 def test_test_tools_once_wanted_stay(clone: Clone) -> None:
@@ -210,21 +190,3 @@ def test_a_virtual_environment_of_somebody_else_is_not_touched(clone: Clone) -> 
     assert len(refused.stderr.splitlines()) == 1
     assert (clone.root / ".venv" / "precious").exists()
     assert clone.calls() == []
-
-
-def test_the_environment_of_an_older_version_makes_room_for_a_new_one(clone: Clone) -> None:
-    (clone.root / ".venv").mkdir()
-    (clone.root / ".venv" / ".course-stamp").touch()
-    assert used(clone.course("doctor")) == str(clone.environment)
-    assert clone.environments() == {clone.environment}
-
-
-def test_a_package_that_another_has_overwritten_is_installed_again(clone: Clone, tmp_path: Path) -> None:
-    """The stand-in for uv installs nothing by itself, so here it lays down a package that has lost a file."""
-    overwrite_lark(tmp_path / "packages")
-    lays_it_down = STAND_IN_UV.replace(
-        "         pwd >", f'         cp -r "{tmp_path}/packages/." "$packages"\n         pwd >'
-    )
-    clone.tool("uv", lays_it_down)
-    used(clone.course("doctor"))
-    assert clone.log.read_text().splitlines()[-1].endswith("--force-reinstall --no-deps lark==1.3.1")

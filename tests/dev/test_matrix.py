@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 THIS = f"{sys.version_info[0]}.{sys.version_info[1]}"
 STAND_IN_COURSE = """#!/bin/sh
 # Stands in for the course's own script: what would take a network or long is done at once, and noted.
-echo "$COURSE_PYTHON ${COURSE_NO_UV:-} $(pwd) $*" >>"$STAND_IN_LOG"
+echo "$COURSE_PYTHON $(pwd) $*" >>"$STAND_IN_LOG"
 case $1 in
   doctor) if [ -n "${STAND_IN_PIPE:-}" ]; then echo $$ >"$STAND_IN_PIPE"; read -r _ <"$STAND_IN_PIPE"; fi
     mkdir -p .venv/bin
@@ -62,7 +62,7 @@ class Tried:
             STAND_IN_DETACHED=str(self.detached),
             **variables,
         )
-        command = self.course.command("dev", "matrix", "--python", THIS, "--installer", "pip")
+        command = self.course.command("dev", "matrix", "--python", THIS)
         return subprocess.Popen(
             command, cwd=self.course.root, env=environ, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
@@ -97,7 +97,7 @@ def test_each_step_is_run_and_told_and_nothing_is_left(tried: Tried) -> None:
     code, said = tried.run()
     assert code == 0, said
     header, _, row = tried.rows()
-    assert header == "| Python | installer | set-up and doctor | temperature_service | nbval | notebooks |"
+    assert header == "| Python | set-up and doctor | temperature_service | nbval | notebooks |"
     assert row.startswith(f"| {THIS}.")
     assert row.count("passed, ") == 4
     calls = [line.partition("/my course ")[2] for line in tried.log.read_text().splitlines()]
@@ -124,7 +124,7 @@ def test_what_fails_is_named_and_fails_the_whole(tried: Tried, variables: dict[s
     code, _ = tried.run(**variables)
     assert code == 1
     _, _, row = tried.rows()
-    assert [cell.rpartition(",")[0].strip() for cell in row.split("|")[3:-1]] == cells
+    assert [cell.rpartition(",")[0].strip() for cell in row.split("|")[2:-1]] == cells
 
 
 def test_ctrl_c_leaves_nothing(tried: Tried) -> None:
@@ -181,27 +181,26 @@ RUNNING = Interpreter(sys.version_info[:3], "/python", has_venv=True)
 
 
 def chosen(found: Sequence[Interpreter], *, has_uv: bool = True, **options: object) -> tuple[list[str], list[str]]:
-    defaults: dict[str, object] = {"python": None, "installer": None, "ends": False, "tests": False}
+    defaults: dict[str, object] = {"python": None, "ends": False, "tests": False}
     combinations, notes = matrix.choose(found, argparse.Namespace(**{**defaults, **options}), has_uv=has_uv)
-    return [f"{one.python.minor} {one.installer}{' notebooks' * one.notebooks}" for one in combinations], notes
+    return [one.python.minor for one in combinations], notes
 
 
 def test_everything_is_tried_unless_less_is_asked_for() -> None:
-    both = [f"3.{minor} {installer} notebooks" for minor in (10, 12, 14) for installer in ("pip", "uv")]
-    assert chosen([OLD, MIDDLE, NEW])[0] == both
-    assert chosen([OLD, MIDDLE, NEW], python=["3.12"], installer=["uv"])[0] == ["3.12 uv notebooks"]
+    assert chosen([OLD, MIDDLE, NEW])[0] == ["3.10", "3.12", "3.14"]
+    assert chosen([OLD, MIDDLE, NEW], python=["3.12"])[0] == ["3.12"]
 
 
 def test_the_ends_are_the_oldest_and_the_newest_besides_this_python() -> None:
     others = [one for one in (OLD, MIDDLE, NEW) if one.minor != THIS]
     found = sorted([*others, RUNNING], key=lambda one: one.version)
     first, last = others[0].minor, others[-1].minor
-    assert chosen(found, ends=True)[0] == [f"{first} uv notebooks", f"{last} pip notebooks"]
+    assert chosen(found, ends=True)[0] == [first, last]
 
 
 @pytest.mark.parametrize("drills", [True, False])
 def test_the_ends_run_the_lessons_and_not_the_drills(drills: bool) -> None:
-    combination = matrix.Combination(NEW, "uv", drills=drills)
+    combination = matrix.Combination(NEW, drills=drills)
     course = Path(__file__).resolve().parents[2]
     command = next(step.command for step in matrix.steps_of(combination, course) if step.name == "notebooks")
     named = [Path(one).relative_to(course).parts[0] for one in command[3:]]
@@ -213,12 +212,11 @@ def test_the_ends_run_the_lessons_and_not_the_drills(drills: bool) -> None:
     [
         ([RUNNING], True, [], "no other Python"),
         ([], True, [], "no other Python"),
-        ([Interpreter((3, 9, 1), "/python3.9", has_venv=True)], False, ["3.9 pip notebooks"], "there is no uv"),
         ([Interpreter((3, 9, 1), "/python3.9", has_venv=False)], False, [], "comes without venv"),
         (
             [Interpreter((3, 8, 1), "/python3.8", has_venv=True), Interpreter((3, 9, 1), "/python3.9", has_venv=False)],
-            True,
-            ["3.8 uv notebooks", "3.9 uv notebooks"],
+            False,
+            ["3.8"],
             "comes without venv",
         ),
     ],
