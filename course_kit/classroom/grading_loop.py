@@ -103,15 +103,16 @@ class GradingLoop:
 
     def _keep(self, group: list[Handed], report: Report) -> None:
         """Write the result of a submission and of those identical to it."""
-        first, *twins = group
+        first = group[0]
         exercise = first.exercise
         if exercise.id not in self._versions:
             self._versions[exercise.id] = versions.of(exercise)
-        record = replace(first.record(report), versions=self._versions[exercise.id])
-        for one in (record, *(twin.same_record(record) for twin in twins)):
-            self._records.keep(one, render_page(report, one.entry.name or one.entry.student, first.text))
-            self.done.append(one)
-            self._watcher.done(one)
+        for one in group:
+            own, same_as = (report, "") if one is first else (one.own_report(report, first), first.entry.student)
+            record = replace(one.record(own), versions=self._versions[exercise.id], same_as=same_as)
+            self._records.keep(record, render_page(own, one.entry.name or one.entry.student, one.text))
+            self.done.append(record)
+            self._watcher.done(record)
 
 
 def _result(submission: Handed, future: Future[Report]) -> Report:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -72,10 +73,26 @@ class Handed:
             wall_s=round(report.duration_s, 3),
         )
 
-    def same_record(self, other: Record) -> Record:
-        """Its result where an identical submission was graded."""
-        report = {**other.report, "submission": self.entry.source}
-        return replace(other, entry=self.entry, report=report, same_as=other.entry.student)
+    def own_report(self, report: Report, twin: Handed) -> Report:
+        """Its report where an identical submission was graded: what names the twin's file names its own."""
+        if self.text is None or twin.text is None:
+            return replace(report, submission=self.entry.source)
+        names = {twin.text.name: self.text.name, twin.text.program: self.text.program}
+        found = re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, names))})(?!\w)")
+
+        def own(text: str) -> str:
+            return found.sub(lambda name: names[name[0]], text)
+
+        return replace(
+            report,
+            submission=self.entry.source,
+            checks=tuple(
+                replace(one, message=own(one.message), told=own(one.told), got=own(one.got)) for one in report.checks
+            ),
+            stdout=own(report.stdout),
+            stderr=own(report.stderr),
+            problem=own(report.problem),
+        )
 
     def has_result(self, record: Record | None) -> bool:
         """Whether a record is of this submission as it is now, wherever it lies; a grader's error gets another try."""

@@ -114,6 +114,35 @@ def test_each_result_is_a_record_and_a_page_that_belong_to_the_student(handed_in
     assert "cem" in (folder / "temperature_service.html").read_text()
 
 
+class NamingTheFile(StandInForGrading):
+    """Says what went wrong as the grader does: with the file's name, and the traceback of the program."""
+
+    def submit(self, task: Task) -> Future[Report]:
+        report = super().submit(task).result()
+        checks = tuple(replace(one, message=f"{task.text.name} ends.", told="It ends.") for one in report.checks)
+        done: Future[Report] = Future()
+        done.set_result(replace(report, checks=checks, stderr=f'  File "{task.text.program}", line 1, in main'))
+        return done
+
+
+def test_a_report_names_the_file_of_its_student_where_an_identical_one_was_graded(tmp_path: Path) -> None:
+    for student in ("ada", "bob"):
+        (tmp_path / "in" / student).mkdir(parents=True)
+        (tmp_path / "in" / student / f"of_{student}.py.txt").write_text("wrong = 1")
+    executor = NamingTheFile()
+    run(tmp_path / "in", tmp_path / "out", executor)
+    assert len(executor.tasks) == 1
+    for student, other in (("ada", "bob"), ("bob", "ada")):
+        folder = tmp_path / "out/students" / student
+        record = json.loads((folder / "temperature_service.json").read_text())
+        assert record["report"]["submission"] == f"{student}/of_{student}.py.txt"
+        assert record["report"]["checks"][0]["message"] == f"of_{student}.py.txt ends."
+        assert record["report"]["stderr"] == f'  File "of_{student}.py", line 1, in main'
+        page = (folder / "temperature_service.html").read_text()
+        assert f"of_{student}.py" in page
+        assert f"of_{other}" not in page
+
+
 def test_resuming_grades_only_what_has_no_result_or_has_changed(handed_in: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     first = run(handed_in, out, StandInForGrading())
@@ -260,8 +289,8 @@ def test_names_that_are_not_utf_8_are_graded_reported_and_resumed(handed_in: Pat
     assert results(second) == results(book)
     first, other = (student for student in results(book) if student.startswith("j\ufffdrg~"))
     assert results(book)[other] == ("graded", 10.0, results(book)[first][2] or first)
-    written = [path for path in (tmp_path / "out").rglob("*") if path.suffix in (".csv", ".html", ".xml")]
-    assert {path.suffix for path in written} == {".csv", ".html", ".xml"}
+    written = [path for path in (tmp_path / "out").rglob("*") if path.suffix in (".csv", ".html")]
+    assert {path.suffix for path in written} == {".csv", ".html"}
     for path in written:
         assert not {"\x1b", "\u202e"} & set(path.read_text(encoding="utf-8"))
     assert all(path.name.isprintable() for path in (tmp_path / "out").rglob("*"))
@@ -282,7 +311,7 @@ def test_half_a_character_in_a_report_is_written_everywhere(handed_in: Path, tmp
     book = run(handed_in, tmp_path / "out", StandInForHalves())
     exports.write_all(book, tmp_path / "out")
     assert run(handed_in, tmp_path / "out", StandInForGrading(), resume=True).records == book.records
-    shown = [path for path in (tmp_path / "out").rglob("*") if path.suffix in (".csv", ".html", ".xml")]
+    shown = [path for path in (tmp_path / "out").rglob("*") if path.suffix in (".csv", ".html")]
     assert len(shown) > len(book.records)
     for path in shown:
         assert not {"\x1b", "\u202e"} & set(path.read_text(encoding="utf-8"))
