@@ -312,7 +312,7 @@ def test_a_spin_that_is_refused_outside_of_a_callback_is_what_it_is() -> None:
     ],
 )
 def test_what_rclpy_says_about_requests_is_not_taken_for_the_submissions_words(printed: str, is_told: bool) -> None:
-    from course_kit.graders import _limiter_starts
+    from course_kit.graders import robot_parameters
     from course_kit.grading.checks.check import Evidence, Failed
 
     class StandInContext:
@@ -324,12 +324,12 @@ def test_what_rclpy_says_about_requests_is_not_taken_for_the_submissions_words(p
             return bool(is_done())
 
     evidence = Evidence("started", "a word about it", "the program ended")
-    words = ("max_speed", *_limiter_starts._WARNINGS)
+    words = ("max_speed", *robot_parameters._WARNINGS)
     if is_told:
-        assert _limiter_starts._require_told(StandInContext(), words, evidence) == evidence
+        assert robot_parameters._require_said(SimpleNamespace(context=StandInContext()), words, evidence) == evidence
     else:
         with pytest.raises(Failed):
-            _limiter_starts._require_told(StandInContext(), words, evidence)
+            robot_parameters._require_said(SimpleNamespace(context=StandInContext()), words, evidence)
 
 
 @pytest.mark.parametrize("written", ["/limiter", "limiter"])

@@ -15,7 +15,7 @@ class Edit:
 
 
 @dataclass(frozen=True)
-class Change:
+class Mutation:
     """One mistake.
 
     Attributes:

@@ -13,9 +13,9 @@ from course_kit.authoring.prove.program import ParsedProgram, parsed
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from course_kit.authoring.prove.changes import Change
+    from course_kit.authoring.prove.changes import Mutation
 
-OPERATORS: tuple[Callable[[ParsedProgram], Iterator[Change]], ...] = (
+OPERATORS: tuple[Callable[[ParsedProgram], Iterator[Mutation]], ...] = (
     endpoints.endpoint_names,
     endpoints.endpoint_types,
     endpoints.quality_of_service,

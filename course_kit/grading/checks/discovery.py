@@ -6,12 +6,15 @@ from abc import ABC, abstractmethod
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from rcl_interfaces.srv import ListParameters
+
 from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
 from course_kit.grading.checks.named import Interface, Named
 from course_kit.grading.diagnosis import exits, hangs
 from course_kit.grading.diagnosis.exceptions import explained, of_start
+from course_kit.ros.parameters import LIST_SERVICE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -24,6 +27,7 @@ if TYPE_CHECKING:
 
 ENDED = "a program that has ended"
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has made the servers it will make
+_GREET_S = 1.0
 _NODE_S = 1.5  # a node's name arrives a moment after its endpoints
 _OTHER_TYPE_S = 0.5  # the right name with another type: the node was seen to offer just that
 
@@ -217,3 +221,20 @@ def _not_offered(context: CheckContext, wanted: Server[Interface], expected: str
     if nodes:
         return Failed(evidence, f"Your node {nodes[0]} is running, but it offers no {wanted.kind}.", None)
     return Failed(evidence, *graph.why_empty(context, wanted.name)[::-1])
+
+
+def greet(context: CheckContext) -> None:
+    """Have the node's process know our endpoints: asked last, a question for its parameters is answered after that.
+
+    Raises:
+        SubmissionEndedError: the program has ended.
+    """
+    node = context.grader_node
+    offers = [name for name, _ in node.node.get_service_names_and_types() if name.endswith(LIST_SERVICE)]
+    if offers:
+        client = node.client(ListParameters, offers[0])
+        context.wait_until(client.is_ready, _GREET_S, step_s=GRAPH_STEP_S)
+        context.wait_until(client.send(ListParameters.Request()).answered, _GREET_S)
+    else:
+        clock = context.clock()
+        context.wait_until(lambda: clock.wall() > 0.1, _GREET_S)  # noqa: PLR2004 - seconds

@@ -136,6 +136,12 @@ def start_arguments(values: Mapping[str, object]) -> list[str]:
     return ["--ros-args", *(word for name, value in values.items() for word in ("-p", f"{name}:={yaml(value)}"))]
 
 
+def parameter_file(values: Mapping[str, object], node: str) -> str:
+    """A parameter file with these values, for a node of this full name or, when it is empty, for any."""
+    lines = [f"    {name}: {yaml(value)}" for name, value in values.items()]
+    return "\n".join([f"{node.lstrip('/') or '/**'}:", "  ros__parameters:", *lines]) + "\n"
+
+
 def expect_served(context: CheckContext, node: str) -> Evidence:
     """A node of this full name is up, and answers when it is asked for its parameters.
 

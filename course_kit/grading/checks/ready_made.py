@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.checks import discovery
 from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.check import Check, Evidence, Failed
-from course_kit.grading.checks.conversation import drawn_values
+from course_kit.grading.checks.drawing import drawn_values
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
 from course_kit.grading.checks.matching import Close, differences, interface_of, only_field
 from course_kit.grading.checks.services import Service
@@ -118,7 +118,11 @@ def offered(
         for one in ends:
             if one["kind"] in ("service", "action"):
                 kind: Any = Service if one["kind"] == "service" else WantedAction
-                told.append(discovery.expect_offered(context, kind(one["name"], interface_of(one["type"])), node.greet))
+                told.append(
+                    discovery.expect_offered(
+                        context, kind(one["name"], interface_of(one["type"])), lambda: discovery.greet(context)
+                    )
+                )
         topics = {
             kind: [Topic(one["name"], interface_of(one["type"])) for one in ends if one["kind"] == kind]
             for kind in _ENDS

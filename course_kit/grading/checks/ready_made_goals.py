@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks import ready_made
 from course_kit.grading.checks.check import Check, Evidence, Failed
-from course_kit.grading.checks.conversation import drawn_values
+from course_kit.grading.checks.drawing import drawn_values
 from course_kit.grading.checks.graded_goal import END_S, PROMPT_S, GradedGoal
 from course_kit.grading.checks.matching import describe_wanted, differences
 from course_kit.grading.exchange_log import in_one_line

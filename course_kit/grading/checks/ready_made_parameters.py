@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Check, Evidence, Failed
-from course_kit.grading.checks.conversation import drawn_values
+from course_kit.grading.checks.drawing import drawn_values
 from course_kit.grading.checks.matching import describe_wanted, differences, only_field
 from course_kit.grading.checks.parameters import shown
 from course_kit.grading.checks.ready_made import made

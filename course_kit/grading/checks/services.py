@@ -47,14 +47,14 @@ class Service(Server[ServiceType]):
 
 
 @dataclass(frozen=True)
-class Answer:
+class TimedResponse:
     """A response and how long it took, in seconds, fairly counted."""
 
     response: Message
     latency_s: float
 
 
-def call(context: CheckContext, service: Service, request: Message, shown: str, expected: str) -> Answer:
+def call(context: CheckContext, service: Service, request: Message, shown: str, expected: str) -> TimedResponse:
     """Send one request and wait for its answer.
 
     Args:
@@ -88,5 +88,5 @@ def call(context: CheckContext, service: Service, request: Message, shown: str, 
         context.wait_until(decided, hangs.ANSWER_S)
     if (response := asked.response()) is not None:
         turn.came(f"response: {in_one_line(response)}")
-        return Answer(response, clock.fair() if clock.wall() > RESEND_AFTER_S else clock.wall())
+        return TimedResponse(response, clock.fair() if clock.wall() > RESEND_AFTER_S else clock.wall())
     raise hangs.unanswered(context, shown, expected, clock.fair())

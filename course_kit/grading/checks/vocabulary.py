@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from course_kit.grading.checks.answers import Answer, Change
 from course_kit.grading.checks.check import Check, Evidence, Failed
-from course_kit.grading.checks.conversation import Model, between, conversation, drawn, either, part, rule
+from course_kit.grading.checks.conversation import Model, conversation, part, rule
+from course_kit.grading.checks.drawing import between, drawn, either
 from course_kit.grading.checks.graded_goal import GradedGoal
-from course_kit.grading.checks.graded_node import Answer, Change, GradedNode
+from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.matching import close
 from course_kit.grading.checks.ready_made import (
     check,

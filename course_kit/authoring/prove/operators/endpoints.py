@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.changes import Change
+from course_kit.authoring.prove.changes import Mutation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,34 +53,34 @@ _FALLBACK = {
 }
 
 
-def endpoint_names(program: ParsedProgram) -> Iterator[Change]:
+def endpoint_names(program: ParsedProgram) -> Iterator[Mutation]:
     """Another name, and a private one; also of the node itself."""
     for call, kind in _endpoints(program):
         name = _name_argument(call, kind)
         if name is not None:
             written = str(name.value)
             for other in (f"{written}s", f"~/{written.lstrip('/')}"):
-                yield Change("endpoint's name", name.lineno, (program.replace(name, repr(other)),))
+                yield Mutation("endpoint's name", name.lineno, (program.replace(name, repr(other)),))
 
 
-def endpoint_types(program: ParsedProgram) -> Iterator[Change]:
+def endpoint_types(program: ParsedProgram) -> Iterator[Mutation]:
     """A type that looks alike, imported under the name of the right one; for one endpoint, another type."""
     for node in program.nodes():
         if isinstance(node, ast.ImportFrom) and (node.module or "").endswith((".msg", ".srv", ".action")):
             for alias in node.names:
                 if other := _ALIKE.get(alias.name):
                     known = alias.asname or alias.name
-                    yield Change("type alike", node.lineno, (program.replace(alias, f"{other} as {known}"),))
+                    yield Mutation("type alike", node.lineno, (program.replace(alias, f"{other} as {known}"),))
     for call, _ in _endpoints(program):
         other = _FALLBACK.get(program.name_of(call), "")
         place = 1 if program.name_of(call).startswith("Action") else 0
         module, _, name = other.rpartition(".")
         if other and len(call.args) > place and program.text(call.args[place]) != name:
             imported = f'__import__("{module}", fromlist=["*"]).{name}'
-            yield Change("another type", call.lineno, (program.replace(call.args[place], imported),))
+            yield Mutation("another type", call.lineno, (program.replace(call.args[place], imported),))
 
 
-def quality_of_service(program: ParsedProgram) -> Iterator[Change]:
+def quality_of_service(program: ParsedProgram) -> Iterator[Mutation]:
     """Best effort, transient local, and a queue of one."""
     rclpy = program.imported("rclpy")
     for call, kind in _endpoints(program):
@@ -89,23 +89,25 @@ def quality_of_service(program: ParsedProgram) -> Iterator[Change]:
             given = [keyword.value for keyword in call.keywords if keyword.arg == "qos_profile"]
             given += call.args[place : place + 1]
             for qos in _TOPIC_QOS if given else ():
-                yield Change("quality of service", given[0].lineno, (program.replace(given[0], qos), *rclpy))
+                yield Mutation("quality of service", given[0].lineno, (program.replace(given[0], qos), *rclpy))
         elif kind == "service" and not any(keyword.arg == "qos_profile" for keyword in call.keywords):
             for qos in _SERVICE_QOS:
                 edit = program.with_keyword(call, f"qos_profile={qos}")
-                yield Change("quality of service", call.lineno, (edit, *rclpy))
+                yield Mutation("quality of service", call.lineno, (edit, *rclpy))
 
 
-def destroyed(program: ParsedProgram) -> Iterator[Change]:
+def destroyed(program: ParsedProgram) -> Iterator[Mutation]:
     """An endpoint that is destroyed as soon as it is made."""
     for call in program.calls():
         kind = program.name_of(call).removeprefix("create_")
         if kind in _DESTROYED and isinstance(call.func, ast.Attribute):
             node = program.text(call.func.value)
             text = f"{node}.destroy_{kind}({program.text(call)})"
-            yield Change("endpoint destroyed", call.lineno, (program.replace(call, text),))
+            yield Mutation("endpoint destroyed", call.lineno, (program.replace(call, text),))
         elif program.name_of(call) == "ActionServer":
-            yield Change("endpoint destroyed", call.lineno, (program.replace(call, f"{program.text(call)}.destroy()"),))
+            yield Mutation(
+                "endpoint destroyed", call.lineno, (program.replace(call, f"{program.text(call)}.destroy()"),)
+            )
 
 
 def _endpoints(program: ParsedProgram) -> Iterator[tuple[ast.Call, str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.changes import Change, Edit
+from course_kit.authoring.prove.changes import Edit, Mutation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -45,7 +45,7 @@ _SYMMETRIC = {"dist", "min", "max", "hypot", "isclose"}
 _OTHER_FIELDS = 2  # of the same thing, that are taken for the right one
 
 
-def operators(program: ParsedProgram) -> Iterator[Change]:
+def operators(program: ParsedProgram) -> Iterator[Mutation]:
     """Another operator, an operand forgotten."""
     for node in program.nodes():
         if isinstance(node, ast.BinOp):
@@ -65,7 +65,7 @@ def operators(program: ParsedProgram) -> Iterator[Change]:
                 yield _swapped(program, "condition forgotten", node, new)
 
 
-def comparisons(program: ParsedProgram) -> Iterator[Change]:
+def comparisons(program: ParsedProgram) -> Iterator[Mutation]:
     """An edge that belongs to the other side, a comparison turned round, one half of a range forgotten."""
     for node in program.nodes():
         if not isinstance(node, ast.Compare):
@@ -82,7 +82,7 @@ def comparisons(program: ParsedProgram) -> Iterator[Change]:
             yield _swapped(program, "condition forgotten", node, rest)
 
 
-def numbers(program: ParsedProgram) -> Iterator[Change]:
+def numbers(program: ParsedProgram) -> Iterator[Mutation]:
     """Another number: one more, one less, 0, the other sign, slightly off. One with a sign is changed as a whole."""
     for node in program.nodes():
         value = _number(node)
@@ -109,7 +109,7 @@ def _number(node: ast.AST) -> int | float | None:
     return None
 
 
-def texts(program: ParsedProgram) -> Iterator[Change]:
+def texts(program: ParsedProgram) -> Iterator[Mutation]:
     """Another text, or none; True for False."""
     for node in program.nodes():
         if isinstance(node, ast.JoinedStr):
@@ -122,7 +122,7 @@ def texts(program: ParsedProgram) -> Iterator[Change]:
             yield _swapped(program, "true for false", node, ast.Constant(not node.value))
 
 
-def elements(program: ParsedProgram) -> Iterator[Change]:
+def elements(program: ParsedProgram) -> Iterator[Mutation]:
     """An element left out of a list; another answer taken from the same place elsewhere."""
     for node in program.nodes():
         if isinstance(node, (ast.Tuple, ast.List)) and isinstance(node.ctx, ast.Load):
@@ -135,7 +135,7 @@ def elements(program: ParsedProgram) -> Iterator[Change]:
                     yield from _entry(program, node, place)
 
 
-def names(program: ParsedProgram) -> Iterator[Change]:
+def names(program: ParsedProgram) -> Iterator[Mutation]:
     """Names that are easily mixed up: fields of the same thing, min and max, two arguments."""
     used = _fields(program)
     for node in program.nodes():
@@ -157,11 +157,11 @@ def _can_be_swapped(program: ParsedProgram, call: ast.Call) -> bool:
     return plain and len(call.args) > 1 and program.name_of(call) not in _SYMMETRIC
 
 
-def _swapped(program: ParsedProgram, operator: str, node: ast.expr, new: ast.expr) -> Change:
-    return Change(operator, node.lineno, (program.swap(node, new),))
+def _swapped(program: ParsedProgram, operator: str, node: ast.expr, new: ast.expr) -> Mutation:
+    return Mutation(operator, node.lineno, (program.swap(node, new),))
 
 
-def _formatted(program: ParsedProgram, node: ast.JoinedStr) -> Iterator[Change]:
+def _formatted(program: ParsedProgram, node: ast.JoinedStr) -> Iterator[Mutation]:
     """A formatted text: its words changed one by one, its values left out."""
     yield _swapped(program, "empty text", node, ast.Constant(""))
     for place, part in enumerate(node.values):
@@ -178,20 +178,20 @@ def _formatted(program: ParsedProgram, node: ast.JoinedStr) -> Iterator[Change]:
         yield _swapped(program, "arguments swapped", node, ast.JoinedStr(parts))
 
 
-def _entry(program: ParsedProgram, node: ast.Dict, place: int) -> Iterator[Change]:
+def _entry(program: ParsedProgram, node: ast.Dict, place: int) -> Iterator[Mutation]:
     """An entry of a dictionary left out, or with a value that another entry has in the same place."""
     key, value = node.keys[place], node.values[place]
     assert key is not None  # noqa: S101 - the caller has looked
     start, end = program.span(key)[0], program.span(value)[1]
     more = program.source[end:]
     end += len(more) - len(more.lstrip(", \n")) if more.lstrip().startswith(",") else 0
-    yield Change("entry left out", key.lineno, (Edit(start, end, ""),))
+    yield Mutation("entry left out", key.lineno, (Edit(start, end, ""),))
     if not isinstance(value, ast.Tuple):
         return
     for column, part in enumerate(value.elts):
         others = _column(node, column)
         for other in [one for one in others if one != ast.unparse(part)][:_OTHER_FIELDS]:
-            yield Change("another answer", part.lineno, (program.replace(part, other),))
+            yield Mutation("another answer", part.lineno, (program.replace(part, other),))
 
 
 def _column(node: ast.Dict, column: int) -> list[str]:

@@ -6,7 +6,7 @@ import ast
 import textwrap
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.changes import Change
+from course_kit.authoring.prove.changes import Mutation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,17 +20,17 @@ _SELDOM = 10  # of as many feedback messages one
 _MESSAGES = ("publish", "publish_feedback")
 
 
-def callbacks(program: ParsedProgram) -> Iterator[Change]:
+def callbacks(program: ParsedProgram) -> Iterator[Mutation]:
     """A callback that does nothing, or another one of the class."""
     for reference in program.callback_references:
         for nothing in ("lambda *given: None", "lambda *given: given[-1]"):
-            yield Change("callback does nothing", reference.lineno, (program.replace(reference, nothing),))
+            yield Mutation("callback does nothing", reference.lineno, (program.replace(reference, nothing),))
         for other in program.callback_references:
             edit = program.replace(reference, program.text(other))
-            yield Change("another callback", reference.lineno, (edit,))
+            yield Mutation("another callback", reference.lineno, (edit,))
 
 
-def goal_status(program: ParsedProgram) -> Iterator[Change]:
+def goal_status(program: ParsedProgram) -> Iterator[Mutation]:
     """Another end of a goal; a goal that is accepted for rejected."""
     for call in program.calls():
         name = program.name_of(call)
@@ -38,14 +38,14 @@ def goal_status(program: ParsedProgram) -> Iterator[Change]:
             for other in _STATUS:
                 if other != name:
                     text = f"{program.text(call.func.value)}.{other}()"
-                    yield Change("status of a goal", call.lineno, (program.replace(call, text),))
+                    yield Mutation("status of a goal", call.lineno, (program.replace(call, text),))
     for node in program.nodes():
         if isinstance(node, ast.Attribute) and node.attr in _DECISIONS:
             text = f"{program.text(node.value)}.{_DECISIONS[node.attr]}"
-            yield Change("status of a goal", node.lineno, (program.replace(node, text),))
+            yield Mutation("status of a goal", node.lineno, (program.replace(node, text),))
 
 
-def messages(program: ParsedProgram) -> Iterator[Change]:
+def messages(program: ParsedProgram) -> Iterator[Mutation]:
     """What is published twice, once in all, or seldom."""
     published = [call for call in program.calls() if program.name_of(call) in _MESSAGES]
     for number, call in enumerate(published, start=1):
@@ -53,7 +53,7 @@ def messages(program: ParsedProgram) -> Iterator[Change]:
         if not isinstance(statement, ast.Expr):
             continue
         text = program.statement_text(statement)
-        yield Change("published twice", call.lineno, (program.after(statement, text),))
+        yield Mutation("published twice", call.lineno, (program.after(statement, text),))
         name = f"published_{number}"
         owner = _owner(program, call)
         count = f"{owner}.{name} = getattr({owner}, {name!r}, -1) + 1"
@@ -62,42 +62,42 @@ def messages(program: ParsedProgram) -> Iterator[Change]:
             ("published seldom", f"{owner}.{name} % {_SELDOM} == 0"),
         ):
             changed = f"{count}\nif {test}:\n{textwrap.indent(text, '    ')}"
-            yield Change(operator, call.lineno, (program.replace(statement, changed),))
+            yield Mutation(operator, call.lineno, (program.replace(statement, changed),))
 
 
-def failing(program: ParsedProgram) -> Iterator[Change]:
+def failing(program: ParsedProgram) -> Iterator[Mutation]:
     """A callback that raises, at once or when it is called again; one that blocks."""
     time, rclpy = program.imported("time"), program.imported("rclpy")
     for function in program.callbacks:
         first = _first_statement(function)
         line = function.lineno
-        yield Change("exception in a callback", line, (program.before(first, 'raise RuntimeError("a mistake")'),))
+        yield Mutation("exception in a callback", line, (program.before(first, 'raise RuntimeError("a mistake")'),))
         owner = "self" if program.is_method(function) else function.name
         again = (
             f'if hasattr({owner}, "called_{function.name}"):\n    raise RuntimeError("a mistake")\n'
             f"{owner}.called_{function.name} = True"
         )
-        yield Change("exception in a callback", line, (program.before(first, again),))
+        yield Mutation("exception in a callback", line, (program.before(first, again),))
         sleep = program.before(first, f"time.sleep({_BLOCKED_S})")
-        yield Change("blocking callback", line, (sleep, *time))
+        yield Mutation("blocking callback", line, (sleep, *time))
         if program.is_method(function):
             wait = "rclpy.spin_until_future_complete(self, rclpy.task.Future())"
-            yield Change("waiting in a callback", line, (program.before(first, wait), *rclpy))
+            yield Mutation("waiting in a callback", line, (program.before(first, wait), *rclpy))
 
 
-def spinning(program: ParsedProgram) -> Iterator[Change]:
+def spinning(program: ParsedProgram) -> Iterator[Mutation]:
     """One thread for several, one message in all, no spinning (a call left out tells that as well)."""
     for call in program.calls():
         name = program.name_of(call)
         if name == "MultiThreadedExecutor":
             text = "rclpy.executors.SingleThreadedExecutor()"
-            yield Change("one thread", call.lineno, (program.replace(call, text), *program.imported("rclpy")))
+            yield Mutation("one thread", call.lineno, (program.replace(call, text), *program.imported("rclpy")))
         elif name == "spin" and isinstance(call.func, ast.Attribute):
             text = f"{program.text(call.func)}_once({', '.join(program.text(one) for one in call.args)})"
-            yield Change("one spin", call.lineno, (program.replace(call, text),))
+            yield Mutation("one spin", call.lineno, (program.replace(call, text),))
 
 
-def parameter_types(program: ParsedProgram) -> Iterator[Change]:
+def parameter_types(program: ParsedProgram) -> Iterator[Mutation]:
     """A parameter that is declared with a value of another type: 1 for 1.0, a text for a number."""
     for call in program.calls():
         value = call.args[1] if program.name_of(call) == "declare_parameter" and len(call.args) > 1 else None
@@ -107,10 +107,10 @@ def parameter_types(program: ParsedProgram) -> Iterator[Change]:
                 repr(float(value.value) if type(value.value) is int else int(value.value)),
             ]
             for other in others:
-                yield Change("parameter's type", value.lineno, (program.replace(value, other),))
+                yield Mutation("parameter's type", value.lineno, (program.replace(value, other),))
 
 
-def parameters(program: ParsedProgram) -> Iterator[Change]:
+def parameters(program: ParsedProgram) -> Iterator[Mutation]:
     """A parameter that is read once, when the node is made."""
     made = program.methods.get("__init__")
     if made is None:
@@ -125,17 +125,17 @@ def parameters(program: ParsedProgram) -> Iterator[Change]:
             continue
         kept = f"self.read_once_{name.replace('.', '_')}"
         edits = (program.after(made.body[-1], f"{kept} = {program.text(whole)}"), program.replace(whole, kept))
-        yield Change("parameter read once", call.lineno, edits)
+        yield Mutation("parameter read once", call.lineno, edits)
 
 
-def groups(program: ParsedProgram) -> Iterator[Change]:
+def groups(program: ParsedProgram) -> Iterator[Mutation]:
     """Everything in one callback group that lets one in at a time, or the other kind of group."""
     other = {"ReentrantCallbackGroup": "MutuallyExclusiveCallbackGroup"}
     other |= {value: key for key, value in other.items()}
     for call in program.calls():
         if name := other.get(program.name_of(call)):
             text = f"rclpy.callback_groups.{name}()"
-            yield Change("callback group", call.lineno, (program.replace(call, text), *program.imported("rclpy")))
+            yield Mutation("callback group", call.lineno, (program.replace(call, text), *program.imported("rclpy")))
 
 
 def _owner(program: ParsedProgram, call: ast.Call) -> str:

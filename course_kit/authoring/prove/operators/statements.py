@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.changes import Change
+from course_kit.authoring.prove.changes import Mutation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from course_kit.authoring.prove.program import ParsedProgram
 
 
-def conditions(program: ParsedProgram) -> Iterator[Change]:
+def conditions(program: ParsedProgram) -> Iterator[Mutation]:
     """A condition negated, always or never true; a branch left out; a loop that is run once."""
     for node in program.nodes():
         if not isinstance(node, (ast.If, ast.While, ast.IfExp)) or node.test in program.out_of_sight:
@@ -29,51 +29,51 @@ def conditions(program: ParsedProgram) -> Iterator[Change]:
                 yield from _left_out(program, "branch left out", node.orelse)
     for node in program.nodes():
         if isinstance(node, (ast.For, ast.While)):
-            yield Change("loop run once", node.lineno, (program.after(node.body[-1], "break"),))
+            yield Mutation("loop run once", node.lineno, (program.after(node.body[-1], "break"),))
 
 
-def statements(program: ParsedProgram) -> Iterator[Change]:
+def statements(program: ParsedProgram) -> Iterator[Mutation]:
     """A call or an assignment left out, a return without its value, or none at all."""
     for node in program.nodes():
         if isinstance(node, ast.Expr) and isinstance(node.value, (ast.Call, ast.Await)):
-            yield Change("call left out", node.lineno, (program.replace(node, "pass"),))
+            yield Mutation("call left out", node.lineno, (program.replace(node, "pass"),))
         elif isinstance(node, (ast.Assign, ast.AugAssign)):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             if any(isinstance(one, (ast.Attribute, ast.Subscript)) for one in targets):
-                yield Change("assignment left out", node.lineno, (program.replace(node, "pass"),))
+                yield Mutation("assignment left out", node.lineno, (program.replace(node, "pass"),))
         elif isinstance(node, ast.Return) and node.value is not None:
-            yield Change("return left out", node.lineno, (program.replace(node, program.text(node.value)),))
-            yield Change("another value returned", node.value.lineno, (program.replace(node.value, "None"),))
+            yield Mutation("return left out", node.lineno, (program.replace(node, program.text(node.value)),))
+            yield Mutation("another value returned", node.value.lineno, (program.replace(node.value, "None"),))
             if empty := _empty(program, node):
-                yield Change("another value returned", node.value.lineno, (program.replace(node.value, empty),))
+                yield Mutation("another value returned", node.value.lineno, (program.replace(node.value, empty),))
         elif isinstance(node, ast.Return):
-            yield Change("return left out", node.lineno, (program.replace(node, "pass"),))
+            yield Mutation("return left out", node.lineno, (program.replace(node, "pass"),))
         elif isinstance(node, (ast.Raise, ast.Break, ast.Continue)):
-            yield Change("jump left out", node.lineno, (program.replace(node, "pass"),))
+            yield Mutation("jump left out", node.lineno, (program.replace(node, "pass"),))
 
 
-def arguments(program: ParsedProgram) -> Iterator[Change]:
+def arguments(program: ParsedProgram) -> Iterator[Mutation]:
     """A call with an argument or a keyword less, or only its argument."""
     for call in program.calls():
         if call in program.out_of_sight or not _has_place(program, call):
             continue
         for keyword in call.keywords:
-            yield Change("keyword left out", keyword.value.lineno, (program.without(call, keyword),))
+            yield Mutation("keyword left out", keyword.value.lineno, (program.without(call, keyword),))
         if len(call.args) > 1:
-            yield Change("argument left out", call.args[-1].lineno, (program.without(call, call.args[-1]),))
+            yield Mutation("argument left out", call.args[-1].lineno, (program.without(call, call.args[-1]),))
         elif len(call.args) == 1 and not call.keywords and not isinstance(program.parents[call], ast.Expr):
             yield _expression(program, "function left out", call, call.args[0])
 
 
-def _expression(program: ParsedProgram, operator: str, node: ast.expr, new: ast.expr, line: int = 0) -> Change:
-    return Change(operator, line or node.lineno, (program.swap(node, new),))
+def _expression(program: ParsedProgram, operator: str, node: ast.expr, new: ast.expr, line: int = 0) -> Mutation:
+    return Mutation(operator, line or node.lineno, (program.swap(node, new),))
 
 
-def _left_out(program: ParsedProgram, operator: str, body: list[ast.stmt]) -> Iterator[Change]:
+def _left_out(program: ParsedProgram, operator: str, body: list[ast.stmt]) -> Iterator[Mutation]:
     if all(isinstance(one, ast.Pass) for one in body):
         return
     edits = [program.replace(body[0], "pass"), *(program.replace(one, "pass") for one in body[1:])]
-    yield Change(operator, body[0].lineno, tuple(edits))
+    yield Mutation(operator, body[0].lineno, tuple(edits))
 
 
 def _empty(program: ParsedProgram, node: ast.Return) -> str:

@@ -1,0 +1,194 @@
+"""What came back from a learner's node, and what a check may want of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.matching import describe_wanted, differences
+from course_kit.grading.checks.parameters import require_proper_answer, shown
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What came back for something that was sent.
+
+    Attributes:
+        sent: what was sent, in words.
+        got: what came, in words.
+        latency_s: after how many seconds.
+    """
+
+    sent: str
+    got: str
+    latency_s: float = 0.0
+
+    def fail(self, why: str, *, expected: str, breaks: str = "", diagnosis: str | None = None) -> None:
+        """End the check: what came is wrong.
+
+        Args:
+            why: what is wrong, in a sentence for the learner.
+            expected: what a right node does, in words.
+            breaks: the sentence of the task that is broken, where the check proves several.
+            diagnosis: a code of the catalogue, where what was seen establishes it.
+
+        Raises:
+            Failed: always.
+
+        Example:
+            >>> answer = node.call("/area", radius=-1.0)
+            >>> if answer.response.area < 0:
+            ...     answer.fail("An area is never negative.", expected="an area of 0 or more")
+        """
+        raise Failed(Evidence(self.sent, expected, self.got), why, diagnosis, breaks=breaks)
+
+    def within(self, seconds: float, *, breaks: str = "") -> None:
+        """It took no longer than so many seconds.
+
+        Args:
+            seconds: the most that the task allows.
+            breaks: as in `fail`.
+
+        Raises:
+            Failed: it took longer, with service.blocks.
+
+        Example:
+            >>> node.call("/add", a=1, b=2).within(1.5, breaks="quick")
+        """
+        if self.latency_s > seconds:
+            why = f"The answer took {self.latency_s:.1f} s, and meanwhile every other client has to wait."
+            self.fail(why, expected=f"an answer within {seconds:g} s", breaks=breaks, diagnosis="service.blocks")
+
+    def not_before(self, seconds: float, *, breaks: str = "") -> None:
+        """It took at least so many seconds: work that takes time was not left out.
+
+        Args:
+            seconds: the least that the task allows.
+            breaks: as in `fail`.
+
+        Raises:
+            Failed: it came sooner.
+
+        Example:
+            >>> node.call("/weigh", a=1, b=2).not_before(0.4)
+        """
+        if self.latency_s < seconds:
+            why = "This came too soon: the work that takes so long was not done."
+            got = f"it came after {self.latency_s:.2f} s"
+            expected = f"not before {seconds:g} s have passed"
+            raise Failed(Evidence(self.sent, expected, got), why, breaks=breaks)
+
+
+@dataclass(frozen=True)
+class Answer(Reply):
+    """The response of a service.
+
+    Attributes:
+        response: the message.
+    """
+
+    response: Any = None
+
+    def expect(self, *, breaks: str = "", why: str = "", diagnosis: str | None = None, **fields: Any) -> Answer:
+        """The response has these fields; others may hold anything.
+
+        Args:
+            breaks: the sentence of the task that a wrong answer breaks, where the check proves several.
+            why: what is wrong with another answer, for the learner.
+            diagnosis: its code of the catalogue.
+            fields: a value for each; a dict for a message in it, or a function that says whether a value is right.
+
+        Raises:
+            Failed: one is not so.
+
+        Example:
+            >>> node.call("/add", a=1, b=2).expect(sum=3)
+        """
+        for path, wanted, got in differences(fields, self.response):
+            told = why or f"{path} has to be {describe_wanted(wanted)}, and is {got!r}."
+            self.fail(told, expected=describe_wanted(fields), breaks=breaks, diagnosis=diagnosis)
+        return self
+
+    def refused(
+        self,
+        *,
+        reason: str = "message",
+        what: str = "this request",
+        breaks: str = "",
+        unexplained: str = "",
+        **fields: Any,
+    ) -> None:
+        """The request was refused, with a reason.
+
+        Args:
+            reason: the field with the reason, which must not be blank; empty when the task asks for none.
+            what: was wrong with the request, for the learner: "an unknown unit".
+            breaks: the sentence that is broken by accepting it.
+            unexplained: the one that is broken by refusing it without a reason.
+            fields: by which a refusal is known; `success=False` when none are given.
+
+        Raises:
+            Failed: it was accepted, with validation.missing, or there is no reason, with validation.no_reason.
+
+        Example:
+            >>> node.call("/convert", value=1.0, unit="kelvin").refused(what="an unknown unit")
+        """
+        wanted = fields or {"success": False}
+        expected = describe_wanted(wanted) + (f" and a {reason} that says why" if reason else "")
+        if next(differences(wanted, self.response), None):
+            why = f"Your service accepted {what}."
+            self.fail(why, expected=expected, breaks=breaks, diagnosis="validation.missing")
+        if reason and not getattr(self.response, reason).strip():
+            why = f"Your service was right to refuse {what}, but its {reason} is empty: the client cannot tell why."
+            self.fail(why, expected=expected, breaks=unexplained or breaks, diagnosis="validation.no_reason")
+
+
+@dataclass(frozen=True)
+class Change(Reply):
+    """The answer to a change of parameters.
+
+    Attributes:
+        values: what was to be set.
+        result: whether it was, and the reason.
+    """
+
+    values: Any = None
+    result: Any = None
+
+    def accepted(self, *, breaks: str = "") -> None:
+        """The change was accepted.
+
+        Args:
+            breaks: as in `fail`.
+
+        Raises:
+            Failed: it was refused, with validation.overzealous or parameter.bad_callback.
+
+        Example:
+            >>> node.set(max_speed=0.5).accepted()
+        """
+        if not self.result.successful:
+            evidence = Evidence(self.sent, "accepted: the value is valid", self.got)
+            require_proper_answer(self.result, evidence)
+            why = f"Your node refused {shown(self.values)}, which is valid."
+            raise Failed(evidence, why, "validation.overzealous", breaks=breaks)
+
+    def refused(self, *, expected: str = "refused", breaks: str = "", diagnosis: str = "validation.missing") -> None:
+        """The change was refused.
+
+        Args:
+            expected: why, in words.
+            breaks: as in `fail`.
+            diagnosis: what it means that it was accepted.
+
+        Raises:
+            Failed: it was accepted, or rclpy refused it because the callback returned no result.
+
+        Example:
+            >>> node.set(max_speed=-1.0).refused(breaks="refused")
+        """
+        if self.result.successful:
+            why = f"Your node accepted {shown(self.values)}."
+            self.fail(why, expected=expected, breaks=breaks, diagnosis=diagnosis)
+        require_proper_answer(self.result, Evidence(self.sent, expected, self.got))
