@@ -33,7 +33,7 @@ RANGES = {
 
 
 @dataclass(frozen=True)
-class Settings:
+class LimiterSettings:
     """The values of the four parameters; the defaults are those of the exercise."""
 
     robot_name: str = "default_robot"
@@ -49,7 +49,7 @@ class Settings:
         """The value of one parameter."""
         return getattr(self, name)
 
-    def with_some(self, refused: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Settings, Mapping[str, Any]]]:
+    def with_some(self, refused: Sequence[Mapping[str, Any]]) -> Iterator[tuple[LimiterSettings, Mapping[str, Any]]]:
         """The settings of a node which keeps some of these refused values, each with the last change it has kept."""
         kept: dict[str, list[tuple[Any, int]]] = {name: [(self.of(name), -1)] for name in TYPES}
         for number, values in enumerate(refused):
@@ -59,10 +59,10 @@ class Settings:
         for some in itertools.product(*kept.values()):
             last = max(number for _, number in some)
             if last >= 0:
-                yield Settings(*(value for value, _ in some)), refused[last]
+                yield LimiterSettings(*(value for value, _ in some)), refused[last]
 
 
-DEFAULTS = Settings()
+DEFAULTS = LimiterSettings()
 
 
 def is_valid(name: str, value: object) -> bool:
@@ -98,7 +98,7 @@ class Reaction:
         return ", ".join(told) or "all fields 0"
 
 
-def right_reaction(settings: Settings, fields: Sequence[float]) -> Reaction:
+def right_reaction(settings: LimiterSettings, fields: Sequence[float]) -> Reaction:
     """What has to come out for a command with these fields."""
     if not settings.enabled:
         return Reaction((0.0,) * len(FIELDS), 0.0)
@@ -117,7 +117,7 @@ def same_velocity(one: Reaction, two: Reaction) -> bool:
 
 
 def cause_of(
-    settings: Settings, fields: Sequence[float], got: Reaction, *, floors: bool
+    settings: LimiterSettings, fields: Sequence[float], got: Reaction, *, floors: bool
 ) -> tuple[bool, str | None, str]:
     """What is wrong with a reaction: whether /wheel_speed alone is, the diagnosis, and a sentence.
 
@@ -145,7 +145,9 @@ def cause_of(
     return False, "math.formula", told
 
 
-def _cause_of_wheel(settings: Settings, fields: Sequence[float], got: Reaction, *, floors: bool) -> tuple[str, str]:
+def _cause_of_wheel(
+    settings: LimiterSettings, fields: Sequence[float], got: Reaction, *, floors: bool
+) -> tuple[str, str]:
     speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields[0]
     if not settings.enabled:
         return "math.formula", "With enabled=False the robot stands still, and so do its wheels."
@@ -187,12 +189,12 @@ def read_status(text: str) -> tuple[str, float] | None:
         return None
 
 
-def status_line(settings: Settings) -> str:
+def status_line(settings: LimiterSettings) -> str:
     """A right status line."""
     return f"{settings.robot_name}: {settings.max_velocity!r} m/s"
 
 
-def what_is_wrong_with_status(settings: Settings, line: str) -> str:
+def what_is_wrong_with_status(settings: LimiterSettings, line: str) -> str:
     """What a status line does not tell, for the learner."""
     read = read_status(line)
     if read is None:

@@ -17,8 +17,8 @@ from course_kit.graders._limiter import (
     FIELDS,
     RANGES,
     TYPES,
+    LimiterSettings,
     Reaction,
-    Settings,
     cause_of,
     is_valid,
     missing_in_reason,
@@ -97,14 +97,14 @@ _COMMANDS = (("m/s", 0.05, [0.0] * 5), ("m/s", 8.0, [0.0] * 5), ("m/s", -8.0, [0
 class Limiter(Model):
     """A velocity limiter: its settings, and what a refused change would have made of them."""
 
-    def __init__(self, settings: Settings = DEFAULTS) -> None:
+    def __init__(self, settings: LimiterSettings = DEFAULTS) -> None:
         self.settings = self.start = self.seen = settings
         self.refused: list[dict[str, Any]] = []
         self.quiet_until = 0.0
 
     def begin(self, node: GradedNode) -> None:
         """Wrong defaults cost the points of their own check alone; with `--attach` somebody else has set the node."""
-        self.settings = self.start = self.seen = Settings(**node.get(*TYPES, of=NODE))
+        self.settings = self.start = self.seen = LimiterSettings(**node.get(*TYPES, of=NODE))
 
     def end(self, node: GradedNode) -> None:
         """After all of it the node does what it did; and nothing comes late."""

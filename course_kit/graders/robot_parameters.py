@@ -13,7 +13,7 @@ from std_msgs.msg import Float64, String
 from course_kit.graders._limiter import (
     DEFAULTS,
     TYPES,
-    Settings,
+    LimiterSettings,
 )
 from course_kit.graders._limiter_model import BEYOND, NODE, SILENT_S, STATUS, Limiter
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
@@ -127,7 +127,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
             why = f"Your program ended when it was started with valid values. {failed.message}"
             raise Failed(evidence, why, "validation.overzealous") from None
         raise Failed(evidence, failed.message, failed.diagnosis) from None
-    model = Limiter(replace(Settings(**node.get(*TYPES, of=NODE)), **given))
+    model = Limiter(replace(LimiterSettings(**node.get(*TYPES, of=NODE)), **given))
     held = context.conversations.get(Limiter)
     model.lost = held.lost if held is not None else frozenset()
     read = node.get(*given, of=NODE)

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from course_kit.graders import _limiter
-from course_kit.graders._limiter import Reaction, Settings
+from course_kit.graders._limiter import LimiterSettings, Reaction
 
 velocities = st.floats(-20.0, 20.0)
 settings = st.builds(
-    Settings,
+    LimiterSettings,
     max_velocity=st.floats(0.01, 5.0),
     wheel_diameter=st.floats(0.01, 1.0),
     enabled=st.booleans(),
@@ -22,7 +22,7 @@ settings = st.builds(
 
 
 @given(settings, velocities, velocities)
-def test_the_right_reaction_is_what_the_exercise_asks_for(values: Settings, speed: float, turn: float) -> None:
+def test_the_right_reaction_is_what_the_exercise_asks_for(values: LimiterSettings, speed: float, turn: float) -> None:
     right = _limiter.right_reaction(values, [speed, 0.0, 0.0, 0.0, 0.0, turn])
     if not values.enabled:
         assert right == Reaction((0.0,) * 6, 0.0)
@@ -49,7 +49,9 @@ def test_the_right_reaction_is_what_the_exercise_asks_for(values: Settings, spee
 )
 def test_a_wrong_wheel_speed_is_explained(wheel: float, code: str, said: str) -> None:
     got = Reaction((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), wheel)
-    of_wheel, diagnosis, message = _limiter.cause_of(Settings(), [3.0, 0.0, 0.0, 0.0, 0.0, 0.0], got, floors=False)
+    of_wheel, diagnosis, message = _limiter.cause_of(
+        LimiterSettings(), [3.0, 0.0, 0.0, 0.0, 0.0, 0.0], got, floors=False
+    )
     assert (of_wheel, diagnosis, said in message) == (True, code, True)
 
 
@@ -92,7 +94,7 @@ def test_status_lines_are_read_as_people_do(line: str, read: tuple[str, float] |
 
 def test_a_node_that_keeps_what_it_has_refused_is_recognised() -> None:
     refused = [{"max_velocity": 6.0}, {"wheel_diameter": 0.5}]
-    found = {(one.max_velocity, one.wheel_diameter): cause for one, cause in Settings().with_some(refused)}
+    found = {(one.max_velocity, one.wheel_diameter): cause for one, cause in LimiterSettings().with_some(refused)}
     assert found == {(6.0, 0.1): refused[0], (1.0, 0.5): refused[1], (6.0, 0.5): refused[1]}
 
 
