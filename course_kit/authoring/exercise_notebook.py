@@ -6,6 +6,7 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.errors import GradingError
+from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
     from course_kit.grading.exercise import Exercise
@@ -65,7 +66,7 @@ def renewed(text: str, task: Exercise, starter: str) -> str:
         by_id = {cell.get("id"): cell for cell in notebook["cells"]}
     except (ValueError, KeyError, TypeError, AttributeError) as problem:
         raise GradingError(f"{task.folder / task.notebook} is not a notebook: {problem}.") from None
-    title = f"# {task.title}\n\n{task.points:g} points, {task.pass_mark:g} to pass."
+    title = f"# {task.title}\n\n{in_points(task.points)}, {task.pass_mark:g} to pass."
     for name, source in ((_TITLE, title), (_ANSWER, f"%%submission {task.id}\n{_class_of(starter)}")):
         if name not in by_id:
             raise GradingError(f"{task.folder / task.notebook} has no cell with the id '{name}'. Put it back.")

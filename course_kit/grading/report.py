@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import Result
+from course_kit.text.console import in_points
 from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ class Report:
         """What was reached, in words: `8 of 10 points: passed`; of a drill `solved`."""
         if self.practice:
             return "solved" if self.passed else "not solved yet"
-        return f"{self.score:g} of {self.max_score:g} points: {'passed' if self.passed else 'not passed yet'}"
+        return f"{self.score:g} of {in_points(self.max_score)}: {'passed' if self.passed else 'not passed yet'}"
 
     def to_mapping(self) -> Record:
         """The report as JSON has it: exactly these names."""

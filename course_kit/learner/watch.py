@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading import Worker, advice_for_root, exercise, grade
 from course_kit.grading.errors import GradingError
 from course_kit.learner import progress, workspace
-from course_kit.text.console import tell, wrapped
+from course_kit.text.console import in_points, tell, wrapped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -141,7 +141,7 @@ def _verdict(report: Report) -> str:
 def _best(report: Report) -> str:
     if report.practice:
         return f" {report.verdict.capitalize()}."
-    return f" Best score: {report.score:g} points."
+    return f" Best score: {in_points(report.score)}."
 
 
 def _difference(report: Report, before: Report | None) -> str:

@@ -48,3 +48,8 @@ def wrapped(
         break_on_hyphens=False,
         break_long_words=not whole_words,
     )
+
+
+def in_points(amount: float) -> str:
+    """`1 point`, `2.5 points`."""
+    return f"{amount:g} point{'s' * (amount != 1)}"

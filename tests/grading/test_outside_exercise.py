@@ -79,7 +79,7 @@ def test_two_exercises_may_define_one_interface_each_in_its_own_way(tmp_path: Pa
     [
         (
             ("CHECKS = [there, adds]", "CHECKS = tuple([there])"),
-            "the checks are worth 1 points together, but the exercise 3",
+            "the checks are worth 1 point together, but the exercise 3",
         ),
         (("CHECKS = [there, adds]", "CHECKS = [there, add]"), "checks.py, line 14, cannot be run: NameError"),
         (("CHECKS = [there, adds]", "CHECKS = ["), "checks.py, line 14, cannot be run: SyntaxError"),

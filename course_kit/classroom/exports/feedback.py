@@ -20,6 +20,7 @@ from course_kit.classroom.exports.results import STATES, explained, headline, pr
 from course_kit.classroom.exports.texts import number
 from course_kit.classroom.records import Records
 from course_kit.environment import write_atomically
+from course_kit.text.console import in_points
 from course_kit.text.sanitize import encodable, one_line, printable
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ def lines(record: Record) -> Iterator[str]:
     yield from printable(problem(record)).splitlines()
     for check in record.report["checks"]:
         yield ""
-        points = f"{number(check['points'])} of {number(check['max_points'])} points"
+        points = f"{number(check['points'])} of {in_points(check['max_points'])}"
         yield f"{one_line(check['title'])}: {STATES[check['status']]}, {points}"
         yield from (f"  {line}" for line in printable(explained(check)).splitlines())
 

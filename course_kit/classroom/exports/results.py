@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from course_kit.classroom.exports.texts import number
+from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
     from course_kit.classroom.gradebook import Gradebook
@@ -52,7 +53,7 @@ def headline(record: Record) -> str:
     """The result in one sentence."""
     if not record.has_grade:
         return "Not graded: the grader itself failed. Your work is not the cause, and it will be graded again."
-    points = f"{number(record.score)} of {number(record.max_score)} points"
+    points = f"{number(record.score)} of {in_points(record.max_score)}"
     if record.status == "unreadable" and record.adjustment.override is None:
         return f"{points}: the submission could not be read."
     if record.status == "crashed" and record.adjustment.override is None:

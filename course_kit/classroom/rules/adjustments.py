@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from course_kit.text.console import in_points
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from datetime import datetime
@@ -41,10 +43,11 @@ def sentences(adjustment: Adjustment, graded: float | None) -> Iterator[str]:
     if adjustment.late:
         yield _lateness(adjustment)
     if adjustment.penalty and adjustment.override is None:
-        yield f"Late penalty: {adjustment.penalty:g} points, taken from the {graded or 0.0:g} points of the checks."
+        taken, whole = in_points(adjustment.penalty), in_points(graded or 0.0)
+        yield f"Late penalty: {taken}, taken from the {whole} of the checks."
     if adjustment.override is not None:
         instead = "" if graded is None else f"; the checks gave {graded:g}"
-        yield f"Your instructor has set this score to {adjustment.override:g} points{instead}."
+        yield f"Your instructor has set this score to {in_points(adjustment.override)}{instead}."
     if adjustment.comment:
         yield f"Comment of your instructor: {adjustment.comment}"
 

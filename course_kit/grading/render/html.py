@@ -12,6 +12,7 @@ from course_kit import environment
 from course_kit.grading.render import program as program_lines
 from course_kit.grading.render.sequence import sequence_svg
 from course_kit.ros.sequence import sequence_css
+from course_kit.text.console import in_points
 from course_kit.text.templates import load, render
 
 if TYPE_CHECKING:
@@ -81,6 +82,7 @@ def with_notice(page: str, score: str, sentences: Sequence[str]) -> str:
 def _values(report: Report, base: Path) -> dict[str, object]:
     return {
         "report": report,
+        "in_points": in_points,
         "most_points": max((check.max_points for check in report.checks), default=0.0),
         "first_failed": next((check for check in report.checks if check.status == "failed"), None),
         "link": partial(_link, base=base),

@@ -19,6 +19,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.exercise_folders import INTERFACES
 from course_kit.interfaces import get_type
 from course_kit.interfaces.sources import PATH_VARIABLE, path_with
+from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -93,7 +94,7 @@ def checks_of(grader: Grader | None, job: Job, context: CheckContext | None = No
     made = _ordered(made, job.check_order)
     worth = sum(one.points for one in made)
     if job.points and abs(worth - job.points) > _TINY:
-        raise GradingError(f"the checks are worth {worth:g} points together, but the exercise {job.points:g}")
+        raise GradingError(f"the checks are worth {in_points(worth)} together, but the exercise {job.points:g}")
     return made
 
 

@@ -13,6 +13,7 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.exports import page
+from course_kit.classroom.exports.results import headline
 from course_kit.classroom.records import Record
 from course_kit.classroom.rules.adjustments import Adjustment, duration, shown
 from tests.classroom.exports.books import SERVICE, book, good, not_graded, unreadable
@@ -97,3 +98,13 @@ def test_times_say_their_zone() -> None:
         "1 d 2 h",
         "3 d",
     ]
+
+
+def test_one_is_a_point() -> None:
+    whole = good("jane")
+    report = {**whole.report, "score": 1.0, "max_score": 1.0}
+    late = adjusted(replace(whole, report=report), replace(LATE, penalty=1.0))
+    assert headline(late).startswith("0 of 1 point: ")
+    assert "Late penalty: 1 point, taken from the 1 point of the checks." in late.remarks
+    assert "set this score to 1 point;" in " ".join(adjusted(whole, replace(SET, override=1.0)).remarks)
+    assert '<th scope="row">1 point</th>' in page.render(book(whole))
