@@ -10,21 +10,24 @@ goals to accept, and how to stop when a client wants that.
   robot is. `distance_travelled` is the length of this move alone, to within 5 cm or 5 %, whichever is more. Whatever
   stands in `z`, even NaN, is ignored: distances and `progress` are those in x and y.
 - Already there? A goal at the present position succeeds within 1 s. It needs no feedback.
-- Drive straight. The robot goes straight to the target, moved by `step_towards` alone. The position that you report,
-  in feedback and result, is `robot.position`. You may write your own motion loop in place of `SimulatedRobot`.
+- Drive straight. The robot goes straight to the target, moved by `step_towards` alone: no position lies 0.1 m or more
+  beside the way. The position that you report, in feedback and result, is `robot.position`. You may write your own
+  motion loop in place of `SimulatedRobot`.
 - Tell how it goes. A move of 1 m or more brings at least five feedback messages per metre: nine for 1.8 m, the first
-  and the last included. They are spread over the move: at least 40 % of its time passes between the first and the
-  last, and one comes in the middle third of that time. `progress` goes from 0 to 1. On such a move the first message
-  says at most 0.1, so it is sent before a tenth of the way is done; the last one says at least 0.99, so it is sent
-  when the robot is there, before the goal ends. A message before the first step is allowed. `progress` never falls,
-  and `distance_remaining` never grows. `distance_remaining` is the straight way from the `position` in the same
-  message to the target, within 0.1 m.
-- Say no. A target outside the arena is rejected, even by only 1 cm. So is a target whose x or y is NaN or infinite.
-  So is a goal that arrives while another one runs: there is one robot, and the first goal goes on undisturbed. Of two
-  goals sent at the same instant, one is accepted and the other rejected.
-- Stop when asked. A request to cancel is accepted within 1 s. The goal ends CANCELED, and `final_position` says where
-  the robot has stopped, short of the target. If the robot reaches its target at that very moment, the goal may end
-  SUCCEEDED. The next goal works, and starts from there.
+  and the last included. They are spread over the move: one comes in each third of the way, and at least 40 % of its
+  time passes between the first and the last. `progress` goes from 0 to 1 and is 1 - `distance_remaining` / the length
+  of this goal's way, within 0.05. On such a move the first message comes before a tenth of the way is done, and the
+  last one when at most 5 cm remain, before the goal ends. A message before the first step is allowed. `progress`
+  never falls, and `distance_remaining` never grows. `distance_remaining` is the straight way from the `position` in
+  the same message to the target, within 0.1 m.
+- Say no. A target outside the arena is rejected, even by only 1 mm. So is a target whose x or y is NaN or infinite.
+  So is a goal that arrives while another one runs, from its acceptance until its result. A rejected goal changes
+  nothing: the first goal goes on undisturbed, and the next valid one is accepted. Of two goals sent at the same
+  instant, one is accepted and the other rejected.
+- Stop when asked. A request to cancel is accepted within 1 s, at any moment until 0.3 m before the target. The goal
+  ends CANCELED within 1 s more; `final_position` says where the robot has stopped, short of the target, and
+  `distance_travelled` what it drove. If the robot reaches its target at that very moment, the goal may end SUCCEEDED.
+  The robot drives no further; the next goal works, and starts from there.
 - Be quick. A move may take 3 s per metre, plus 2 s. All times here are seconds on the clock, also in the grader,
   although its robot drives ten times as fast.
 - If your answer only defines the class, the grader calls `MoveRobotServer()`, without arguments, and spins it on a

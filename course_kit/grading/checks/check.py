@@ -185,11 +185,9 @@ def _run(one: Check, context: CheckContext) -> Result:
         context.begin(one.deadline_s)
         seen = one.run(context)
     except Failed as verdict:
+        name_lost_node(context, verdict)
         seen = verdict.evidence
         status, diagnosis, message = "failed", verdict.diagnosis, verdict.message
-        if seen.got.startswith("no ") and (line := context.lost_in()):
-            diagnosis = "action.node_lost"
-            message = f"A callback spins its own node in {exits.source_line(context.job, line)}."
         steps = verdict.steps or _exchange(context, seen)
     except GradingError:
         raise
@@ -202,6 +200,13 @@ def _run(one: Check, context: CheckContext) -> Result:
         status, diagnosis, message, steps = "passed", None, "", ()
     told = (seen.sent, seen.expected, seen.got, diagnosis, message, steps)
     return Result(one.id, one.title, status, one.points, *told)
+
+
+def name_lost_node(context: CheckContext, failed: Failed) -> None:
+    """Where a silent program's node has lost its executor, that is the reason."""
+    if failed.evidence.got.startswith("no ") and (line := context.lost_in()):
+        failed.diagnosis = "action.node_lost"
+        failed.message = f"A callback spins its own node in {exits.source_line(context.job, line)}."
 
 
 def _exchange(context: CheckContext, seen: Evidence) -> tuple[Arrow, ...]:

@@ -10,7 +10,7 @@ import random
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks.check import Check, Evidence, Failed, NotRun
+from course_kit.grading.checks.check import Check, Evidence, Failed, NotRun, name_lost_node
 from course_kit.grading.checks.context import SubmissionEndedError
 from course_kit.grading.checks.drawing import Draw, drawn_values
 from course_kit.grading.checks.graded_node import GradedNode
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
 
 DEADLINE_S = 45.0  # for all waiting of a conversation, its shrinking included
-_TALK_S = 20.0  # after which no further step is drawn: whoever is slow is asked less, and loses nothing by it
+_TALK_S = 30.0  # after which no further step is drawn: whoever is slow is asked less, and loses nothing by it
 _SHRINK_S = 2.5  # for all tries on one failure, after the first
 _TAILS = (1, 2, 3, 5, 9, 17)  # so many of the last steps are tried by themselves
 _STRIKES = 2  # after so many failures of a check that is lost already a rule is left out
@@ -196,8 +196,9 @@ class Steps:
     def next(self, *, apart: bool) -> Step:
         """The next step."""
         if not self._waiting:
-            self._waiting = [one for one in self._rules for _ in range(one.often)]
+            self._waiting = [one for one in self._rules for _ in range(one.often - 1)]
             self._rng.shuffle(self._waiting)
+            self._waiting += self._rng.sample(self._rules, len(self._rules))  # taken first: who is slow shows all once
         if apart:
             self._waiting.sort(key=lambda one: one.name)
         chosen = self._waiting.pop()
@@ -240,12 +241,13 @@ class Conversation:
         steps = Steps(_rules_of(self.model), random.Random(self.context.job.seed))  # noqa: S311 - test values, not secrets
         node, model, done = self._begin()
         clock = self.context.clock()
-        for _ in range(max(self.steps, steps.round)):
+        for number in range(max(self.steps, steps.round)):
             step = steps.next(apart=self._apart)
             if self._is_lost(step.rule):
                 continue
             on_the_wall = clock.wall() > self.context.job.limits.wall_s / 2  # after which the program would be ended
-            if on_the_wall or clock.past(_TALK_S) or self.context.time_is_up():
+            talked = clock.past(_TALK_S) and number > len(_rules_of(self.model))
+            if on_the_wall or talked or self.context.time_is_up():
                 return
             if self._apart and done and done[-1].rule != step.rule:
                 self.context.spoil()
@@ -321,6 +323,7 @@ class Conversation:
     def _keep(self, failed: Failed, done: list[Step]) -> None:
         """Keep a failure for the check that it costs, shrunk; of a check that is lost already only the count."""
         last = done[-1]
+        name_lost_node(self.context, failed)
         lost = self._part_of(last.rule, failed.breaks)
         if self._tallies[lost.id].failed is None:
             failed.steps = failed.steps or self.context.record.steps(failed.evidence)
@@ -395,6 +398,7 @@ class Conversation:
             if self._at_end:
                 model.end(node)
         except Failed as failed:
+            name_lost_node(self.context, failed)
             costs = self._part_of(step.rule, failed.breaks)
             if costs == lost or self._tallies[costs.id].failed is None:
                 return self._told(failed, steps), costs
