@@ -101,6 +101,7 @@ class RobotModel(Model):
     def __init__(self) -> None:
         self.at = _ORIGIN
         self.before = "accepted"  # the check that is about what happened last
+        self.stopped = False  # by a cancel, and has not arrived anywhere since
         self.happened: list[str] = []  # these checks, in the order of their first time
         self.right: set[str] = set()  # the aspects in which plain moves were right
         self.wrong: set[str] = set()  # those in which one was not
@@ -137,10 +138,10 @@ class RobotModel(Model):
         """Whatever stands in z changes nothing."""
 
         def act() -> None:
-            check = self.cause_beside("any_z")
+            self.leave_the_cancelled(node)
             move = self.drive(node, way, z, check="any_z")
             try:
-                self.judge_known(node, move, check)
+                self.judge_known(node, move, "any_z")
             except Failed as failed:
                 if failed.breaks == "any_z":
                     failed.message, failed.diagnosis = _feedback.explain_z(move, z) or failed.message, None
@@ -158,19 +159,17 @@ class RobotModel(Model):
         """What feedback says is true."""
         self.judged(node, way, "progress")
 
-    @rule("already_there", z=either(0.0, math.nan), often=2)
-    def be_there(self, node: GradedNode, z: float) -> None:
+    @rule("already_there", often=2)
+    def be_there(self, node: GradedNode) -> None:
         """A goal at the present position succeeds at once."""
 
         def act() -> None:
             at_edge = any(value in (0.0, ARENA) for value in self.at)
-            check = "any_z" if z else "outside" if at_edge else "already_there"
-            goal = self.send(node, self.at, z)
-            self.have_accepted(node, goal, self.at, z, breaks=check)
-            check = "any_z" if z and "already_there" in self.happened else "already_there"
-            ended = self.arrive(goal, 0.0, within_s=_AT_ONCE_S, breaks=check)
+            goal = self.send(node, self.at, 0.0)
+            self.have_accepted(node, goal, self.at, breaks="outside" if at_edge else "already_there")
+            ended = self.arrive(goal, 0.0, within_s=_AT_ONCE_S, breaks="already_there")
             _feedback.require_limits(goal)
-            _judge("arrives", Move(self.at, self.at, goal, ended), breaks=check)
+            _judge("arrives", Move(self.at, self.at, goal, ended), breaks="already_there")
             self.note("already_there")
 
         self.fairly(node, act)
@@ -230,7 +229,7 @@ class RobotModel(Model):
 
     def _disturb(self, node: GradedNode, way: _Way, moment: tuple[float, str], angle: float) -> None:
         share, kind = moment
-        check = self.cause_beside("second_goal")
+        self.leave_the_cancelled(node)
         begin, target = self.at, self.target_of(node, way)
         first = self.send(node, target, 0.0)
         self.have_accepted(node, first, target)
@@ -241,7 +240,7 @@ class RobotModel(Model):
             self._reject_second(node, first, target_of_other, what)
         length = math.dist(begin, target)
         ended = self.arrive(first, length, breaks="second_goal")
-        self.judge_known(node, Move(begin, target, first, ended), check)
+        self.judge_known(node, Move(begin, target, first, ended), "second_goal")
         self.note("second_goal")
 
     def _reject_second(self, node: GradedNode, first: GradedGoal, target: Place, kind: str) -> None:
@@ -330,7 +329,7 @@ class RobotModel(Model):
 
     def cancel(self, node: GradedNode, way: _Way, share: float) -> None:
         """Set off, cancel after a share of the way, and see that the robot stops."""
-        begin, target, before = self.at, self.target_of(node, way), self.before
+        begin, target, stopped = self.at, self.target_of(node, way), self.stopped
         goal = self.send(node, target, 0.0)
         self.have_accepted(node, goal, target)
         self.wait_for_share(node, goal, begin, target, share)
@@ -347,7 +346,7 @@ class RobotModel(Model):
             _feedback.require_stopped(goal, ended, evidence, begin, target)
         except Failed as failed:
             node.context.spoil()
-            failed.breaks = "after_cancel" if before == "after_cancel" else "cancel"
+            failed.breaks = "after_cancel" if stopped else "cancel"
             raise
         self.at = place_of(ended.result.final_position)
         drove = math.dist(begin, self.at)
@@ -357,6 +356,7 @@ class RobotModel(Model):
             why = f"The robot drove {drove:.2f} m before it was cancelled, but distance_travelled says something else."
             raise Failed(evidence, why, breaks="distance")
         self.note("after_cancel")
+        self.stopped = True
 
     def judge_refusal(self, node: GradedNode, goal: GradedGoal, failed: Failed, *, length: float, breaks: str) -> None:
         """A request to cancel was not accepted in time: refused, or was the robot there already?
@@ -382,9 +382,10 @@ class RobotModel(Model):
 
     # --- inside
 
-    def cause_beside(self, check: str) -> str:
-        """What is special about the next move: it comes after a cancelled one, or else what its own check is about."""
-        return "after_cancel" if self.before == "after_cancel" else check
+    def leave_the_cancelled(self, node: GradedNode) -> None:
+        """After a cancelled goal a plain move comes first: what is wrong with it has that cause."""
+        if self.stopped:
+            self.judge_known(node, self.drive(node, _Way(1.1, 0.5), check="after_cancel"), "after_cancel")
 
     def note(self, check: str) -> None:
         """Note down what has happened, by the check that is about it."""
@@ -396,9 +397,9 @@ class RobotModel(Model):
         """Drive, and have one aspect of the move right."""
 
         def act() -> None:
-            before = self.before
+            stopped = self.stopped
             move = self.drive(node, way)
-            if before == "after_cancel" and aspect in self.right - self.wrong:
+            if stopped and aspect in self.right - self.wrong:
                 self.judge_known(node, move, "after_cancel")
             else:
                 self.judge(move)
@@ -465,7 +466,7 @@ class RobotModel(Model):
         context = node.context
         context.launch(variables=_OWN_SPEED if _speed_of(context).own else None)
         node.meet()
-        self.at, self.before, self.happened = _ORIGIN, "accepted", []
+        self.at, self.stopped, self.before, self.happened = _ORIGIN, False, "accepted", []
 
     @staticmethod
     def is_slow(context: CheckContext) -> bool:
@@ -558,6 +559,7 @@ class RobotModel(Model):
         """The goal ends SUCCEEDED; the robot is then where the result says."""
         ended = goal.ends("SUCCEEDED", within_s=within_s or _allowed_s(length), breaks=breaks)
         self.at = _feedback.in_the_arena(place_of(ended.result.final_position))
+        self.stopped = False
         return ended
 
     def wait_for_share(self, node: GradedNode, goal: GradedGoal, begin: Place, target: Place, share: float) -> None:
@@ -641,7 +643,7 @@ def _require_distance(move: Move) -> None:
     if abs(travelled - math.dist(_ORIGIN, move.target)) <= tolerance:
         why = f"That is the distance from {_ORIGIN}, but the robot was at {move.begin} when this goal arrived."
     elif travelled > move.length:
-        why = "That is more than this move: does it count earlier moves, too?"
+        why = "distance_travelled is more than this move: does it count earlier moves, too?"
     elif travelled == 0.0:
         why = "The field was not filled in."
     else:
