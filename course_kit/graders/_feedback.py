@@ -120,7 +120,7 @@ def require_enough(move: Move) -> None:
     began, over = move.goal.began_at or times[0], move.goal.over_at or times[-1]
     got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the start"
     evidence = Evidence(move.goal.shown, expected, f"{got}; the goal ended after {over - began:.2f} s")
-    if not _is_spread([time for time in times if time <= over], began, over):
+    if not is_spread([time for time in times if time <= over], began, over):
         raise HastyError(evidence, "The messages came in one burst, not spread over the move.", "action.late_feedback")
 
 
@@ -138,7 +138,7 @@ def require_sense(move: Move) -> None:
             why = "There was no feedback during this move."
             raise HastyError(Evidence(move.goal.shown, expected, "no feedback"), why)
         return
-    if found := _jump(heard):
+    if found := find_jump(heard):
         evidence = Evidence(move.goal.shown, expected, found)
         why = f"Two messages of one move contradict each other: {found}." if "then" in found else f"It was {found}."
         raise Failed(evidence, why, "action.feedback_not_monotonic")
@@ -227,7 +227,7 @@ def _is_complete(heard: Sequence[ReceivedFeedback]) -> bool:
     return bool(heard) and heard[-1].feedback.distance_remaining <= TOLERANCE
 
 
-def _is_spread(times: Sequence[float], began: float, over: float) -> bool:
+def is_spread(times: Sequence[float], began: float, over: float) -> bool:
     """Whether feedback took a good part of a move, with one in the middle third of that."""
     if not times:
         return False
@@ -237,7 +237,7 @@ def _is_spread(times: Sequence[float], began: float, over: float) -> bool:
     return between and last - first >= _GOOD_PART * (over - began)
 
 
-def _jump(feedback: Sequence[ReceivedFeedback]) -> str:
+def find_jump(feedback: Sequence[ReceivedFeedback]) -> str:
     """The first two messages between which progress falls or the distance left grows; empty when there are none."""
     values = [one.feedback for one in feedback]
     for value in values:

@@ -3,56 +3,18 @@
 from __future__ import annotations
 
 import math
-import random
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from course_kit.graders._moves import (
-    ARENA,
-    ORIGIN,
-    MovePlace,
-    beside,
-    farthest_corner,
-    is_spread,
-    jump,
-    target_from,
-    telling_target,
-)
+from course_kit.graders._feedback import Place, beside, find_jump, is_spread
 from course_kit.grading.checks.actions import ReceivedFeedback
 from course_kit.grading.checks.process_status import ProcessStatus
 from course_kit.grading.diagnosis import goals
 from course_kit.grading.job import Job
 
-coordinates = st.floats(0.0, ARENA)
-places = st.builds(MovePlace, coordinates, coordinates)
-
-
-@given(places, st.floats(0.1, 5.0), st.integers())
-def test_targets_are_in_the_arena_and_as_far_as_wanted(here: MovePlace, length: float, seed: int) -> None:
-    target = target_from(here, length, random.Random(seed))  # noqa: S311 - places, not secrets
-    assert all(0.0 <= value <= ARENA for value in target)
-    assert math.isclose(math.dist(here, target), length, rel_tol=1e-9)
-
-
-@pytest.mark.parametrize("here", [MovePlace(1.0, 1.2), MovePlace(1.9, 2.3), MovePlace(5.0, 0.6), MovePlace(9.0, 5.0)])
-def test_a_target_tells_mistaken_distances_apart(here: MovePlace) -> None:
-    length, tolerance = 1.8, 0.09
-    driven = math.dist(ORIGIN, here)  # straight away from the origin: one more such move would tell nothing
-    for seed in range(300):
-        target = telling_target(here, length, driven, random.Random(seed))  # noqa: S311 - places, not secrets
-        assert math.isclose(math.dist(here, target), length)
-        from_origin = math.dist(ORIGIN, target)
-        assert abs(from_origin - length) > 2 * tolerance
-        assert abs(from_origin - (driven + length)) > 2 * tolerance
-
-
-@given(places)
-def test_a_far_corner_is_far(here: MovePlace) -> None:
-    assert math.dist(here, farthest_corner(here)) >= 6.2
+ORIGIN = Place(0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -60,12 +22,12 @@ def test_a_far_corner_is_far(here: MovePlace) -> None:
     [((1.0, 0.5), 0.5), ((-1.0, 0.0), 1.0), ((3.0, 0.0), 1.0), ((0.0, 0.0), 0.0), ((1.5, -0.2), 0.2)],
 )
 def test_distance_from_the_way(place: tuple[float, float], distance: float) -> None:
-    assert beside(ORIGIN, MovePlace(2.0, 0.0), MovePlace(*place)) == pytest.approx(distance)
+    assert beside(ORIGIN, Place(2.0, 0.0), Place(*place)) == pytest.approx(distance)
 
 
 def test_a_place_that_is_none_is_beside_every_way() -> None:
-    assert not beside(ORIGIN, MovePlace(2.0, 0.0), MovePlace(math.nan, 0.0)) <= 1e9
-    assert beside(ORIGIN, ORIGIN, MovePlace(3.0, 4.0)) == 5.0
+    assert not beside(ORIGIN, Place(2.0, 0.0), Place(math.nan, 0.0)) <= 1e9
+    assert beside(ORIGIN, ORIGIN, Place(3.0, 4.0)) == 5.0
 
 
 @pytest.mark.parametrize(
@@ -105,8 +67,8 @@ def heard(*values: tuple[float, float]) -> list[Any]:
     ],
 )
 def test_jumps_in_feedback_are_found(values: list[tuple[float, float]], fact: str) -> None:
-    assert jump(heard(*values)).startswith(fact)
-    assert bool(jump(heard(*values))) == bool(fact)
+    assert find_jump(heard(*values)).startswith(fact)
+    assert bool(find_jump(heard(*values))) == bool(fact)
 
 
 SOURCE = "\n".join(f"line_{number}()" for number in range(1, 20))
